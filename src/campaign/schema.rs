@@ -1,0 +1,249 @@
+//! What a campaign says, checked: plain data, angles in degrees as the user wrote them, no physics types.
+//!
+//! `campaign::read` is the only place that makes a `Campaign`; whoever holds one may rely on every range below.
+
+use serde::Serialize;
+
+/// A whole campaign file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Campaign {
+    /// Names the output folder and files: letters, digits, `_`, `-`, `.`; at most 100 characters.
+    pub name: String,
+    /// Everything random follows from it.
+    pub seed: u64,
+    /// The sample.
+    pub surface: Surface,
+    /// The light arm.
+    pub light: Light,
+    /// The sensor arm.
+    pub sensor: Sensor,
+    /// What a facet reflects.
+    pub optics: Optics,
+    /// How paths are followed.
+    pub trace: Trace,
+    /// When the measurement ends.
+    pub stop: Stop,
+    /// What `validate` holds the table to, where the defaults do not fit.
+    pub expect: Expect,
+}
+
+/// The sample on the stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Surface {
+    /// Independent patches, 1 to 4096.
+    pub realisations: u32,
+    /// Cells per side of a patch, 8 to 16384.
+    pub cells: u32,
+    /// Correlation length of the heights in cells, 2 to cells/8.
+    pub correlation_cells: f64,
+    /// The sample turned counter-clockwise seen from +z, in [0, 360).
+    pub rotation_deg: f64,
+    /// Mirrored arms as extra samples inside a realisation.
+    pub mirror_images: bool,
+    /// What the surface is.
+    pub kind: SurfaceKind,
+}
+
+/// The kinds of surface.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SurfaceKind {
+    /// Random heights with the GGX slope law; one table for each roughness.
+    Ggx(Vec<Alpha>),
+    /// Random Gaussian heights: the Beckmann slope law; one table for each roughness.
+    Beckmann(Vec<Alpha>),
+    /// A flat mirror.
+    Mirror,
+    /// Symmetric grooves along y with level ridges.
+    VGroove {
+        /// Slope of both sides, 1e-4 to 10.
+        slope: f64,
+    },
+    /// A measured height map.
+    File(HeightMap),
+}
+
+/// Slope scales of a surface along its own x and y, each in [1e-4, 10].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Alpha {
+    /// Along x.
+    pub x: f64,
+    /// Along y.
+    pub y: f64,
+}
+
+/// A measured height map: `[surface.file]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HeightMap {
+    /// The file as the campaign names it.
+    pub path: String,
+    /// The file as it is opened: `path` relative to the campaign file's folder.
+    #[serde(skip)]
+    pub resolved_path: std::path::PathBuf,
+    /// Distance of neighbouring columns, um. `None`: the file's own `pitch_x`.
+    pub pitch_x_um: Option<f64>,
+    /// Distance of neighbouring rows, um. `None`: the file's own `pitch_y`.
+    pub pitch_y_um: Option<f64>,
+    /// Height in um of one unit of the file. `None`: heights and the file's own pitches share one unit.
+    pub height_unit_um: Option<f64>,
+    /// Whether the map continues itself.
+    pub periodic: bool,
+    /// Whether the mean plane is taken off.
+    pub detrend: Detrend,
+    /// tiles x tiles start regions are the groups for the error bars, 1 to 64.
+    pub tiles: u32,
+}
+
+/// What is taken off a measured height map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Detrend {
+    /// The least-squares plane.
+    Plane,
+    /// Nothing but the mean.
+    None,
+}
+
+/// The light arm.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Light {
+    /// Polar angles of the stops, each in [0, 90), increasing.
+    pub theta_i_deg: Vec<f64>,
+    /// Azimuths of the stops.
+    pub azimuth: Azimuth,
+    /// Whether azimuths of a surface that is not isotropic may be averaged.
+    pub average_azimuth: bool,
+    /// Half-angle of the source cone; the cone stays above the horizon. 0: parallel light.
+    pub aperture_deg: f64,
+}
+
+/// How the light's azimuth is treated.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Azimuth {
+    /// Averaged; the sensor's azimuth counts from the light's: a 3-D table.
+    Relative,
+    /// Stops at these azimuths, each in [0, 360), increasing: a 4-D table.
+    Absolute(Vec<f64>),
+}
+
+/// The sensor arm.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sensor {
+    /// Bins over the whole hemisphere.
+    Hemisphere {
+        /// Rows: the step is 90/rows degrees, 1 to 9000.
+        theta_r_bins: u32,
+        /// Columns: the step is 360/columns degrees, 1 to 36000.
+        phi_r_bins: u32,
+        /// Where the edges are.
+        bins: BinLayout,
+    },
+    /// Single positions with a circular aperture: every pair of the two lists.
+    Arm {
+        /// Polar angles in (-90, 90); negative ones lie on the far side of the azimuth.
+        theta_r_deg: Vec<f64>,
+        /// Azimuths in [0, 360).
+        phi_r_deg: Vec<f64>,
+        /// Half-angle of the aperture, > 0; it stays above the horizon.
+        aperture_deg: f64,
+        /// What the azimuths count from.
+        phi_r_from: PhiFrom,
+    },
+}
+
+/// Where the edges of the hemisphere's bins are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BinLayout {
+    /// Bins centred on the multiples of the step; theta has one row more, its first and last half as wide.
+    Centred,
+    /// Edges on the multiples of the step.
+    Aligned,
+}
+
+/// What a sensor azimuth counts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PhiFrom {
+    /// The light's azimuth.
+    Light,
+    /// The stage's x axis.
+    Sample,
+}
+
+/// What a facet reflects.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Optics {
+    /// F = 1.
+    PerfectMirror,
+    /// Schlick's Fresnel.
+    Schlick {
+        /// The material's name, where one was given.
+        material: Option<String>,
+        /// Reflectance at normal incidence for R, G, B, each in [0, 1].
+        f0: [f64; 3],
+    },
+}
+
+/// How paths are followed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trace {
+    /// Highest order that is followed, 1 to 10,000.
+    pub bounces: u32,
+    /// Whether shadowing and masking happen.
+    pub visibility: bool,
+    /// Mirror symmetry of the surface's law as extra samples.
+    pub fold: bool,
+}
+
+/// When the measurement ends.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stop {
+    /// Start points per stop and realisation, at least 1; rounded up to whole blocks.
+    pub samples: u64,
+}
+
+/// What `validate` holds the table to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Expect {
+    /// The masking that `l1_model` speaks of. `None`: height_correlated.
+    pub masking: Option<ExpectedMasking>,
+    /// Largest allowed `l1_model` of the campaign. `None`: 1.3 times the known discrepancy of the surface.
+    pub l1_model: Option<f64>,
+}
+
+/// The maskings by the names of the summary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ExpectedMasking {
+    /// G1 times G1.
+    Separable,
+    /// 1/(1 + Li + Lo).
+    HeightCorrelated,
+    /// 1/(1 + max + lambda min).
+    DirectionCorrelated,
+}
+
+impl Campaign {
+    /// The roughnesses, one table each; `None` stands for a surface that has no roughness.
+    pub fn alphas(&self) -> Vec<Option<Alpha>> {
+        match &self.surface.kind {
+            SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) => {
+                alphas.iter().copied().map(Some).collect()
+            }
+            _ => vec![None],
+        }
+    }
+
+    /// Whether the law of the surface is the same at every azimuth.
+    pub fn is_isotropic(&self) -> bool {
+        match &self.surface.kind {
+            SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) => alphas.iter().all(|a| a.x == a.y),
+            SurfaceKind::Mirror => true,
+            SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => false,
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The program's errors: what each kind prints, and its exit code.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+/// The result of everything that can fail on account of the user or of the machine.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// One fault of a campaign file.
+///
+/// Prints as `path:line:column: key = value: allowed`; `line` and `column` count from 1 and are left out
+/// where TOML gives none, `value` is left out where there is none (a missing or unknown key).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fault {
+    /// The campaign file.
+    pub path: String,
+    /// Line in the file, from 1.
+    pub line: Option<usize>,
+    /// Column in the line, from 1.
+    pub column: Option<usize>,
+    /// Dotted key, as `surface.ggx.alpha`.
+    pub key: String,
+    /// The value as the user wrote it.
+    pub value: Option<String>,
+    /// What is allowed, and what to do.
+    pub allowed: String,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.path)?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+            if let Some(column) = self.column {
+                write!(f, ":{column}")?;
+            }
+        }
+        write!(f, ": {}", self.key)?;
+        if let Some(value) = &self.value {
+            write!(f, " = {value}")?;
+        }
+        write!(f, ": {}", self.allowed)
+    }
+}
+
+/// Everything that ends a command early.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The command line is wrong.
+    #[error("{0}")]
+    Usage(String),
+    /// The campaign cannot be understood; all its faults.
+    #[error("{}", faults_text(.0))]
+    Campaign(Vec<Fault>),
+    /// A file cannot be read or written.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file's content is wrong.
+    #[error("{}: {what}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// The job is refused: memory, time or size.
+    #[error("{0}")]
+    Refused(String),
+    /// The job ran, and its result breaks a law or an expectation.
+    #[error("{0}")]
+    Disagreement(String),
+    /// A broken invariant of the program itself.
+    #[error("internal error: {0}")]
+    Internal(String),
+}
+
+impl Error {
+    /// The process's exit code for this error.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Error::Disagreement(_) => 1,
+            Error::Usage(_) | Error::Campaign(_) => 2,
+            Error::Io { .. } | Error::Format { .. } => 3,
+            Error::Refused(_) => 4,
+            Error::Internal(_) => 70,
+        }
+    }
+
+    /// An input or output error at `path`.
+    pub fn io(path: &Path, source: std::io::Error) -> Self {
+        Error::Io { path: path.to_path_buf(), source }
+    }
+
+    /// A wrong content of the file at `path`.
+    pub fn format(path: &Path, what: impl Into<String>) -> Self {
+        Error::Format { path: path.to_path_buf(), what: what.into() }
+    }
+}
+
+/// One line per fault; the caller adds `error: ` to the first line only, so the others carry it here.
+fn faults_text(faults: &[Fault]) -> String {
+    let lines: Vec<String> = faults.iter().map(Fault::to_string).collect();
+    lines.join("\nerror: ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_names_file_line_key_value_and_range() {
+        let fault = Fault {
+            path: "gold.toml".into(),
+            line: Some(7),
+            column: Some(1),
+            key: "surface.ggx.alpha".into(),
+            value: Some("0".into()),
+            allowed: "must lie in [1e-4, 10]".into(),
+        };
+        assert_eq!(fault.to_string(), "gold.toml:7:1: surface.ggx.alpha = 0: must lie in [1e-4, 10]");
+    }
+}

@@ -1,0 +1,175 @@
+//! The geometry of a table: which light stops and which sensor bins it has.
+//!
+//! Enters: axes in degrees. Leaves: the stops' directions and each bin as a region of the hemisphere, the same
+//! for the tally (direction -> bin) and for the theory (mean over the bin). Written into tables as JSON.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::sphere;
+
+/// The kinds of sensor geometry that a table may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GridKind {
+    /// Bins between edges of theta_r and phi_r.
+    Hemisphere,
+    /// Circular apertures about single directions.
+    Arm,
+}
+
+/// The axes of a table: row = stop (theta_i major, phi_i minor), column = bin (theta_r major, phi_r minor).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Grid {
+    /// What the columns are.
+    pub kind: GridKind,
+    /// Polar angles of the light stops.
+    pub theta_i_deg: Vec<f64>,
+    /// Azimuths of the light stops; [0] when the azimuth is relative.
+    pub phi_i_deg: Vec<f64>,
+    /// Whether phi_r counts from the light's azimuth.
+    pub phi_r_relative: bool,
+    /// Hemisphere: edges of the rows, increasing, the last 90.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub theta_r_edges_deg: Vec<f64>,
+    /// Hemisphere: edges of the columns, increasing, last - first = 360.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phi_r_edges_deg: Vec<f64>,
+    /// Arm: polar angles, negative ones on the far side.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub theta_r_deg: Vec<f64>,
+    /// Arm: azimuths.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phi_r_deg: Vec<f64>,
+    /// Arm: half-angle of the aperture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub aperture_deg: Option<f64>,
+}
+
+/// One sensor bin as a part of the hemisphere, in the stage's frame, radians.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Region {
+    /// theta in [lower, upper), phi in [lower, upper); phi may start below 0 or end above 2 pi.
+    Rectangle {
+        /// Polar angle, [lower, upper].
+        theta: [f64; 2],
+        /// Azimuth, [lower, upper].
+        phi: [f64; 2],
+    },
+    /// The cone of `half_angle` about `axis`, wholly above the horizon.
+    Cap {
+        /// Unit vector.
+        axis: DVec3,
+        /// Half-angle.
+        half_angle: f64,
+    },
+}
+
+impl Region {
+    /// Integral of cos(theta) over the region, sr.
+    ///
+    /// Rectangle: dphi (sin^2 t2 - sin^2 t1)/2 = dphi sin(t2 + t1) sin(t2 - t1)/2. Cap: pi sin^2(a) axis.z.
+    /// Both forms are free of cancellation. Held by: `projected_solid_angles_sum_to_pi`, `a_cap_is_a_projected_disc`.
+    pub fn projected_solid_angle(&self) -> f64 {
+        match *self {
+            Region::Rectangle { theta: [t1, t2], phi: [p1, p2] } => {
+                0.5 * (p2 - p1) * (t2 + t1).sin() * (t2 - t1).sin()
+            }
+            Region::Cap { axis, half_angle } => std::f64::consts::PI * half_angle.sin().powi(2) * axis.z,
+        }
+    }
+}
+
+impl Grid {
+    /// Number of light stops.
+    pub fn stops(&self) -> usize {
+        self.theta_i_deg.len() * self.phi_i_deg.len()
+    }
+
+    /// Number of sensor bins.
+    pub fn bins(&self) -> usize {
+        let pairs = |a: usize, b: usize| a * b;
+        match self.kind {
+            GridKind::Hemisphere => pairs(self.theta_r_edges_deg.len() - 1, self.phi_r_edges_deg.len() - 1),
+            GridKind::Arm => pairs(self.theta_r_deg.len(), self.phi_r_deg.len()),
+        }
+    }
+
+    /// (theta_i, phi_i) of a stop in degrees.
+    pub fn stop_deg(&self, stop: usize) -> (f64, f64) {
+        let columns = self.phi_i_deg.len();
+        (self.theta_i_deg[stop / columns], self.phi_i_deg[stop % columns])
+    }
+
+    /// Direction to the light at a stop.
+    pub fn wi(&self, stop: usize) -> DVec3 {
+        let (theta_i, phi_i) = self.stop_deg(stop);
+        sphere::direction_deg(theta_i, phi_i)
+    }
+
+    /// The bins as seen at a stop, in the stage's frame.
+    pub fn regions(&self, stop: usize) -> Vec<Region> {
+        let origin_deg = if self.phi_r_relative { self.stop_deg(stop).1 } else { 0.0 };
+        match self.kind {
+            GridKind::Hemisphere => self.rectangles(origin_deg),
+            GridKind::Arm => self.caps(origin_deg),
+        }
+    }
+
+    fn rectangles(&self, origin_deg: f64) -> Vec<Region> {
+        let radians =
+            |pair: &[f64], shift: f64| [(pair[0] + shift).to_radians(), (pair[1] + shift).to_radians()];
+        let columns = |theta: &[f64]| {
+            let theta = radians(theta, 0.0);
+            self.phi_r_edges_deg
+                .windows(2)
+                .map(move |phi| Region::Rectangle { theta, phi: radians(phi, origin_deg) })
+                .collect::<Vec<_>>()
+        };
+        self.theta_r_edges_deg.windows(2).flat_map(columns).collect()
+    }
+
+    fn caps(&self, origin_deg: f64) -> Vec<Region> {
+        let half_angle = self.aperture_deg.unwrap_or(0.0).to_radians();
+        let cap = |theta: f64, phi: f64| Region::Cap {
+            axis: sphere::direction_deg(theta, phi + origin_deg),
+            half_angle,
+        };
+        self.theta_r_deg
+            .iter()
+            .flat_map(|&theta| self.phi_r_deg.iter().map(move |&phi| cap(theta, phi)))
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn projected_solid_angles_sum_to_pi() {
+        let grid = Grid {
+            kind: GridKind::Hemisphere,
+            theta_i_deg: vec![0.0],
+            phi_i_deg: vec![0.0],
+            phi_r_relative: true,
+            theta_r_edges_deg: vec![0.0, 2.5, 10.0, 60.0, 89.999, 90.0],
+            phi_r_edges_deg: vec![-5.0, 5.0, 100.0, 355.0],
+            theta_r_deg: vec![],
+            phi_r_deg: vec![],
+            aperture_deg: None,
+        };
+        let sum: f64 = grid.regions(0).iter().map(Region::projected_solid_angle).sum();
+        // 15 terms of size below pi, each right to a few ulp.
+        assert!((sum - PI).abs() < 15.0 * 4.0 * f64::EPSILON, "{sum}");
+    }
+
+    #[test]
+    fn a_cap_is_a_projected_disc() {
+        let cap = Region::Cap { axis: DVec3::Z, half_angle: 0.3 };
+        let ring = Region::Rectangle { theta: [0.0, 0.3], phi: [0.0, 2.0 * PI] };
+        let (a, b) = (cap.projected_solid_angle(), ring.projected_solid_angle());
+        assert!((a - b).abs() < 8.0 * f64::EPSILON, "{a} {b}");
+    }
+}

@@ -1,0 +1,25 @@
+//! gonio: a virtual gonioreflectometer.
+//!
+//! A lamp arm and a sensor arm sweep over an explicit random microsurface, light is traced over its facets, and
+//! the flux into each sensor bin becomes a BRDF table with error bars.
+//!
+//! ```text
+//! campaign -> surface -> instrument -> trace -> measure -> table -> validate -> cli
+//!  (TOML)    (heights)   (arms, bins)  (walk)   (tallies)  (EXR)   (against theory)
+//! ```
+//!
+//! Frame: macro-normal +z, x the tangent (the axis of `alpha_x`), right-handed. All directions are unit vectors
+//! that point away from the surface: `wi` to the light, `wo` to the sensor (the arm whose angles are `theta_r`,
+//! `phi_r`). Angles are radians unless a name ends in `_deg`. BRDF values are 1/sr without cosine.
+//!
+//! The measuring side (`surface`, `instrument`, `optics`, `trace`, `measure`, `table`) never imports `theory`;
+//! the two meet in `validate`. A test keeps it so.
+
+pub mod error;
+pub mod rng;
+pub mod sphere;
+
+pub mod campaign;
+pub mod instrument;
+pub mod surface;
+pub mod table;
