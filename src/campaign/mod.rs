@@ -1,5 +1,136 @@
 //! 1. The campaign: TOML in, a checked `Campaign` or the list of *all* faults out.
 
-pub mod schema;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
 
+use toml::de::DeTable;
+
+use crate::error::{Error, Fault, Result};
+
+mod angles;
+mod arms;
+mod check;
+pub mod materials;
+mod reader;
+mod report;
+mod resolved;
+pub mod schema;
+mod surface;
+mod warnings;
+
+pub use resolved::to_toml;
 pub use schema::*;
+
+use reader::Table;
+use report::Report;
+
+/// Largest campaign file, bytes: two axes of 100,000 angles with room to spare.
+const LARGEST_FILE: u64 = 16 << 20;
+
+/// A campaign file that can be run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parsed {
+    /// What the file says, checked and with its defaults.
+    pub campaign: Campaign,
+    /// Warnings for stderr, one line each, in the shape of a fault: the file can be run, but the user should know.
+    pub notes: Vec<String>,
+}
+
+/// Reads the campaign file at `path`; height maps it names are looked for beside it.
+///
+/// A file that cannot be read is [`Error::Io`]; one that cannot be understood is [`Error::Campaign`] with all its
+/// faults.
+pub fn read(path: &Path) -> Result<Parsed> {
+    let file = File::open(path).map_err(|e| Error::io(path, e))?;
+    let mut bytes = Vec::new();
+    // One byte more than allowed is enough to know.
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse(&bytes, &path.display().to_string(), folder)
+}
+
+/// Reads a campaign from its text, as UTF-8 with or without a byte order mark.
+///
+/// - `name_for_messages`: the file in faults and notes.
+/// - `folder`: where the height maps it names are looked for.
+///
+/// Every fault of the text is in the [`Error::Campaign`], in the order of the text; those of keys in tables that
+/// are not there come last, without a line. Nothing is opened.
+pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> Result<Parsed> {
+    let bytes = text.as_ref();
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(whole_file_fault(
+            name_for_messages,
+            None,
+            "larger than 16 MiB; this is no campaign".into(),
+        ));
+    }
+    // Without the mark, so that the first line's columns count from the first key.
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = std::str::from_utf8(bytes).map_err(|e| not_utf8(name_for_messages, bytes, e.valid_up_to()))?;
+    let report = Report::new(name_for_messages, text);
+    let campaign = match DeTable::parse(text) {
+        Ok(root) => check::campaign(Table::root(&report, root.get_ref()), folder),
+        Err(error) => {
+            syntax_fault(&report, text, &error);
+            None
+        }
+    };
+    if let Some(campaign) = &campaign {
+        warnings::note(&report, campaign);
+    }
+    let (faults, notes) = report.into_parts();
+    match campaign {
+        Some(campaign) if faults.is_empty() => Ok(Parsed { campaign, notes }),
+        None if faults.is_empty() => Err(Error::Internal("a campaign was refused without a fault".into())),
+        _ => Err(Error::Campaign(faults)),
+    }
+}
+
+/// A fault of the text before it is TOML, at the key that its line seems to set.
+fn syntax_fault(report: &Report<'_>, text: &str, error: &toml::de::Error) {
+    let said = report::one_line(error.message());
+    let advice = if said.starts_with("duplicate") {
+        "each key and each table once"
+    } else {
+        "numbers are written 0.5 or 1e-3, strings \"in quotes\", lists [1, 2]"
+    };
+    let at = error.span().map(|span| span.start.min(text.len()));
+    let (key, value) = at.and_then(|at| assignment_at(text, at)).unzip();
+    let key = key.unwrap_or_else(|| "TOML".into());
+    report.fault(&key, at, value, format!("{said}; {advice}"));
+}
+
+/// Key and value of the line of byte `at`, where it looks like `key = value`. A guess for messages only: the text
+/// is not TOML.
+fn assignment_at(text: &str, at: usize) -> Option<(String, String)> {
+    let mut heading = "";
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        if start + line.len() > at || start + line.len() == text.len() {
+            let (key, value) = line.split_once('=').map(|(key, value)| (key.trim(), value.trim()))?;
+            let separator = if heading.is_empty() { "" } else { "." };
+            let named = is_bare_key(key).then(|| format!("{heading}{separator}{key}"))?;
+            return Some((named, report::one_line(value)));
+        }
+        let inner = line.trim().strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
+        heading = inner.filter(|inner| is_bare_key(inner)).unwrap_or(heading);
+        start += line.len();
+    }
+    None
+}
+
+fn is_bare_key(text: &str) -> bool {
+    !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.'))
+}
+
+fn not_utf8(name: &str, bytes: &[u8], offset: usize) -> Error {
+    let line = bytes[..offset].iter().filter(|b| **b == b'\n').count() + 1;
+    whole_file_fault(name, Some(line), format!("byte {offset} is not UTF-8; save the file as UTF-8 text"))
+}
+
+fn whole_file_fault(name: &str, line: Option<usize>, allowed: String) -> Error {
+    let path = name.to_string();
+    Error::Campaign(vec![Fault { path, line, column: None, key: "file".into(), value: None, allowed }])
+}

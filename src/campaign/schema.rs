@@ -30,15 +30,16 @@ pub struct Campaign {
 /// The sample on the stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Surface {
-    /// Independent patches, 1 to 4096.
+    /// Independent patches, 1 to 4096. A height map has one patch, and its tiles x tiles groups are counted here.
     pub realisations: u32,
-    /// Cells per side of a patch, 8 to 16384.
+    /// Cells per side of a patch, 8 to 16384. Means something for a random surface only.
     pub cells: u32,
-    /// Correlation length of the heights in cells, 2 to cells/8.
+    /// Correlation length of the heights in cells, 2 to cells/8 (cells/8 itself below 16 cells). Means something
+    /// for a random surface only.
     pub correlation_cells: f64,
     /// The sample turned counter-clockwise seen from +z, in [0, 360).
     pub rotation_deg: f64,
-    /// Mirrored arms as extra samples inside a realisation.
+    /// Mirrored arms as extra samples inside a realisation; false where the surface is not random.
     pub mirror_images: bool,
     /// What the surface is.
     pub kind: SurfaceKind,
@@ -238,9 +239,25 @@ impl Campaign {
         }
     }
 
+    /// The same campaign for one of its roughnesses: what a table of several stores.
+    pub fn with_alpha(&self, alpha: Alpha) -> Campaign {
+        let mut one = self.clone();
+        if let SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) = &mut one.surface.kind {
+            *alphas = vec![alpha];
+        }
+        one
+    }
+
     /// Whether the law of the surface is the same at every azimuth.
     pub fn is_isotropic(&self) -> bool {
-        match &self.surface.kind {
+        self.surface.kind.is_isotropic()
+    }
+}
+
+impl SurfaceKind {
+    /// Whether the law of the surface is the same at every azimuth.
+    pub fn is_isotropic(&self) -> bool {
+        match self {
             SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) => alphas.iter().all(|a| a.x == a.y),
             SurfaceKind::Mirror => true,
             SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => false,

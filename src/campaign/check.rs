@@ -1,0 +1,153 @@
+//! The whole file, and its small tables: `name`, `seed`, `[optics]`, `[trace]`, `[stop]`, `[expect]`.
+
+use std::path::Path;
+
+use super::materials::{MATERIALS, f0_of};
+use super::reader::{Bounds, Item, Slot, Table};
+use super::report::nearest;
+use super::schema::{Campaign, Expect, ExpectedMasking, Optics, Stop, Trace};
+use super::{arms, surface};
+
+/// Words for [`ExpectedMasking`].
+pub(super) const MASKINGS: [(&str, ExpectedMasking); 3] = [
+    ("separable", ExpectedMasking::Separable),
+    ("height_correlated", ExpectedMasking::HeightCorrelated),
+    ("direction_correlated", ExpectedMasking::DirectionCorrelated),
+];
+
+/// Longest name: with its endings it stays within what file systems take.
+const LONGEST_NAME: usize = 100;
+
+const REFLECTANCE: Bounds = Bounds::closed(0.0, 1.0);
+
+/// Reads a whole file; height maps are looked for in `folder`.
+pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
+    let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect] = root
+        .keys(["name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect"]);
+    let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
+    let seed = seed.or(1, |i| i.whole(0..=u64::MAX));
+    let surface = surface::surface(&surface, folder);
+    let isotropic = surface.as_ref().map(|s| s.kind.is_isotropic());
+    let (light, sensor) = match preset.given() {
+        // A preset replaces both arms: without it their keys would be reported as missing.
+        Some(preset) => (preset.refuse("not yet: give [light] and [sensor] themselves"), None),
+        None => {
+            let light = arms::light(&light, isotropic);
+            let sensor = arms::sensor(&sensor, light.as_ref());
+            (light, sensor)
+        }
+    };
+    let optics = optics.or(Optics::PerfectMirror, |i| fresnel(i.table()?));
+    let (trace, stop, expect) = (self::trace(&trace), self::stop(&stop), self::expect(&expect));
+    Some(Campaign {
+        name: name?.to_string(),
+        seed: seed?,
+        surface: surface?,
+        light: light?,
+        sensor: sensor?,
+        optics: optics?,
+        trace: trace?,
+        stop: stop?,
+        expect: expect?,
+    })
+}
+
+fn valid_name<'a>(item: &Item<'a>) -> Option<&'a str> {
+    let name = item.text()?;
+    let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+    let fits = !name.is_empty() && name.len() <= LONGEST_NAME;
+    if fits && name.chars().all(known) && !name.starts_with(['.', '-']) {
+        return Some(name);
+    }
+    item.refuse(format!(
+        "must be 1 to {LONGEST_NAME} letters (a-z), digits, _ - or . and start with none of . -; it names files"
+    ))
+}
+
+fn fresnel(table: Table<'_>) -> Option<Optics> {
+    let [material, f0, eta, k, wavelength, fresnel, polarisation] =
+        table.keys(["material", "f0", "eta", "k", "wavelength_nm", "fresnel", "polarisation"]);
+    let named = material.or(None, |i| known_material(i).map(Some));
+    let colour = f0.or(None, |i| reflectances(i).map(Some));
+    let index = [&eta, &k, &wavelength]
+        .map(|slot| slot.absent("not yet: this version knows Schlick's Fresnel; give material or f0"));
+    let later = [
+        fresnel.or((), |i| only(i, "schlick", &["exact"])),
+        polarisation.or((), |i| only(i, "none", &["s", "p"])),
+    ];
+    let clean = index.iter().chain(&later).all(Option::is_some);
+    match (named?, colour?) {
+        (Some(_), Some(_)) => f0.refuse("ambiguous: give material or f0, never both"),
+        (Some((name, f0)), None) if clean => Some(Optics::Schlick { material: Some(name.to_string()), f0 }),
+        (None, Some(f0)) if clean => Some(Optics::Schlick { material: None, f0 }),
+        (None, None) if index.iter().all(Option::is_some) => {
+            material.refuse("required: material or f0; leave out [optics] altogether for F = 1")
+        }
+        _ => None,
+    }
+}
+
+fn known_material<'a>(item: &Item<'a>) -> Option<(&'a str, [f64; 3])> {
+    let name = item.text()?;
+    if let Some(f0) = f0_of(name) {
+        return Some((name, f0));
+    }
+    let names = MATERIALS.map(|(name, _)| name);
+    let guess = nearest(name, &names).map(|n| format!(" did you mean `{n}`?")).unwrap_or_default();
+    item.refuse(format!("unknown material;{guess} known: {}", names.join(", ")))
+}
+
+/// One reflectance for all colours, or three.
+fn reflectances(item: &Item<'_>) -> Option<[f64; 3]> {
+    match item.list_length() {
+        None => item.float(&REFLECTANCE).map(|gray| [gray; 3]),
+        Some(3) => {
+            let elements = item.list()?;
+            let read: Vec<Option<f64>> = elements.iter().map(|e| e.float(&REFLECTANCE)).collect();
+            let read: Vec<f64> = read.into_iter().collect::<Option<_>>()?;
+            read.try_into().ok()
+        }
+        Some(n) => item.refuse(format!("has {n} entries; give [r, g, b] or one number")),
+    }
+}
+
+/// The one word that is known now; `later` are refused as such.
+fn only(item: &Item<'_>, now: &str, later: &[&str]) -> Option<()> {
+    match item.text()? {
+        word if word == now => Some(()),
+        word if later.contains(&word) => item.refuse(format!("not yet: this version knows \"{now}\"")),
+        _ => item.refuse(format!("must be \"{now}\"")),
+    }
+}
+
+fn trace(slot: &Slot<'_>) -> Option<Trace> {
+    let [bounces, visibility, fold] = slot.table()?.keys(["bounces", "visibility", "fold"]);
+    let orders = bounces.or(1, |i| i.count(1..=10_000));
+    let visible = visibility.or(true, |i| i.boolean());
+    let fold = fold.or(true, |i| i.boolean());
+    let (bounces, visible) = (orders?, visible?);
+    if !visible && bounces > 1 {
+        return visibility.refuse(format!(
+            "must be true with bounces = {bounces}: light that passes through facets has no second bounce"
+        ));
+    }
+    Some(Trace { bounces, visibility: visible, fold: fold? })
+}
+
+fn stop(slot: &Slot<'_>) -> Option<Stop> {
+    let [samples, relative_error, seconds] = slot.table()?.keys(["samples", "relative_error", "seconds"]);
+    let samples = samples
+        .required("start points per stop and realisation, such as 1_000_000")
+        .and_then(|i| i.whole(1..=1 << 40));
+    let later = [&relative_error, &seconds]
+        .map(|slot| slot.absent("not yet: the run ends by samples alone; leave it out"));
+    later.into_iter().collect::<Option<Vec<()>>>()?;
+    Some(Stop { samples: samples? })
+}
+
+fn expect(slot: &Slot<'_>) -> Option<Expect> {
+    let [masking, l1_model] = slot.table()?.keys(["masking", "l1_model"]);
+    let masking = masking.or(None, |i| i.choice(&MASKINGS).map(Some));
+    let l1_model = l1_model.or(None, |i| i.float(&Bounds::closed(0.0, 10.0).low_open()).map(Some));
+    Some(Expect { masking: masking?, l1_model: l1_model? })
+}

@@ -1,0 +1,170 @@
+//! A campaign back into the TOML it could have been read from, with nothing left to defaults.
+
+use std::fmt::{Debug, Display};
+
+use super::schema::{
+    Alpha, Azimuth, Campaign, Expect, HeightMap, Light, Optics, Sensor, Surface, SurfaceKind,
+};
+use super::{arms, check, surface};
+
+/// The campaign as resolved, in the schema that [`parse`](super::parse) reads: parsing it gives the campaign again.
+///
+/// Stored in every table. Keys that would have no effect are left out. Seeds above 2^63 - 1 are written as plain
+/// integers, which this reader takes and other TOML readers may not. A random surface has either roughnesses that
+/// are equal along x and y, or a single one that is not.
+pub fn to_toml(campaign: &Campaign) -> String {
+    let mut text = Text(String::new());
+    text.line("name", quoted(&campaign.name));
+    text.line("seed", campaign.seed);
+    surface_table(&mut text, &campaign.surface);
+    light_table(&mut text, &campaign.light);
+    sensor_table(&mut text, &campaign.sensor);
+    optics_table(&mut text, &campaign.optics);
+    text.table("trace");
+    text.line("bounces", campaign.trace.bounces);
+    text.line("visibility", campaign.trace.visibility);
+    text.line("fold", campaign.trace.fold);
+    text.table("stop");
+    text.line("samples", campaign.stop.samples);
+    expect_table(&mut text, &campaign.expect);
+    text.0
+}
+
+/// TOML in the making.
+struct Text(String);
+
+impl Text {
+    fn table(&mut self, name: &str) {
+        self.0.push_str(&format!("\n[{name}]\n"));
+    }
+
+    fn line(&mut self, key: &str, value: impl Display) {
+        self.0.push_str(&format!("{key} = {value}\n"));
+    }
+
+    /// A float, or a list of floats, in the shortest digits that read back the same.
+    fn floats(&mut self, key: &str, value: impl Debug) {
+        self.line(key, format!("{value:?}"));
+    }
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}
+
+/// The word for `value`, quoted.
+fn word<T: PartialEq>(words: &[(&'static str, T)], value: &T) -> String {
+    words.iter().find(|(_, known)| known == value).map(|(name, _)| quoted(name)).unwrap_or_default()
+}
+
+fn surface_table(text: &mut Text, surface: &Surface) {
+    text.table("surface");
+    let random = matches!(surface.kind, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_));
+    if !matches!(surface.kind, SurfaceKind::File(_)) {
+        text.line("realisations", surface.realisations);
+    }
+    if random {
+        text.line("cells", surface.cells);
+        text.floats("correlation_cells", surface.correlation_cells);
+    }
+    text.floats("rotation_deg", surface.rotation_deg);
+    if random {
+        text.line("mirror_images", surface.mirror_images);
+    }
+    match &surface.kind {
+        SurfaceKind::Ggx(alphas) => alpha_table(text, "surface.ggx", alphas),
+        SurfaceKind::Beckmann(alphas) => alpha_table(text, "surface.beckmann", alphas),
+        SurfaceKind::Mirror => text.table("surface.mirror"),
+        SurfaceKind::VGroove { slope } => {
+            text.table("surface.v_groove");
+            text.floats("slope", slope);
+        }
+        SurfaceKind::File(map) => file_table(text, map),
+    }
+}
+
+fn alpha_table(text: &mut Text, name: &str, alphas: &[Alpha]) {
+    text.table(name);
+    match alphas {
+        [alpha] if alpha.x == alpha.y => text.floats("alpha", alpha.x),
+        [alpha] => {
+            text.floats("alpha_x", alpha.x);
+            text.floats("alpha_y", alpha.y);
+        }
+        several => text.floats("alpha", several.iter().map(|alpha| alpha.x).collect::<Vec<_>>()),
+    }
+}
+
+fn file_table(text: &mut Text, map: &HeightMap) {
+    text.table("surface.file");
+    text.line("path", quoted(&map.path));
+    let lengths = [
+        ("pitch_x_um", map.pitch_x_um),
+        ("pitch_y_um", map.pitch_y_um),
+        ("height_unit_um", map.height_unit_um),
+    ];
+    for (key, length) in lengths {
+        if let Some(length) = length {
+            text.floats(key, length);
+        }
+    }
+    text.line("periodic", map.periodic);
+    text.line("detrend", word(&surface::DETREND, &map.detrend));
+    text.line("tiles", map.tiles);
+}
+
+fn light_table(text: &mut Text, light: &Light) {
+    text.table("light");
+    text.floats("theta_i_deg", &light.theta_i_deg);
+    match &light.azimuth {
+        Azimuth::Relative => text.line("azimuth", quoted("relative")),
+        Azimuth::Absolute(phis) => {
+            text.line("azimuth", quoted("absolute"));
+            text.floats("phi_i_deg", phis);
+        }
+    }
+    text.line("average_azimuth", light.average_azimuth);
+    text.floats("aperture_deg", light.aperture_deg);
+}
+
+fn sensor_table(text: &mut Text, sensor: &Sensor) {
+    match sensor {
+        Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
+            text.table("sensor.hemisphere");
+            text.line("theta_r_bins", theta_r_bins);
+            text.line("phi_r_bins", phi_r_bins);
+            text.line("bins", word(&arms::LAYOUTS, bins));
+        }
+        Sensor::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from } => {
+            text.table("sensor.arm");
+            text.floats("theta_r_deg", theta_r_deg);
+            text.floats("phi_r_deg", phi_r_deg);
+            text.floats("aperture_deg", aperture_deg);
+            text.line("phi_r_from", word(&arms::PHI_FROM, phi_r_from));
+        }
+    }
+}
+
+fn optics_table(text: &mut Text, optics: &Optics) {
+    let Optics::Schlick { material, f0 } = optics else { return };
+    text.table("optics");
+    match material {
+        Some(name) => text.line("material", quoted(name)),
+        None => text.floats("f0", f0),
+    }
+    text.line("fresnel", quoted("schlick"));
+    text.line("polarisation", quoted("none"));
+}
+
+fn expect_table(text: &mut Text, expect: &Expect) {
+    if *expect == (Expect { masking: None, l1_model: None }) {
+        return;
+    }
+    text.table("expect");
+    if let Some(masking) = &expect.masking {
+        text.line("masking", word(&check::MASKINGS, masking));
+    }
+    if let Some(l1_model) = expect.l1_model {
+        text.floats("l1_model", l1_model);
+    }
+}

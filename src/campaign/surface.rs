@@ -1,0 +1,266 @@
+//! `[surface]`: the sample and its one kind.
+
+use std::path::{Component, Path, PathBuf};
+
+use super::angles::{AZIMUTH, reduced};
+use super::reader::{Bounds, Item, Slot, Table, plain};
+use super::schema::{Alpha, Detrend, HeightMap, Surface, SurfaceKind};
+
+/// Words for [`Detrend`].
+pub(super) const DETREND: [(&str, Detrend); 2] = [("plane", Detrend::Plane), ("none", Detrend::None)];
+
+/// Cells per side where nothing is given.
+const CELLS: u32 = 1024;
+
+/// Correlation length where nothing is given and the patch is large enough, in cells.
+const CORRELATION_CELLS: f64 = 8.0;
+
+/// Slope scales and slopes: below, single precision no longer resolves the lobe; above, nothing was tested.
+const ALPHA: Bounds = Bounds::closed(1e-4, 10.0).advice("a smooth mirror has no lobe to measure", "");
+
+const SLOPE: Bounds = Bounds::closed(1e-4, 10.0).advice("a flat surface is [surface.mirror]", "");
+
+/// Pitches and units of height maps, um.
+const LENGTH_UM: Bounds = Bounds::closed(1e-9, 1e9);
+
+const KINDS: &str =
+    "[surface.ggx], [surface.beckmann], [surface.mirror], [surface.v_groove] or [surface.file]";
+
+/// Keys of `[surface]` that describe a patch, beside its kind.
+struct PatchKeys<'a> {
+    realisations: Slot<'a>,
+    cells: Slot<'a>,
+    correlation_cells: Slot<'a>,
+    mirror_images: Slot<'a>,
+}
+
+/// Reads `[surface]`; height maps are looked for in `folder`.
+pub(super) fn surface(slot: &Slot<'_>, folder: &Path) -> Option<Surface> {
+    let [realisations, cells, correlation_cells, rotation, mirror_images, kinds @ ..] = slot.table()?.keys([
+        "realisations",
+        "cells",
+        "correlation_cells",
+        "rotation_deg",
+        "mirror_images",
+        "ggx",
+        "beckmann",
+        "mirror",
+        "v_groove",
+        "file",
+        "smith",
+        "artist",
+        "student_t",
+        "blinn_phong",
+    ]);
+    let given: Vec<&Item<'_>> = kinds.iter().filter_map(Slot::given).collect();
+    let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder)).collect();
+    let rotation_deg = rotation.or(0.0, rotation_deg);
+    let keys = PatchKeys { realisations, cells, correlation_cells, mirror_images };
+    let kind = match given[..] {
+        [] => slot.refuse(format!("exactly one kind is required: {KINDS}")),
+        [_] => read.pop().flatten(),
+        [first, second, ..] => second.refuse(format!(
+            "exactly one kind is allowed, and [surface.{}] is there as well: keep one of {KINDS}",
+            first.name()
+        )),
+    };
+    match given[..] {
+        [one] if matches!(one.name(), "mirror" | "v_groove" | "file") => {
+            made_or_measured(&keys, one.name() == "file", kind, rotation_deg)
+        }
+        _ => synthesised(&keys, kind, rotation_deg),
+    }
+}
+
+fn rotation_deg(item: &Item<'_>) -> Option<f64> {
+    let given = item.float(&AZIMUTH)?;
+    let rotation = reduced(given);
+    if rotation != given {
+        item.note(format!("reduced to {}: rotations lie in [0, 360)", plain(rotation)));
+    }
+    Some(rotation)
+}
+
+/// The keys of a random patch.
+fn synthesised(
+    keys: &PatchKeys<'_>,
+    kind: Option<SurfaceKind>,
+    rotation_deg: Option<f64>,
+) -> Option<Surface> {
+    let realisations = keys.realisations.or(16, |i| i.count(1..=4096));
+    let cells = keys.cells.or(CELLS, |i| i.count(8..=16384));
+    // With faulty cells the longest correlation of all applies: no fault follows from another one.
+    let correlation_cells = correlation(&keys.correlation_cells, cells.unwrap_or(16384));
+    let mirror_images = keys.mirror_images.or(true, |i| i.boolean());
+    Some(Surface {
+        realisations: realisations?,
+        cells: cells?,
+        correlation_cells: correlation_cells?,
+        rotation_deg: rotation_deg?,
+        mirror_images: mirror_images?,
+        kind: kind?,
+    })
+}
+
+/// Correlation length in cells: long enough to be resolved, short enough for many bumps on a patch.
+/// A patch of fewer than 16 cells takes an eighth of its side, whatever that is.
+fn correlation(slot: &Slot<'_>, cells: u32) -> Option<f64> {
+    let longest = f64::from(cells) / 8.0;
+    let bounds = Bounds::closed(longest.min(2.0), longest).advice(
+        "a shorter correlation is not resolved by the cells",
+        "a longer correlation leaves too few bumps on the patch",
+    );
+    slot.or(longest.min(CORRELATION_CELLS), |i| i.float(&bounds))
+}
+
+/// A surface without random heights: the keys of a random patch have no meaning there.
+fn made_or_measured(
+    keys: &PatchKeys<'_>,
+    measured: bool,
+    kind: Option<SurfaceKind>,
+    rotation_deg: Option<f64>,
+) -> Option<Surface> {
+    let why = "belongs to a synthesised surface; leave it out here";
+    let absent = [&keys.cells, &keys.correlation_cells, &keys.mirror_images].map(|slot| slot.absent(why));
+    let given = if measured {
+        let why = "belongs to a synthesised surface; the groups of a height map are its tiles";
+        keys.realisations.absent(why).map(|()| 1)
+    } else {
+        keys.realisations.or(1, |i| i.count(1..=4096))
+    };
+    absent.into_iter().collect::<Option<Vec<()>>>()?;
+    let (given, kind) = (given?, kind?);
+    let realisations = match &kind {
+        SurfaceKind::File(map) => map.tiles * map.tiles,
+        _ => given,
+    };
+    Some(Surface {
+        realisations,
+        cells: CELLS,
+        correlation_cells: CORRELATION_CELLS,
+        rotation_deg: rotation_deg?,
+        mirror_images: false,
+        kind,
+    })
+}
+
+fn kind(item: &Item<'_>, folder: &Path) -> Option<SurfaceKind> {
+    match item.name() {
+        "ggx" => alphas(item.table()?).map(SurfaceKind::Ggx),
+        "beckmann" => alphas(item.table()?).map(SurfaceKind::Beckmann),
+        "mirror" => {
+            let [] = item.table()?.keys([]);
+            Some(SurfaceKind::Mirror)
+        }
+        "v_groove" => {
+            let [slope] = item.table()?.keys(["slope"]);
+            let slope = slope.required("the slope of both sides, such as 0.5")?.float(&SLOPE)?;
+            Some(SurfaceKind::VGroove { slope })
+        }
+        "file" => height_map(item.table()?, folder).map(SurfaceKind::File),
+        other => item.refuse(format!("not yet: {other} is not measured by this version; use {KINDS}")),
+    }
+}
+
+/// `alpha` (a number or a list), or `alpha_x` and `alpha_y`.
+fn alphas(table: Table<'_>) -> Option<Vec<Alpha>> {
+    let [alpha, alpha_x, alpha_y] = table.keys(["alpha", "alpha_x", "alpha_y"]);
+    let equal = alpha.or(None, |i| isotropic_alphas(i).map(Some));
+    let x = alpha_x.or(None, |i| i.float(&ALPHA).map(Some));
+    let y = alpha_y.or(None, |i| i.float(&ALPHA).map(Some));
+    match [&alpha, &alpha_x, &alpha_y].map(|slot| slot.given().is_some()) {
+        [true, false, false] => equal?,
+        [false, true, true] => Some(vec![Alpha { x: x??, y: y?? }]),
+        [false, true, false] => alpha_y.refuse("required beside alpha_x; or give alpha alone"),
+        [false, false, true] => alpha_x.refuse("required beside alpha_y; or give alpha alone"),
+        [false, false, false] => alpha.refuse("required: alpha, or alpha_x and alpha_y"),
+        [true, ..] => alpha.refuse("ambiguous: give alpha, or alpha_x and alpha_y, never both"),
+    }
+}
+
+fn isotropic_alphas(item: &Item<'_>) -> Option<Vec<Alpha>> {
+    let Some(length) = item.list_length() else {
+        return item.float(&ALPHA).map(|alpha| vec![Alpha { x: alpha, y: alpha }]);
+    };
+    if length == 0 {
+        return item.refuse("must not be empty; one table is made for each roughness");
+    }
+    if length > 1000 {
+        return item.refuse(format!("has {length} entries; at most 1000 are allowed"));
+    }
+    let elements = item.list()?;
+    let values: Vec<Option<f64>> = elements.iter().map(|e| e.float(&ALPHA)).collect();
+    let values: Vec<f64> = values.into_iter().collect::<Option<_>>()?;
+    if let Some(before) = values.windows(2).position(|pair| !matches!(pair, [a, b] if a < b)) {
+        let earlier = plain(values[before]);
+        return elements[before + 1]
+            .refuse(format!("comes after {earlier}; roughnesses must increase, each once"));
+    }
+    Some(values.into_iter().map(|alpha| Alpha { x: alpha, y: alpha }).collect())
+}
+
+fn height_map(table: Table<'_>, folder: &Path) -> Option<HeightMap> {
+    let [path, pitch_x, pitch_y, height_unit, periodic, detrend, tiles] =
+        table.keys(["path", "pitch_x_um", "pitch_y_um", "height_unit_um", "periodic", "detrend", "tiles"]);
+    let path = path.required("the height map, .exr or .npy").and_then(map_path);
+    let lengths = [&pitch_x, &pitch_y, &height_unit];
+    let needed = path.and_then(|path| all_or_none(&lengths, is_npy(path)));
+    let lengths = lengths.map(|slot| slot.or(None, |i| i.float(&LENGTH_UM).map(Some)));
+    let periodic = periodic.or(false, |i| i.boolean());
+    let detrend = detrend.or(Detrend::Plane, |i| i.choice(&DETREND));
+    let tiles = tiles.or(4, |i| i.count(1..=64));
+    let (path, [x, y, unit], ()) = (path?, lengths, needed?);
+    Some(HeightMap {
+        path: path.to_string(),
+        resolved_path: resolved(folder, path),
+        pitch_x_um: x?,
+        pitch_y_um: y?,
+        height_unit_um: unit?,
+        periodic: periodic?,
+        detrend: detrend?,
+        tiles: tiles?,
+    })
+}
+
+/// `path` as seen from where the campaign file lies.
+fn resolved(folder: &Path, path: &str) -> PathBuf {
+    // Without its `.` parts, so that messages name the file as the user would.
+    folder.join(path).components().filter(|part| *part != Component::CurDir).collect()
+}
+
+fn is_npy(path: &str) -> bool {
+    extension(path) == "npy"
+}
+
+fn extension(path: &str) -> String {
+    Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+fn map_path<'a>(item: &Item<'a>) -> Option<&'a str> {
+    let path = item.text()?;
+    if path.is_empty() || path.chars().any(char::is_control) {
+        return item.refuse("must be a file name without control characters");
+    }
+    match extension(path).as_str() {
+        "exr" | "npy" => Some(path),
+        "gsf" | "txt" => item.refuse("not yet: this version reads .exr and .npy height maps"),
+        _ => item.refuse("must end in .exr or .npy"),
+    }
+}
+
+/// Pitches and unit: an EXR may hold its own, and then none of the three is mixed with the file's.
+fn all_or_none(lengths: &[&Slot<'_>; 3], required: bool) -> Option<()> {
+    let given = lengths.iter().filter(|slot| slot.given().is_some()).count();
+    if given == 3 || (given == 0 && !required) {
+        return Some(());
+    }
+    let why = if required {
+        "required: a .npy file holds no pitches"
+    } else {
+        "required: give pitch_x_um, pitch_y_um and height_unit_um, or none of them (the file's own then count)"
+    };
+    for slot in lengths.iter().filter(|slot| slot.given().is_none()) {
+        slot.refuse::<()>(why);
+    }
+    None
+}

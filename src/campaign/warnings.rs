@@ -1,0 +1,40 @@
+//! What a campaign without faults may still regret.
+
+use super::report::Report;
+use super::schema::{Campaign, Sensor, SurfaceKind};
+
+/// Roughness up to which the measurement was compared with theory.
+const TESTED_ALPHA: f64 = 2.0;
+
+/// Notes on a checked campaign.
+pub(super) fn note(report: &Report<'_>, campaign: &Campaign) {
+    let (key, alphas) = match &campaign.surface.kind {
+        SurfaceKind::Ggx(alphas) => ("surface.ggx.alpha", alphas),
+        SurfaceKind::Beckmann(alphas) => ("surface.beckmann.alpha", alphas),
+        _ => return,
+    };
+    let say = |key: &str, value: f64, text: String| report.note(key, None, Some(format!("{value}")), text);
+    let largest = alphas.iter().fold(0.0, |a: f64, alpha| a.max(alpha.x).max(alpha.y));
+    let smallest = alphas.iter().fold(f64::INFINITY, |a, alpha| a.min(alpha.x).min(alpha.y));
+    if largest > TESTED_ALPHA {
+        say(key, largest, format!("above {TESTED_ALPHA}: beyond the tested range"));
+    }
+    let quarter_lobe = (smallest / 4.0).to_degrees();
+    let too_wide = format!("exceeds a quarter of alpha ({quarter_lobe:.3} degrees): the lobe is smeared");
+    if campaign.light.aperture_deg > quarter_lobe {
+        say("light.aperture_deg", campaign.light.aperture_deg, too_wide.clone());
+    }
+    match &campaign.sensor {
+        Sensor::Hemisphere { theta_r_bins, .. } => {
+            let half_bin = (45.0 / f64::from(*theta_r_bins)).to_radians();
+            if smallest < half_bin {
+                let text = format!("the lobe is narrower than a bin (half a bin is {half_bin:.4} radians)");
+                say(key, smallest, text);
+            }
+        }
+        Sensor::Arm { aperture_deg, .. } if *aperture_deg > quarter_lobe => {
+            say("sensor.arm.aperture_deg", *aperture_deg, too_wide);
+        }
+        Sensor::Arm { .. } => {}
+    }
+}
