@@ -1,5 +1,14 @@
 //! 2. The explicit microgeometry: heights, facets, the wanted slope law and what a patch really has.
 
+pub mod certificate;
+mod feedback;
 pub mod heightfield;
+mod remap;
+pub mod slope_law;
+mod spectrum;
+pub mod synthesis;
 
+pub use certificate::Certificate;
 pub use heightfield::Heightfield;
+pub use slope_law::SlopeLaw;
+pub use synthesis::Synthesiser;

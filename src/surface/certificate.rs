@@ -1,0 +1,156 @@
+//! What a patch really has, computed from its facets before any ray: the slope law, the azimuths, and whether
+//! slope and height are independent.
+//!
+//! All statistics are over both facet families. No variance of slopes is used: GGX has none.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+use serde::Serialize;
+
+use super::heightfield::{Corners, Heightfield};
+use super::slope_law::SlopeLaw;
+
+/// Bins of the azimuth histogram.
+pub const AZIMUTH_BINS: usize = 36;
+
+/// The certificate of one patch, in canonical slopes.
+#[derive(Debug, Clone, Serialize)]
+pub struct Certificate {
+    /// Kolmogorov-Smirnov distance of the slope lengths from the wanted law; `null` where no law is wanted.
+    pub ks: Option<f64>,
+    /// Facets per azimuth bin over their mean: 1 is even.
+    pub azimuth_histogram: Vec<f64>,
+    /// Means of cos and sin of 1x and 2x the slope azimuth: 0 is even.
+    pub azimuth_harmonics: [[f64; 2]; 2],
+    /// Rank correlation of slope length and facet height.
+    pub rank_correlation_height: f64,
+    /// Rank correlation of slope length and squared facet height (about the mean).
+    pub rank_correlation_height_squared: f64,
+    /// Skewness of the heights.
+    pub height_skewness: f64,
+    /// Kurtosis of the heights (3: normal).
+    pub height_kurtosis: f64,
+    /// Lowest to highest height, canonical cells.
+    pub height_range: f64,
+    /// Mean slope along x and y: 0 on a periodic patch.
+    pub mean_slope: [f64; 2],
+    /// Median slope length: 1 for GGX, sqrt(ln 2) for Beckmann.
+    pub median_slope: f64,
+}
+
+impl Certificate {
+    /// Examines a patch; `law` is what its slopes should follow, if anything.
+    pub fn of(field: &Heightfield, law: Option<SlopeLaw>) -> Self {
+        let (slopes, heights) = facets(field);
+        let lengths: Vec<f64> = slopes.iter().map(|s| s.length()).collect();
+        let mut sorted = lengths.clone();
+        radsort::sort(&mut sorted);
+        let mean_height = mean(&heights);
+        let squares: Vec<f64> = heights.iter().map(|h| (h - mean_height).powi(2)).collect();
+        let length_ranks = ranks(&lengths);
+        let centre = mean(field.heights());
+        let moment = |k: i32| mean_of(field.heights(), |h| (h - centre).powi(k));
+        let variance = moment(2);
+        let (low, high) = field.range();
+        Certificate {
+            ks: law.map(|law| ks_distance(&sorted, |length| law.length_cdf(length))),
+            azimuth_histogram: azimuth_histogram(&slopes),
+            azimuth_harmonics: azimuth_harmonics(&slopes),
+            rank_correlation_height: correlation(&length_ranks, &ranks(&heights)),
+            rank_correlation_height_squared: correlation(&length_ranks, &ranks(&squares)),
+            height_skewness: ratio(moment(3), variance.powf(1.5)),
+            height_kurtosis: ratio(moment(4), variance * variance),
+            height_range: high - low,
+            mean_slope: mean_of_slopes(&slopes),
+            median_slope: sorted[sorted.len() / 2],
+        }
+    }
+
+    /// Smallest and largest entry of the azimuth histogram.
+    pub fn azimuth_extremes(&self) -> (f64, f64) {
+        self.azimuth_histogram.iter().fold((f64::INFINITY, 0.0f64), |(lo, hi), &v| (lo.min(v), hi.max(v)))
+    }
+}
+
+/// Slopes and mean heights of all facets.
+fn facets(field: &Heightfield) -> (Vec<DVec2>, Vec<f64>) {
+    let cells = (0..field.cells_y()).flat_map(|y| (0..field.cells_x()).map(move |x| (x, y)));
+    let both = |c: Corners| {
+        [(c.lower_slope(), (c.h00 + c.h10 + c.h01) / 3.0), (c.upper_slope(), (c.h11 + c.h10 + c.h01) / 3.0)]
+    };
+    cells.flat_map(|(x, y)| both(field.corners(x, y))).unzip()
+}
+
+fn mean(values: &[f64]) -> f64 {
+    mean_of(values, |v| v)
+}
+
+fn mean_of(values: &[f64], f: impl Fn(f64) -> f64) -> f64 {
+    values.iter().map(|&v| f(v)).sum::<f64>() / values.len() as f64
+}
+
+fn mean_of_slopes(slopes: &[DVec2]) -> [f64; 2] {
+    (slopes.iter().sum::<DVec2>() / slopes.len() as f64).to_array()
+}
+
+/// `a / b`, 0 where a flat patch makes both 0.
+fn ratio(a: f64, b: f64) -> f64 {
+    if b > 0.0 { a / b } else { 0.0 }
+}
+
+/// Largest distance between the empirical law of `sorted` and `cdf`.
+fn ks_distance(sorted: &[f64], cdf: impl Fn(f64) -> f64) -> f64 {
+    let n = sorted.len() as f64;
+    let distance = |(i, &x): (usize, &f64)| {
+        let wanted = cdf(x);
+        (wanted - i as f64 / n).abs().max((wanted - (i as f64 + 1.0) / n).abs())
+    };
+    sorted.iter().enumerate().map(distance).fold(0.0, f64::max)
+}
+
+/// Rank of each value, 0 for the smallest; equal values in order of appearance.
+fn ranks(values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<(f64, u32)> = values.iter().enumerate().map(|(i, &v)| (v, i as u32)).collect();
+    radsort::sort_by_key(&mut order, |&(value, _)| value);
+    let mut ranks = vec![0.0; values.len()];
+    for (rank, (_, index)) in order.iter().enumerate() {
+        ranks[*index as usize] = rank as f64;
+    }
+    ranks
+}
+
+/// Pearson's correlation; of ranks it is Spearman's.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let (mean_a, mean_b) = (mean(a), mean(b));
+    let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
+    for (x, y) in a.iter().zip(b) {
+        let (dx, dy) = (x - mean_a, y - mean_b);
+        aa += dx * dx;
+        bb += dy * dy;
+        ab += dx * dy;
+    }
+    ratio(ab, (aa * bb).sqrt())
+}
+
+fn azimuth_histogram(slopes: &[DVec2]) -> Vec<f64> {
+    let mut counts = [0u64; AZIMUTH_BINS];
+    for slope in slopes {
+        let turn = (slope.y.atan2(slope.x) / TAU).rem_euclid(1.0);
+        counts[((turn * AZIMUTH_BINS as f64) as usize).min(AZIMUTH_BINS - 1)] += 1;
+    }
+    let mean = slopes.len() as f64 / AZIMUTH_BINS as f64;
+    counts.iter().map(|&c| c as f64 / mean).collect()
+}
+
+/// Means of (cos k psi, sin k psi), k = 1, 2, without any trigonometry: powers of the unit slope as a complex number.
+fn azimuth_harmonics(slopes: &[DVec2]) -> [[f64; 2]; 2] {
+    let (mut first, mut second) = (DVec2::ZERO, DVec2::ZERO);
+    for slope in slopes {
+        let unit = slope.normalize_or_zero();
+        first += unit;
+        second += DVec2::new(unit.x * unit.x - unit.y * unit.y, 2.0 * unit.x * unit.y);
+    }
+    let n = slopes.len() as f64;
+    [(first / n).to_array(), (second / n).to_array()]
+}

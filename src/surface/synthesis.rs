@@ -1,0 +1,128 @@
+//! Random canonical patches (alpha = 1, unit cells, periodic) with a wanted slope law.
+//!
+//! Enters: a law, a size, a stream. Leaves: heights, each an f32 value so that a file holds the very patch.
+//!
+//! Beckmann is a Gaussian field whose facet slopes have variance 1/2 per axis in the mean over patches. No
+//! spectrum makes a Gaussian field GGX, so GGX is found by iteration: give every facet a slope of the wanted
+//! length while keeping slope and height independent (what Smith's masking assumes), then find the heights whose
+//! differences fit best. Scaling x, y, z is affine: one patch serves every alpha_x, alpha_y.
+
+use rand_pcg::Pcg64Dxsm;
+
+use super::feedback::Feedback;
+use super::heightfield::Heightfield;
+use super::remap::Remap;
+use super::slope_law::SlopeLaw;
+use super::spectrum::SquareFft;
+use crate::rng;
+
+/// Rounds of slope and height remapping.
+const ROUNDS: usize = 9;
+/// Further rounds of slope remapping alone, in which the slope law settles.
+const POLISH: usize = 7;
+
+/// Makes patches of one law and size; holds the plans and tables that they share.
+pub struct Synthesiser {
+    law: SlopeLaw,
+    cells: usize,
+    correlation: f64,
+    fft: SquareFft,
+    gaussian: GaussianSpectrum,
+    remap: Remap,
+}
+
+impl Synthesiser {
+    /// Plans patches of `cells` x `cells` with heights correlated over about `correlation` cells.
+    pub fn new(law: SlopeLaw, cells: usize, correlation: f64) -> Self {
+        let fft = SquareFft::new(cells);
+        let gaussian = GaussianSpectrum::new(&fft, correlation);
+        Synthesiser { law, cells, correlation, fft, gaussian, remap: Remap::new(law, cells) }
+    }
+
+    /// One patch. All randomness comes from `rng`.
+    pub fn patch(&self, rng: &mut Pcg64Dxsm) -> Heightfield {
+        let mut heights = self.gaussian_heights(rng);
+        if self.law == SlopeLaw::Ggx {
+            let mut feedback = Feedback::default();
+            for round in 0..ROUNDS + POLISH {
+                if (1..=ROUNDS).contains(&round) {
+                    self.remap.heights_half_way(&mut heights);
+                }
+                self.fit_slopes(&mut heights, &mut feedback, round == 0 || round > ROUNDS);
+            }
+        }
+        for height in &mut heights {
+            *height = f64::from(*height as f32);
+        }
+        Heightfield::new(self.cells, self.cells, true, heights)
+    }
+
+    fn gaussian_heights(&self, rng: &mut Pcg64Dxsm) -> Vec<f64> {
+        let mut heights = white_noise(self.cells * self.cells, rng);
+        self.fft.filter(&mut heights, |kx, ky| self.gaussian.amplitude(kx, ky));
+        heights
+    }
+
+    /// Replaces the heights by those whose differences fit the remapped slopes best: the Poisson equation
+    /// (4 - 2 cos kx - 2 cos ky) h = divergence of the slopes, with the longest waves damped so that the patch
+    /// holds many bumps of the correlation length instead of a few large ones.
+    fn fit_slopes(&self, heights: &mut Vec<f64>, feedback: &mut Feedback, learn: bool) {
+        let mut divergence = self.remap.divergence_of_targets(heights, feedback, learn);
+        let correlation = self.correlation;
+        self.fft.filter(&mut divergence, |kx, ky| {
+            let k2 = kx * kx + ky * ky;
+            let laplacian = 4.0 * ((0.5 * kx).sin().powi(2) + (0.5 * ky).sin().powi(2));
+            let scaled = k2 * (correlation / 0.7).powi(2);
+            if k2 == 0.0 { 0.0 } else { -(-scaled * scaled).exp_m1() / laplacian }
+        });
+        *heights = divergence;
+    }
+}
+
+/// Amplitudes of a Gaussian field with covariance exp(-r^2/L^2), scaled to a facet slope variance of 1/2 per axis.
+///
+/// On a grid split along one diagonal the two slopes of a facet share a corner, which correlates them by about
+/// 1/(2 L^2): a preferred azimuth of the facets. The factor 1 - tilt sin(kx) sin(ky) on the power cancels it.
+struct GaussianSpectrum {
+    quarter_l2: f64,
+    tilt: f64,
+    scale: f64,
+}
+
+impl GaussianSpectrum {
+    fn new(fft: &SquareFft, correlation: f64) -> Self {
+        let quarter_l2 = 0.25 * correlation * correlation;
+        let power = |kx: f64, ky: f64| if kx == 0.0 && ky == 0.0 { 0.0 } else { (-quarter_l2 * (kx * kx + ky * ky)).exp() };
+        let versine = |k: f64| 2.0 * (0.5 * k).sin().powi(2);
+        let shared = fft.sum_over_modes(|kx, ky| power(kx, ky) * versine(kx) * versine(ky));
+        let mixed = fft.sum_over_modes(|kx, ky| power(kx, ky) * (kx.sin() * ky.sin()).powi(2));
+        let tilt = shared / mixed;
+        let tilted = |kx: f64, ky: f64| power(kx, ky) * (1.0 - tilt * kx.sin() * ky.sin());
+        // White noise of variance 1 has power 1 in each of the n^2 modes; the mean over them is the variance.
+        let modes = fft.sum_over_modes(|_, _| 1.0);
+        let slope_variance = fft.sum_over_modes(|kx, ky| tilted(kx, ky) * 2.0 * versine(kx)) / modes;
+        GaussianSpectrum { quarter_l2, tilt, scale: (0.5 / slope_variance).sqrt() }
+    }
+
+    fn amplitude(&self, kx: f64, ky: f64) -> f64 {
+        if kx == 0.0 && ky == 0.0 {
+            return 0.0;
+        }
+        let power = (-self.quarter_l2 * (kx * kx + ky * ky)).exp() * (1.0 - self.tilt * kx.sin() * ky.sin());
+        self.scale * power.sqrt()
+    }
+}
+
+/// Independent normal numbers of variance 1 (Box and Muller).
+fn white_noise(count: usize, rng: &mut Pcg64Dxsm) -> Vec<f64> {
+    let mut noise = Vec::with_capacity(count + 1);
+    while noise.len() < count {
+        // 1 - u lies in (0, 1]: the logarithm is finite.
+        let radius = (-2.0 * (1.0 - rng::uniform(rng)).ln()).sqrt();
+        let (sin, cos) = (std::f64::consts::TAU * rng::uniform(rng)).sin_cos();
+        noise.push(radius * cos);
+        noise.push(radius * sin);
+    }
+    noise.truncate(count);
+    noise
+}
