@@ -23,3 +23,4 @@ pub mod campaign;
 pub mod instrument;
 pub mod surface;
 pub mod table;
+pub mod trace;

@@ -1,0 +1,179 @@
+//! The sensor: which bins a direction falls into, by comparison with the stored edges.
+
+use glam::DVec3;
+
+use super::grid::{Grid, GridKind};
+use crate::sphere;
+
+/// Finds bins; made once from a grid, shared by all threads. Directions are in the frame that the grid's phi_r
+/// counts in: the stage's, or the light's when the azimuth is relative.
+#[derive(Debug, Clone)]
+pub enum Sensor {
+    /// Every direction above the horizon falls into exactly one bin.
+    Hemisphere {
+        /// Edges of the rows.
+        theta: Edges,
+        /// Edges of the columns.
+        phi: Edges,
+    },
+    /// A direction may fall into several apertures, or into none.
+    Arm {
+        /// The apertures, by increasing polar angle of the axis.
+        caps: Vec<Cap>,
+        /// Squared chord of the half-angle.
+        chord2: f64,
+        /// Half-angle with a margin for the rounding of angles, rad.
+        reach: f64,
+    },
+}
+
+/// One aperture of an arm.
+#[derive(Debug, Clone, Copy)]
+pub struct Cap {
+    theta: f64,
+    axis: DVec3,
+    bin: usize,
+}
+
+/// Increasing edges of half-open intervals.
+#[derive(Debug, Clone)]
+pub struct Edges {
+    edges: Vec<f64>,
+    per_unit: f64,
+}
+
+impl Edges {
+    fn new(edges: &[f64]) -> Self {
+        let intervals = (edges.len() - 1) as f64;
+        Edges { edges: edges.to_vec(), per_unit: intervals / (edges[edges.len() - 1] - edges[0]) }
+    }
+
+    fn len(&self) -> usize {
+        self.edges.len() - 1
+    }
+
+    /// The interval [lower, upper) that holds `x`, which must not lie below the first edge. At or above the last
+    /// edge it is the last interval: an angle of 90 degrees is the rounding of one just below.
+    fn find(&self, x: f64) -> usize {
+        let guess = ((x - self.edges[0]) * self.per_unit) as usize;
+        let mut k = guess.min(self.len() - 1);
+        while k > 0 && x < self.edges[k] {
+            k -= 1;
+        }
+        while k + 1 < self.len() && x >= self.edges[k + 1] {
+            k += 1;
+        }
+        k
+    }
+}
+
+impl Sensor {
+    /// The sensor of a grid.
+    pub fn new(grid: &Grid) -> Self {
+        match grid.kind {
+            GridKind::Hemisphere => Sensor::Hemisphere {
+                theta: Edges::new(&grid.theta_r_edges_deg),
+                phi: Edges::new(&grid.phi_r_edges_deg),
+            },
+            GridKind::Arm => Self::arm(grid),
+        }
+    }
+
+    fn arm(grid: &Grid) -> Self {
+        let half_angle = grid.aperture_deg.unwrap_or(0.0).to_radians();
+        let positions = grid.theta_r_deg.iter().flat_map(|&t| grid.phi_r_deg.iter().map(move |&p| (t, p)));
+        let mut caps: Vec<Cap> = positions
+            .enumerate()
+            .map(|(bin, (theta, phi))| {
+                Cap { theta: theta.abs().to_radians(), axis: sphere::direction_deg(theta, phi), bin }
+            })
+            .collect();
+        caps.sort_by(|a, b| a.theta.total_cmp(&b.theta));
+        let chord = 2.0 * (0.5 * half_angle).sin();
+        Sensor::Arm { caps, chord2: chord * chord, reach: half_angle + 1e-12 }
+    }
+
+    /// Calls `visit(bin)` for every bin that holds `wo`, a unit vector with wo.z > 0.
+    pub fn each_bin(&self, wo: DVec3, mut visit: impl FnMut(usize)) {
+        match self {
+            Sensor::Hemisphere { theta, phi } => {
+                let row = theta.find(sphere::theta(wo).to_degrees());
+                visit(row * phi.len() + phi.find(reduced(sphere::phi(wo).to_degrees(), phi)));
+            }
+            Sensor::Arm { caps, chord2, reach } => {
+                let polar = sphere::theta(wo);
+                let first = caps.partition_point(|cap| cap.theta < polar - reach);
+                for cap in caps[first..].iter().take_while(|cap| cap.theta <= polar + reach) {
+                    if cap.axis.distance_squared(wo) <= *chord2 {
+                        visit(cap.bin);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// `phi` in [0, 360) moved by a full turn into the range of the edges, where it lies outside.
+fn reduced(phi: f64, edges: &Edges) -> f64 {
+    let (first, last) = (edges.edges[0], edges.edges[edges.len()]);
+    if phi < first {
+        phi + 360.0
+    } else if phi >= last {
+        phi - 360.0
+    } else {
+        phi
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn centred() -> Grid {
+        Grid {
+            kind: GridKind::Hemisphere,
+            theta_i_deg: vec![0.0],
+            phi_i_deg: vec![0.0],
+            phi_r_relative: true,
+            theta_r_edges_deg: vec![0.0, 2.5, 7.5, 85.0, 90.0],
+            phi_r_edges_deg: (0..=36).map(|k| 10.0 * f64::from(k) - 5.0).collect(),
+            theta_r_deg: vec![],
+            phi_r_deg: vec![],
+            aperture_deg: None,
+        }
+    }
+
+    fn bins(sensor: &Sensor, theta_deg: f64, phi_deg: f64) -> Vec<usize> {
+        let mut found = vec![];
+        sensor.each_bin(sphere::direction_deg(theta_deg, phi_deg), |bin| found.push(bin));
+        found
+    }
+
+    #[test]
+    fn every_direction_falls_between_the_edges_of_its_bin() {
+        let sensor = Sensor::new(&centred());
+        assert_eq!(bins(&sensor, 0.0, 0.0), [0]);
+        assert_eq!(bins(&sensor, 5.0, 356.0), [36]);
+        assert_eq!(bins(&sensor, 5.0, 354.0), [36 + 35]);
+        assert_eq!(bins(&sensor, 5.0, 180.0), [36 + 18]);
+        assert_eq!(bins(&sensor, 89.999_999, 4.0), [3 * 36]);
+    }
+
+    #[test]
+    fn apertures_may_overlap_and_may_miss() {
+        let arm = Grid {
+            kind: GridKind::Arm,
+            theta_r_edges_deg: vec![],
+            phi_r_edges_deg: vec![],
+            theta_r_deg: vec![-30.0, 0.0, 30.0, 32.0],
+            phi_r_deg: vec![180.0],
+            aperture_deg: Some(1.5),
+            ..centred()
+        };
+        let sensor = Sensor::new(&arm);
+        assert_eq!(bins(&sensor, 31.0, 180.0), [2, 3]);
+        assert_eq!(bins(&sensor, 30.0, 0.0), [0]);
+        assert_eq!(bins(&sensor, 0.5, 77.0), [1]);
+        assert!(bins(&sensor, 60.0, 180.0).is_empty());
+    }
+}
