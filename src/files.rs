@@ -89,6 +89,32 @@ pub fn create_folder(path: &Path) -> Result<()> {
     File::create(&probe).and_then(|_| fs::remove_file(&probe)).map_err(|e| Error::io(path, e))
 }
 
+/// Removes the temporary files that dead processes left in `folder`, and returns their paths.
+///
+/// Where the system has no `/proc` to tell who lives, nothing is removed.
+pub fn remove_leftovers(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut removed = Vec::new();
+    if !Path::new("/proc/self").exists() {
+        return Ok(removed);
+    }
+    for entry in fs::read_dir(folder).map_err(|e| Error::io(folder, e))? {
+        let path = entry.map_err(|e| Error::io(folder, e))?.path();
+        if path.is_file() && is_leftover(&path) {
+            fs::remove_file(&path).map_err(|e| Error::io(&path, e))?;
+            removed.push(path);
+        }
+    }
+    removed.sort();
+    Ok(removed)
+}
+
+/// Whether the name ends in `.tmp.<pid>` of a process that is no more.
+fn is_leftover(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
+    let pid = name.rsplit_once(".tmp.").and_then(|(_, pid)| pid.parse::<u32>().ok());
+    pid.is_some_and(|pid| !Path::new("/proc").join(pid.to_string()).exists())
+}
+
 /// The content of a regular file; pipes and devices, which might never end, are refused.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     let meta = fs::metadata(path).map_err(|e| Error::io(path, e))?;
@@ -162,6 +188,19 @@ mod tests {
         assert!(matches!(write_atomically(&path.join("no").join("x"), b"x"), Err(Error::Io { .. })));
         assert_eq!(names(folder.path()), ["taken"]);
         assert!(matches!(read(Path::new("/dev/zero")), Err(Error::Io { .. })));
+    }
+
+    #[test]
+    fn only_the_temporary_files_of_dead_processes_are_removed() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let own = format!("a.exr.tmp.{}", std::process::id());
+        // The highest process number that Linux can be set to is 2^22.
+        for name in ["a.exr", "b.tmp.exr", &own, "c.exr.tmp.4194305"] {
+            fs::write(folder.path().join(name), b"x").expect("file");
+        }
+        let removed = remove_leftovers(folder.path()).expect("readable");
+        assert_eq!(removed, [folder.path().join("c.exr.tmp.4194305")]);
+        assert_eq!(names(folder.path()), ["a.exr", &own, "b.tmp.exr"]);
     }
 
     #[test]

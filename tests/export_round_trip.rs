@@ -1,7 +1,8 @@
 //! Promise: what is written comes back, the same from every run, and damaged files are errors, never panics.
 
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, Once};
 
 use gonio::error::Error;
 use gonio::files::image::{self, Attribute, Part, Samples};
@@ -197,12 +198,26 @@ fn peak_memory() -> u64 {
         * 1024
 }
 
-/// Serialises the tests that look at the process's memory and panics.
+/// Serialises the tests that look at the whole process.
 static DAMAGE: Mutex<()> = Mutex::new(());
+/// Panics inside the image codec, which the reader would turn into errors.
+static CODEC_PANICS: AtomicUsize = AtomicUsize::new(0);
+static COUNT_PANICS: Once = Once::new();
+
+fn count_codec_panics() {
+    let usual = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        if info.location().is_some_and(|place| !place.file().contains("export_round_trip")) {
+            CODEC_PANICS.fetch_add(1, Ordering::SeqCst);
+        }
+        usual(info);
+    }));
+}
 
 /// Runs `read` on truncations and on `rounds` mutations of `bytes`.
 fn damage(bytes: &[u8], rounds: usize, seed: u64, read: impl Fn(&[u8], bool)) {
     let _guard = DAMAGE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    COUNT_PANICS.call_once(count_codec_panics);
     let before = peak_memory();
     let step = (bytes.len() / 700).max(1);
     for length in (0..bytes.len().min(600)).chain((600..bytes.len()).step_by(step)) {
@@ -226,6 +241,7 @@ fn damage(bytes: &[u8], rounds: usize, seed: u64, read: impl Fn(&[u8], bool)) {
     }
     let growth = peak_memory().saturating_sub(before);
     assert!(growth < 256 << 20, "memory grew by {growth} bytes");
+    assert_eq!(CODEC_PANICS.load(Ordering::SeqCst), 0, "the codec panicked; see the messages above");
 }
 
 fn format_error<T>(result: Result<T, Error>) -> Option<T> {

@@ -12,8 +12,8 @@ const FLAG_DEEP: u32 = 1 << 11;
 const FLAG_PARTS: u32 = 1 << 12;
 /// Largest width and height, and largest |coordinate| of a window's corner.
 const MAX_SIDE: i64 = 1 << 24;
-/// Deflate shrinks at most 1032-fold; the other lossless methods shrink less.
-const MAX_RATIO: u64 = 1032;
+/// Deflate shrinks at most 1032-fold, after PXR24 has dropped a quarter; the other common methods shrink less.
+const MAX_RATIO: u64 = 1400;
 const MAX_CHANNELS: usize = 1024;
 
 /// Whether the bytes start as an EXR file does.
@@ -70,11 +70,21 @@ pub fn check(file: &[u8]) -> Result<(), String> {
             file.len()
         ));
     }
-    Ok(())
+    // The decoder holds the pixels about once over; better an error here than an abort there.
+    let bytes = usize::try_from(pixel_bytes).map_err(|_| "more pixels than this machine can address")?;
+    Vec::<u8>::new()
+        .try_reserve_exact(bytes)
+        .map_err(|_| format!("{bytes} bytes of pixels do not fit into memory"))
 }
 
 /// Bytes of the part's pixels.
 fn check_part(file: &[u8], part: &[Attribute]) -> Result<u64, String> {
+    // Of two equal names the decoder would believe the last: what is checked here must be what is decoded.
+    let mut names: Vec<&[u8]> = part.iter().map(|a| &file[a.name.clone()]).collect();
+    names.sort_unstable();
+    if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(format!("attribute `{}` is there twice", String::from_utf8_lossy(twice[0])));
+    }
     let find = |name: &str, kind: &str| {
         part.iter()
             .find(|a| &file[a.name.clone()] == name.as_bytes() && &file[a.kind.clone()] == kind.as_bytes())

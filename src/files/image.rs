@@ -215,4 +215,25 @@ mod tests {
         bytes[at + 8..at + 12].copy_from_slice(&i32::MAX.to_le_bytes());
         assert!(decode(&bytes).expect_err("absurd").contains("dataWindow"));
     }
+
+    #[test]
+    fn two_headers_that_run_into_each_other_are_refused() {
+        let part = |i: usize| Part { name: Some(format!("p{i}")), ..sample() };
+        let mut bytes = encode(vec![part(0), part(1)]).expect("encodes");
+        // The zero byte between the headers becomes the first letter of one more attribute's name.
+        let name = b"type\0string\0\x0d\0\0\0scanlineimage";
+        let at = bytes.windows(name.len()).position(|w| w == name).expect("is there") + name.len();
+        assert_eq!((bytes[at], bytes[at + 1]), (0, b'c'));
+        bytes[at] = b'x';
+        assert!(decode(&bytes).expect_err("fused").contains("is there twice"));
+    }
+
+    #[test]
+    fn tiled_and_deep_images_are_refused_by_name() {
+        let mut bytes = encode(vec![sample()]).expect("encodes");
+        bytes[5] = 0b0010;
+        assert!(decode(&bytes).expect_err("tiled").contains("tiled"));
+        bytes[5] = 0b1000;
+        assert!(decode(&bytes).expect_err("deep").contains("deep"));
+    }
 }
