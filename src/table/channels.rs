@@ -148,3 +148,36 @@ pub(super) fn check_digest(part: &Part, patches: &str, warnings: &mut Vec<String
     }
     Err(format!("{DIGEST} says {stored}, the content gives {found}: the file was changed or damaged"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_tables::table;
+    use super::*;
+
+    #[test]
+    fn angles_come_back_from_the_grid_text_bit_for_bit() {
+        let mut grid = table(1).grid;
+        let mut state = 1_u64;
+        grid.theta_i_deg = (0..20_000)
+            .map(|_| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                (state >> 11) as f64 / (1_u64 << 53) as f64 * 90.0
+            })
+            .collect();
+        let back: Grid = serde_json::from_str(&grid_text(&grid).expect("prints")).expect("parses");
+        assert!(back == grid);
+    }
+
+    #[test]
+    fn axes_that_no_instrument_has_are_refused() {
+        let reason = |change: fn(&mut Grid)| {
+            let mut grid = table(1).grid;
+            change(&mut grid);
+            check_grid(&grid).expect_err("must be refused")
+        };
+        assert!(reason(|g| g.phi_r_edges_deg.clear()).contains("phi_r_edges_deg has 0 values"));
+        assert!(reason(|g| g.theta_r_edges_deg.swap(0, 1)).contains("does not increase"));
+        assert!(reason(|g| g.theta_i_deg[0] = f64::NAN).contains("theta_i_deg = NaN"));
+        assert!(reason(|g| g.kind = GridKind::Arm).contains("theta_r_deg has 0 values"));
+    }
+}
