@@ -16,6 +16,7 @@
 //! the two meet in `validate`. A test keeps it so.
 
 pub mod error;
+pub mod files;
 pub mod rng;
 pub mod sphere;
 

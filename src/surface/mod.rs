@@ -1,8 +1,11 @@
 //! 2. The explicit microgeometry: heights, facets, the wanted slope law and what a patch really has.
 
 pub mod certificate;
+pub mod export;
 mod feedback;
 pub mod heightfield;
+pub mod import;
+pub mod map_file;
 mod remap;
 pub mod slope_law;
 mod spectrum;

@@ -1,0 +1,218 @@
+//! Files: whole or not at all when written, bounded when read; folders; SHA-256; EXR in memory.
+
+pub mod exr_header;
+pub mod image;
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use crate::error::{Error, Result};
+
+/// Puts `bytes` in the place of the file at `path`, or leaves what was there.
+///
+/// The bytes go to `name.tmp.<pid>` in the same folder, reach the disk, and take the name by a rename, after
+/// which the folder is flushed too. On failure the temporary file is removed.
+/// Held by: `a_failed_write_leaves_the_old_file_whole`.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_atomically_with(path, |out| out.write_all(bytes))
+}
+
+/// As [`write_atomically`], with the content streamed by `fill`.
+pub fn write_atomically_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    check_target(path).map_err(|e| Error::io(path, e))?;
+    let temporary = temporary_path(path).map_err(|e| Error::io(path, e))?;
+    let written = write_new(&temporary, fill).and_then(|()| fs::rename(&temporary, path));
+    match written {
+        Ok(()) => sync_folder(folder_of(path)).map_err(|e| Error::io(path, e)),
+        Err(cause) => Err(Error::io(path, clean_up(&temporary, cause))),
+    }
+}
+
+/// Refuses what a rename would wrongly replace: folders, devices, pipes.
+fn check_target(path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(meta) if meta.is_file() => Ok(()),
+        Ok(meta) if meta.is_dir() => Err(io::Error::new(io::ErrorKind::IsADirectory, "is a folder")),
+        Ok(_) => Err(io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file")),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(e) => Err(e),
+    }
+}
+
+fn temporary_path(path: &Path) -> io::Result<PathBuf> {
+    let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "has no name"))?;
+    let mut name = name.to_os_string();
+    name.push(format!(".tmp.{}", std::process::id()));
+    Ok(path.with_file_name(name))
+}
+
+fn write_new(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = BufWriter::new(File::create(path)?);
+    fill(&mut out)?;
+    out.flush()?;
+    out.get_ref().sync_all()
+}
+
+/// Removes the temporary file and returns the cause, with what else went wrong.
+fn clean_up(temporary: &Path, cause: io::Error) -> io::Error {
+    match fs::remove_file(temporary) {
+        Ok(()) => cause,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => cause,
+        Err(e) => io::Error::new(cause.kind(), format!("{cause}; {} stays behind: {e}", temporary.display())),
+    }
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    }
+}
+
+#[cfg(unix)]
+fn sync_folder(folder: &Path) -> io::Result<()> {
+    File::open(folder)?.sync_all()
+}
+
+#[cfg(not(unix))]
+fn sync_folder(_folder: &Path) -> io::Result<()> {
+    Ok(())
+}
+
+/// Makes sure that `path` is a folder that takes files; missing parents are made.
+pub fn create_folder(path: &Path) -> Result<()> {
+    fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
+    let probe = path.join(format!("probe.tmp.{}", std::process::id()));
+    File::create(&probe).and_then(|_| fs::remove_file(&probe)).map_err(|e| Error::io(path, e))
+}
+
+/// Removes the temporary files that dead processes left in `folder`, and returns their paths.
+///
+/// Where the system has no `/proc` to tell who lives, nothing is removed.
+pub fn remove_leftovers(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut removed = Vec::new();
+    if !Path::new("/proc/self").exists() {
+        return Ok(removed);
+    }
+    for entry in fs::read_dir(folder).map_err(|e| Error::io(folder, e))? {
+        let path = entry.map_err(|e| Error::io(folder, e))?.path();
+        if path.is_file() && is_leftover(&path) {
+            fs::remove_file(&path).map_err(|e| Error::io(&path, e))?;
+            removed.push(path);
+        }
+    }
+    removed.sort();
+    Ok(removed)
+}
+
+/// Whether the name ends in `.tmp.<pid>` of a process that is no more.
+fn is_leftover(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
+    let pid = name.rsplit_once(".tmp.").and_then(|(_, pid)| pid.parse::<u32>().ok());
+    pid.is_some_and(|pid| !Path::new("/proc").join(pid.to_string()).exists())
+}
+
+/// The content of a regular file; pipes and devices, which might never end, are refused.
+pub fn read(path: &Path) -> Result<Vec<u8>> {
+    let meta = fs::metadata(path).map_err(|e| Error::io(path, e))?;
+    if !meta.is_file() {
+        let kind = io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file");
+        return Err(Error::io(path, kind));
+    }
+    fs::read(path).map_err(|e| Error::io(path, e))
+}
+
+/// SHA-256 of `bytes`, 64 lower-case hex digits.
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
+/// Lower-case hex digits of `bytes`.
+pub fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(folder)
+            .expect("folder is readable")
+            .map(|entry| entry.expect("entry is readable").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn sha256_matches_the_published_vector() {
+        let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+        assert_eq!(sha256_hex(b"abc"), abc);
+    }
+
+    #[test]
+    fn a_write_replaces_the_file_and_leaves_nothing_else() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("a table é.exr");
+        write_atomically(&path, b"old").expect("first write");
+        write_atomically(&path, b"new").expect("second write");
+        assert_eq!(fs::read(&path).expect("file is there"), b"new");
+        assert_eq!(names(folder.path()), ["a table é.exr"]);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_whole() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("table.exr");
+        write_atomically(&path, b"good").expect("first write");
+        let failure = write_atomically_with(&path, |out| {
+            out.write_all(&[0; 100_000])?;
+            Err(io::Error::new(io::ErrorKind::StorageFull, "disk full"))
+        });
+        assert!(failure.expect_err("the writer failed").to_string().contains("disk full"));
+        assert_eq!(fs::read(&path).expect("file is there"), b"good");
+        assert_eq!(names(folder.path()), ["table.exr"]);
+    }
+
+    #[test]
+    fn folders_and_devices_are_not_replaced() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("taken");
+        fs::create_dir(&path).expect("folder");
+        assert!(matches!(write_atomically(&path, b"x"), Err(Error::Io { .. })));
+        assert!(matches!(write_atomically(Path::new("/dev/full"), b"x"), Err(Error::Io { .. })));
+        assert!(matches!(write_atomically(&path.join("no").join("x"), b"x"), Err(Error::Io { .. })));
+        assert_eq!(names(folder.path()), ["taken"]);
+        assert!(matches!(read(Path::new("/dev/zero")), Err(Error::Io { .. })));
+    }
+
+    #[test]
+    fn only_the_temporary_files_of_dead_processes_are_removed() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let own = format!("a.exr.tmp.{}", std::process::id());
+        // The highest process number that Linux can be set to is 2^22.
+        for name in ["a.exr", "b.tmp.exr", &own, "c.exr.tmp.4194305"] {
+            fs::write(folder.path().join(name), b"x").expect("file");
+        }
+        let removed = remove_leftovers(folder.path()).expect("readable");
+        assert_eq!(removed, [folder.path().join("c.exr.tmp.4194305")]);
+        assert_eq!(names(folder.path()), ["a.exr", &own, "b.tmp.exr"]);
+    }
+
+    #[test]
+    fn a_folder_is_made_with_its_parents_but_not_over_a_file() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("out").join("deep");
+        create_folder(&path).expect("made");
+        create_folder(&path).expect("there already");
+        assert_eq!(names(&path), Vec::<String>::new());
+        let file = folder.path().join("file");
+        fs::write(&file, b"x").expect("file");
+        assert!(matches!(create_folder(&file), Err(Error::Io { .. })));
+        assert!(matches!(create_folder(&file.join("below")), Err(Error::Io { .. })));
+    }
+}

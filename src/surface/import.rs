@@ -1,0 +1,265 @@
+//! Measured height maps: from a file to a heightfield whose slopes are those of the sample.
+//!
+//! Enters: `[surface.file]`. Leaves: heights in the file's unit with the mean (and, where asked, the mean plane)
+//! taken off, and the factors that turn a difference of neighbouring heights into a slope.
+
+use std::path::Path;
+
+use crate::campaign::{Detrend, HeightMap};
+use crate::error::{Error, Result};
+use crate::files;
+
+use super::Heightfield;
+use super::map_file::{self, MapFile, Stored};
+
+/// Fewest cells along a side.
+const MIN_CELLS: usize = 8;
+/// Fewest steps of the number format that the relief of an f32 map must span.
+const MIN_STEPS: f64 = 65_536.0;
+
+/// A measured surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportedMap {
+    /// Heights in the file's unit.
+    pub field: Heightfield,
+    /// World slope along x = difference of neighbouring columns times this.
+    pub alpha_x: f64,
+    /// World slope along y = difference of neighbouring rows times this.
+    pub alpha_y: f64,
+    /// What was done to the map, and what to know about it.
+    pub notes: Vec<String>,
+}
+
+/// A patch as this program wrote it: heights untouched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patch {
+    /// The periodic heights.
+    pub field: Heightfield,
+    /// Distance of neighbouring columns, in the unit of the heights.
+    pub pitch_x: f64,
+    /// Distance of neighbouring rows.
+    pub pitch_y: f64,
+}
+
+/// Reads a measured map.
+///
+/// Scaling heights and pitches by one power of two leaves every slope as it was, bit for bit.
+/// Held by: `scaling_by_a_power_of_two_keeps_every_slope_bit_for_bit`, `an_offset_in_f64_changes_nothing`.
+pub fn load(map: &HeightMap) -> Result<ImportedMap> {
+    let path = &map.resolved_path;
+    let file = read(path)?;
+    import(map, file).map_err(|why| Error::format(path, why))
+}
+
+/// Reads a patch that this program wrote, with its pitches.
+pub fn load_patch(path: &Path) -> Result<Patch> {
+    let file = read(path)?;
+    let pitch = |name: &str, value: Option<f64>| {
+        let value = value.ok_or_else(|| format!("no attribute `{name}`"))?;
+        positive(name, value)
+    };
+    let pitches = pitch("pitch_x", file.pitch[0]).and_then(|x| Ok((x, pitch("pitch_y", file.pitch[1])?)));
+    let (pitch_x, pitch_y) = pitches.map_err(|why| Error::format(path, why))?;
+    check_size(&file, true).map_err(|why| Error::format(path, why))?;
+    let field = Heightfield::new(file.columns, file.rows, true, file.heights);
+    Ok(Patch { field, pitch_x, pitch_y })
+}
+
+fn read(path: &Path) -> Result<MapFile> {
+    map_file::read(&files::read(path)?).map_err(|why| Error::format(path, why))
+}
+
+fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap, String> {
+    let [own_x, own_y] = file.pitch;
+    let alpha_x = slope_factor("pitch_x", map.pitch_x_um, map.height_unit_um, own_x)?;
+    let alpha_y = slope_factor("pitch_y", map.pitch_y_um, map.height_unit_um, own_y)?;
+    let (cells_x, cells_y) = check_size(&file, map.periodic)?;
+    check_precision(&file)?;
+    let mut notes = vec![format!("{} x {} samples, {cells_x} x {cells_y} cells", file.columns, file.rows)];
+    if file.stored == Stored::Half {
+        notes.push("heights are half floats of 11 bits: slopes are coarse".into());
+    }
+    let mean = take_off_mean(&mut file.heights);
+    notes.push(format!("mean height {mean} taken off"));
+    match (map.detrend, map.periodic) {
+        (Detrend::None, _) => {}
+        (Detrend::Plane, true) => {
+            notes.push("the map is periodic and cannot be tilted: only its mean was taken off".into());
+        }
+        (Detrend::Plane, false) => {
+            let [x, y] = take_off_plane(&mut file.heights, file.columns);
+            notes.push(format!("plane with slopes {} and {} taken off", x * alpha_x, y * alpha_y));
+        }
+    }
+    let field = Heightfield::new(cells_x, cells_y, map.periodic, file.heights);
+    let (low, high) = field.range();
+    if low == high {
+        notes.push("the map is flat: a mirror".into());
+    }
+    Ok(ImportedMap { field, alpha_x, alpha_y, notes })
+}
+
+/// Slope per unit of height difference along one axis: height unit over pitch.
+fn slope_factor(
+    name: &str,
+    pitch_um: Option<f64>,
+    height_unit_um: Option<f64>,
+    own: Option<f64>,
+) -> std::result::Result<f64, String> {
+    let factor = match (pitch_um, own) {
+        (Some(pitch), _) => {
+            let unit = height_unit_um.ok_or_else(|| {
+                format!("surface.file.{name}_um needs surface.file.height_unit_um beside it")
+            })?;
+            positive("height_unit_um", unit)? / positive(name, pitch)?
+        }
+        (None, Some(pitch)) => 1.0 / positive(name, pitch)?,
+        (None, None) => {
+            return Err(format!("the file has no attribute `{name}`; give surface.file.{name}_um"));
+        }
+    };
+    positive(&format!("height unit over {name}"), factor)
+}
+
+fn positive(name: &str, value: f64) -> std::result::Result<f64, String> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{name} = {value}: must be positive and finite"))
+    }
+}
+
+/// Cells along x and y.
+fn check_size(file: &MapFile, periodic: bool) -> std::result::Result<(usize, usize), String> {
+    let extra = usize::from(!periodic);
+    let (x, y) = (file.columns.saturating_sub(extra), file.rows.saturating_sub(extra));
+    if x < MIN_CELLS || y < MIN_CELLS {
+        return Err(format!("{x} x {y} cells; at least {MIN_CELLS} x {MIN_CELLS} are needed"));
+    }
+    Ok((x, y))
+}
+
+/// Refuses an f32 map whose offset has eaten the relief: fewer than 16 bits between lowest and highest.
+fn check_precision(file: &MapFile) -> std::result::Result<(), String> {
+    let fold = |f: fn(f64, f64) -> f64, start| file.heights.iter().fold(start, |a, &h| f(a, h));
+    let (low, high) = (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY));
+    let largest = low.abs().max(high.abs()) as f32;
+    if file.stored != Stored::Single || low == high || largest == f32::MAX {
+        return Ok(());
+    }
+    let step = f64::from(largest.next_up() - largest);
+    let steps = (high - low) / step;
+    if steps >= MIN_STEPS {
+        return Ok(());
+    }
+    Err(format!(
+        "heights from {low} to {high} in f32 span only {steps} steps of the format; take the offset off before \
+         saving, or save as f64"
+    ))
+}
+
+/// Takes the mean off and returns it.
+///
+/// The sum is compensated, so that its error does not grow with the number of heights.
+fn take_off_mean(heights: &mut [f64]) -> f64 {
+    let (mut sum, mut rest) = (0.0_f64, 0.0_f64);
+    for &height in heights.iter() {
+        let next = sum + height;
+        rest += if sum.abs() >= height.abs() { (sum - next) + height } else { (height - next) + sum };
+        sum = next;
+    }
+    let mean = (sum + rest) / heights.len() as f64;
+    heights.iter_mut().for_each(|height| *height -= mean);
+    mean
+}
+
+/// Takes the least-squares plane off heights of mean zero; returns its slopes per column and per row.
+///
+/// Coordinates count from the centre, where the normal equations of a full grid are diagonal:
+/// slope = sum u h / sum u^2 along each axis.
+fn take_off_plane(heights: &mut [f64], columns: usize) -> [f64; 2] {
+    let rows = heights.len() / columns;
+    let centred = |i: usize, n: usize| i as f64 - 0.5 * (n - 1) as f64;
+    let squares = |n: usize| (0..n).map(|i| centred(i, n).powi(2)).sum::<f64>();
+    let (mut along_x, mut along_y) = (0.0, 0.0);
+    for (y, row) in heights.chunks(columns).enumerate() {
+        along_x += row.iter().enumerate().map(|(x, h)| centred(x, columns) * h).sum::<f64>();
+        along_y += centred(y, rows) * row.iter().sum::<f64>();
+    }
+    let slope_x = along_x / (squares(columns) * rows as f64);
+    let slope_y = along_y / (squares(rows) * columns as f64);
+    for (y, row) in heights.chunks_mut(columns).enumerate() {
+        for (x, height) in row.iter_mut().enumerate() {
+            *height -= slope_x * centred(x, columns) + slope_y * centred(y, rows);
+        }
+    }
+    [slope_x, slope_y]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map() -> HeightMap {
+        HeightMap {
+            path: "scan.npy".into(),
+            resolved_path: "scan.npy".into(),
+            pitch_x_um: Some(0.5),
+            pitch_y_um: Some(0.25),
+            height_unit_um: Some(0.001),
+            periodic: false,
+            detrend: Detrend::Plane,
+            tiles: 4,
+        }
+    }
+
+    fn file(columns: usize, rows: usize, height: impl Fn(f64, f64) -> f64) -> MapFile {
+        let at = |i: usize| height((i % columns) as f64, (i / columns) as f64);
+        let heights = (0..columns * rows).map(at).collect();
+        MapFile { columns, rows, heights, stored: Stored::Exact, pitch: [None, None] }
+    }
+
+    #[test]
+    fn a_tilted_plane_is_wholly_taken_off_and_its_slopes_are_said() {
+        let imported = import(&map(), file(20, 31, |x, y| 7.0 + 50.0 * x - 20.0 * y)).expect("sound");
+        let (low, high) = imported.field.range();
+        // Heights reach 1550: residues are a few rounding errors of that size.
+        assert!(low.abs().max(high.abs()) < 1550.0 * 16.0 * f64::EPSILON, "{low} {high}");
+        let plane = imported.notes.iter().find(|note| note.contains("plane")).expect("said");
+        let slopes: Vec<f64> = plane.split(' ').filter_map(|word| word.parse().ok()).collect();
+        approx::assert_relative_eq!(slopes[0], 0.1, max_relative = 1e-12);
+        approx::assert_relative_eq!(slopes[1], -0.08, max_relative = 1e-12);
+        assert_eq!((imported.alpha_x, imported.alpha_y), (0.001 / 0.5, 0.001 / 0.25));
+    }
+
+    #[test]
+    fn a_periodic_map_keeps_its_plane_and_says_so() {
+        let periodic = HeightMap { periodic: true, ..map() };
+        let imported = import(&periodic, file(9, 8, |x, _| x)).expect("sound");
+        assert_eq!((imported.field.cells_x(), imported.field.cells_y()), (9, 8));
+        assert_eq!(imported.field.corners(0, 0).lower_slope().x, 1.0);
+        assert!(imported.notes.iter().any(|note| note.contains("only its mean")));
+    }
+
+    #[test]
+    fn a_flat_map_is_a_mirror_and_a_small_one_is_refused() {
+        let imported = import(&map(), file(9, 9, |_, _| 0.1)).expect("sound");
+        assert!(imported.notes.iter().any(|note| note.contains("mirror")));
+        assert_eq!((imported.field.cells_x(), imported.field.cells_y()), (8, 8));
+        assert!(import(&map(), file(8, 9, |_, _| 0.1)).expect_err("7 cells").contains("7 x 8 cells"));
+    }
+
+    #[test]
+    fn pitches_come_from_the_campaign_or_the_file_or_are_asked_for() {
+        let own = HeightMap { pitch_x_um: None, pitch_y_um: None, height_unit_um: None, ..map() };
+        let mut with_pitch = file(9, 9, |x, _| x);
+        assert!(import(&own, with_pitch.clone()).expect_err("none").contains("surface.file.pitch_x_um"));
+        with_pitch.pitch = [Some(4.0), Some(8.0)];
+        let imported = import(&own, with_pitch.clone()).expect("sound");
+        assert_eq!((imported.alpha_x, imported.alpha_y), (0.25, 0.125));
+        with_pitch.pitch = [Some(f64::NAN), Some(8.0)];
+        assert!(import(&own, with_pitch.clone()).expect_err("NaN").contains("pitch_x = NaN"));
+        let unitless = HeightMap { height_unit_um: None, ..map() };
+        assert!(import(&unitless, with_pitch).expect_err("no unit").contains("height_unit_um"));
+    }
+}

@@ -1,0 +1,183 @@
+//! What the table's files have in common: checks of grid and values, channels in and out, the digest.
+
+use sha2::{Digest, Sha256};
+
+use crate::files;
+use crate::files::image::{Part, Samples};
+use crate::instrument::Grid;
+use crate::instrument::grid::GridKind;
+
+/// Name of the grid's attribute.
+pub(super) const GRID: &str = "gonio.grid";
+/// Name of the digest's attribute.
+pub(super) const DIGEST: &str = "gonio.digest";
+
+/// A reason, to be completed with the file's path.
+pub(super) type Reason<T> = Result<T, String>;
+
+/// Stops and bins of a grid whose axes are sound.
+pub(super) fn check_grid(grid: &Grid) -> Reason<(usize, usize)> {
+    axis("theta_i_deg", &grid.theta_i_deg, 1, 0.0..=90.0)?;
+    axis("phi_i_deg", &grid.phi_i_deg, 1, -360.0..=360.0)?;
+    match grid.kind {
+        GridKind::Hemisphere => {
+            axis("theta_r_edges_deg", &grid.theta_r_edges_deg, 2, 0.0..=90.0)?;
+            increasing("theta_r_edges_deg", &grid.theta_r_edges_deg)?;
+            axis("phi_r_edges_deg", &grid.phi_r_edges_deg, 2, -720.0..=720.0)?;
+            increasing("phi_r_edges_deg", &grid.phi_r_edges_deg)?;
+        }
+        GridKind::Arm => {
+            axis("theta_r_deg", &grid.theta_r_deg, 1, -90.0..=90.0)?;
+            axis("phi_r_deg", &grid.phi_r_deg, 1, -360.0..=360.0)?;
+            axis("aperture_deg", grid.aperture_deg.as_slice(), 1, 0.0..=90.0)?;
+        }
+    }
+    Ok((grid.stops(), grid.bins()))
+}
+
+fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusive<f64>) -> Reason<()> {
+    if values.len() < least {
+        return Err(format!("{GRID}: {name} has {} values, at least {least} needed", values.len()));
+    }
+    match values.iter().find(|value| !range.contains(value)) {
+        Some(value) => {
+            Err(format!("{GRID}: {name} = {value} lies outside [{}, {}]", range.start(), range.end()))
+        }
+        None => Ok(()),
+    }
+}
+
+fn increasing(name: &str, values: &[f64]) -> Reason<()> {
+    match values.windows(2).find(|pair| pair[0] >= pair[1]) {
+        Some(pair) => Err(format!("{GRID}: {name} does not increase from {} to {}", pair[0], pair[1])),
+        None => Ok(()),
+    }
+}
+
+/// The grid as the text of its attribute.
+pub(super) fn grid_text(grid: &Grid) -> Reason<String> {
+    serde_json::to_string(grid).map_err(|e| format!("{GRID}: {e}"))
+}
+
+/// The grid that a part carries; its size must be the part's.
+pub(super) fn read_grid(part: &Part) -> Reason<Grid> {
+    let text = part.text(GRID).ok_or_else(|| format!("no {GRID} attribute: not a table of this program"))?;
+    let grid: Grid = serde_json::from_str(text).map_err(|e| format!("{GRID}: {e}"))?;
+    let (stops, bins) = check_grid(&grid)?;
+    if (stops, bins) == (part.height, part.width) {
+        return Ok(grid);
+    }
+    let (width, height) = (part.width, part.height);
+    Err(format!("{GRID} says {stops} stops and {bins} bins, the image is {width} wide and {height} high"))
+}
+
+/// Adds a FLOAT channel, which must fit the part and be finite.
+pub(super) fn insert(part: &mut Part, name: &str, values: &[f32]) -> Reason<()> {
+    let pixels = part.width * part.height;
+    if values.len() != pixels {
+        return Err(format!("channel `{name}` has {} values, {pixels} needed", values.len()));
+    }
+    check_finite(name, values, part.width)?;
+    part.channels.insert(name.into(), Samples::F32(values.to_vec()));
+    Ok(())
+}
+
+/// Takes a FLOAT channel out of a part; its values must be finite.
+pub(super) fn take(part: &mut Part, name: &str) -> Reason<Vec<f32>> {
+    match part.channels.remove(name) {
+        Some(Samples::F32(values)) => check_finite(name, &values, part.width).map(|()| values),
+        Some(Samples::F16(_)) => Err(format!("channel `{name}` is HALF, FLOAT needed")),
+        Some(Samples::U32(_)) => Err(format!("channel `{name}` is UINT, FLOAT needed")),
+        None => Err(format!("channel `{name}` is missing")),
+    }
+}
+
+fn check_finite(name: &str, values: &[f32], width: usize) -> Reason<()> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(at) => {
+            let (stop, bin, value) = (at / width, at % width, values[at]);
+            Err(format!("channel `{name}`, stop {stop}, bin {bin}: {value} is not a finite number"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The colours' names that a part's channels speak of.
+pub(super) fn colour_names(part: &Part) -> Reason<&'static [&'static str]> {
+    let has = |name: &str| part.channels.contains_key(name);
+    match (has("Y"), has("R") || has("G") || has("B")) {
+        (true, false) => Ok(&["Y"]),
+        (false, true) => Ok(&["R", "G", "B"]),
+        (true, true) => Err("both `Y` and `R G B` channels".into()),
+        (false, false) => Err("neither a `Y` channel nor `R G B`".into()),
+    }
+}
+
+/// SHA-256 over the grid's text, the patches' digest and every channel (name, type, count, little-endian values).
+pub(super) fn digest(grid: &str, patches: &str, part: &Part) -> String {
+    let mut hash = Sha256::new();
+    hash.update(format!("gonio digest 1\n{grid}\n{patches}\n"));
+    for (name, samples) in &part.channels {
+        match samples {
+            Samples::F32(values) => {
+                hash.update(format!("{name} FLOAT {}\n", values.len()));
+                values.iter().for_each(|value| hash.update(value.to_le_bytes()));
+            }
+            Samples::U32(values) => {
+                hash.update(format!("{name} UINT {}\n", values.len()));
+                values.iter().for_each(|value| hash.update(value.to_le_bytes()));
+            }
+            Samples::F16(values) => {
+                hash.update(format!("{name} HALF {}\n", values.len()));
+                values.iter().for_each(|value| hash.update(value.to_le_bytes()));
+            }
+        }
+    }
+    files::hex(&hash.finalize())
+}
+
+/// Compares a part's digest with its content; a missing one is a warning.
+pub(super) fn check_digest(part: &Part, patches: &str, warnings: &mut Vec<String>) -> Reason<()> {
+    let Some(stored) = part.text(DIGEST) else {
+        warnings.push(format!("no {DIGEST} attribute: changes of the content cannot be noticed"));
+        return Ok(());
+    };
+    let found = digest(part.text(GRID).unwrap_or_default(), patches, part);
+    if stored == found {
+        return Ok(());
+    }
+    Err(format!("{DIGEST} says {stored}, the content gives {found}: the file was changed or damaged"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_tables::table;
+    use super::*;
+
+    #[test]
+    fn angles_come_back_from_the_grid_text_bit_for_bit() {
+        let mut grid = table(1).grid;
+        let mut state = 1_u64;
+        grid.theta_i_deg = (0..20_000)
+            .map(|_| {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                (state >> 11) as f64 / (1_u64 << 53) as f64 * 90.0
+            })
+            .collect();
+        let back: Grid = serde_json::from_str(&grid_text(&grid).expect("prints")).expect("parses");
+        assert!(back == grid);
+    }
+
+    #[test]
+    fn axes_that_no_instrument_has_are_refused() {
+        let reason = |change: fn(&mut Grid)| {
+            let mut grid = table(1).grid;
+            change(&mut grid);
+            check_grid(&grid).expect_err("must be refused")
+        };
+        assert!(reason(|g| g.phi_r_edges_deg.clear()).contains("phi_r_edges_deg has 0 values"));
+        assert!(reason(|g| g.theta_r_edges_deg.swap(0, 1)).contains("does not increase"));
+        assert!(reason(|g| g.theta_i_deg[0] = f64::NAN).contains("theta_i_deg = NaN"));
+        assert!(reason(|g| g.kind = GridKind::Arm).contains("theta_r_deg has 0 values"));
+    }
+}

@@ -1,0 +1,264 @@
+//! The table of every realisation: `<name>.realisations.exr`, one part each, for pairing and jackknife.
+//!
+//! Enters: [`Realisations`] and the table they belong to. Leaves: a multi-part EXR, or a smaller one with 16
+//! groups of consecutive realisations, or nothing where even that is too large.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::files;
+use crate::files::image::{self, Part};
+use crate::instrument::Grid;
+
+use super::channels::{self, DIGEST, GRID, Reason};
+use super::{BrdfTable, RealisationPart, Realisations, store};
+
+const TABLE_DIGEST: &str = "gonio.table_digest";
+const GROUP_SIZE: &str = "gonio.group_size";
+
+/// The largest file that is written unasked, bytes.
+pub const SIZE_LIMIT: u64 = 64_000_000;
+/// How many groups are made where single realisations would exceed the limit.
+pub const GROUPS: usize = 16;
+
+/// What of the realisations is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kept {
+    /// Every one.
+    All,
+    /// [`GROUPS`] means over consecutive ones.
+    Groups,
+    /// None.
+    Nothing,
+}
+
+/// The content of a realisations file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RealisationsFile {
+    /// Which stops and bins, as in the table.
+    pub grid: Grid,
+    /// Digest of the table that they belong to.
+    pub table_digest: String,
+    /// Realisations in each part, at least 1.
+    pub group_size: usize,
+    /// The values.
+    pub realisations: Realisations,
+    /// What is missing or odd, without being wrong.
+    pub warnings: Vec<String>,
+}
+
+impl RealisationsFile {
+    /// Whether these are the realisations of `table`.
+    pub fn belongs_to(&self, table: &BrdfTable) -> Result<bool> {
+        Ok(self.table_digest == store::digest(table)?)
+    }
+}
+
+/// An upper bound of the file's size in bytes, known before anything is measured.
+///
+/// Pixels (total and single, f32) that do not compress at all, and the headers.
+/// Held by: `the_size_said_beforehand_is_never_exceeded`.
+pub fn file_bytes(grid: &Grid, colours: usize, parts: usize) -> u64 {
+    let (stops, bins) = (grid.stops() as u64, grid.bins() as u64);
+    let colours = colours as u64;
+    let pixels = stops.saturating_mul(bins).saturating_mul(colours * 2 * 4);
+    let text = channels::grid_text(grid).map_or(0, |text| text.len() as u64);
+    let header = 1024 + text + 64 * colours;
+    let chunks = stops.div_ceil(16) * 20;
+    pixels.saturating_add(header + chunks).saturating_mul(parts as u64).saturating_add(16)
+}
+
+/// What can be stored within `limit` bytes.
+pub fn kept(grid: &Grid, colours: usize, realisations: usize, limit: u64) -> Kept {
+    if file_bytes(grid, colours, realisations) <= limit {
+        return Kept::All;
+    }
+    let grouping = realisations > GROUPS && realisations.is_multiple_of(GROUPS);
+    if grouping && file_bytes(grid, colours, GROUPS) <= limit { Kept::Groups } else { Kept::Nothing }
+}
+
+/// Means over consecutive realisations, `groups` of equal size, summed in f64.
+pub fn grouped(realisations: &Realisations, groups: usize) -> Result<Realisations> {
+    let count = realisations.parts.len();
+    if groups == 0 || count == 0 || !count.is_multiple_of(groups) {
+        return Err(Error::Internal(format!("{count} realisations do not make {groups} equal groups")));
+    }
+    let parts = realisations.parts.chunks(count / groups).map(mean_part).collect();
+    Ok(Realisations { parts })
+}
+
+fn mean_part(parts: &[RealisationPart]) -> RealisationPart {
+    let mean = |values: &dyn Fn(&RealisationPart) -> f32| {
+        let sum: f64 = parts.iter().map(|part| f64::from(values(part))).sum();
+        (sum / parts.len() as f64) as f32
+    };
+    let colours = |pick: fn(&RealisationPart) -> &Vec<Vec<f32>>| {
+        let first = pick(&parts[0]);
+        (0..first.len())
+            .map(|c| (0..first[c].len()).map(|i| mean(&|part| pick(part)[c][i])).collect())
+            .collect()
+    };
+    RealisationPart { total: colours(|part| &part.total), single: colours(|part| &part.single) }
+}
+
+/// The bytes of the realisations' file; `group_size` realisations went into each part.
+pub fn encode(realisations: &Realisations, table: &BrdfTable, group_size: usize) -> Result<Vec<u8>> {
+    let table_digest = store::digest(table)?;
+    let parts = (0..)
+        .zip(&realisations.parts)
+        .map(|(index, part)| to_part(index, part, table, &table_digest, group_size))
+        .collect::<Reason<Vec<_>>>()
+        .map_err(|why| Error::Refused(format!("the realisations cannot be stored: {why}")))?;
+    image::encode(parts).map_err(|why| Error::Internal(format!("encoding the realisations: {why}")))
+}
+
+/// Writes the realisations' file, whole or not at all, grouped or left out as `limit` bytes ask.
+pub fn save(path: &Path, realisations: &Realisations, table: &BrdfTable, limit: u64) -> Result<Kept> {
+    let count = realisations.parts.len();
+    let kept = kept(&table.grid, table.colours.len(), count, limit);
+    match kept {
+        Kept::All => files::write_atomically(path, &encode(realisations, table, 1)?)?,
+        Kept::Groups => {
+            let groups = grouped(realisations, GROUPS)?;
+            files::write_atomically(path, &encode(&groups, table, count / GROUPS)?)?;
+        }
+        Kept::Nothing => {}
+    }
+    Ok(kept)
+}
+
+/// Reads a realisations' file.
+pub fn load(path: &Path) -> Result<RealisationsFile> {
+    decode(path, &files::read(path)?)
+}
+
+/// The realisations in the bytes of a file; `path` is for messages only.
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<RealisationsFile> {
+    let parts = image::decode(bytes).map_err(|why| Error::format(path, why))?;
+    from_parts(parts).map_err(|why| Error::format(path, why))
+}
+
+fn part_name(index: usize) -> String {
+    format!("realisation_{index:03}")
+}
+
+fn to_part(
+    index: usize,
+    values: &RealisationPart,
+    table: &BrdfTable,
+    table_digest: &str,
+    group_size: usize,
+) -> Reason<Part> {
+    let (height, width) = channels::check_grid(&table.grid)?;
+    let names = table.colour_names();
+    if values.total.len() != names.len() || values.single.len() != names.len() {
+        return Err(format!("{} has other colours than the table", part_name(index)));
+    }
+    let mut part = Part { name: Some(part_name(index)), width, height, ..Part::default() };
+    for (c, name) in names.iter().enumerate() {
+        channels::insert(&mut part, name, &values.total[c])?;
+        channels::insert(&mut part, &format!("single.{name}"), &values.single[c])?;
+    }
+    let grid = channels::grid_text(&table.grid)?;
+    part.set_text(DIGEST, &channels::digest(&grid, table_digest, &part));
+    part.set_text(GRID, &grid);
+    part.set_text(TABLE_DIGEST, table_digest);
+    part.set_text(GROUP_SIZE, &group_size.to_string());
+    Ok(part)
+}
+
+fn from_parts(parts: Vec<Part>) -> Reason<RealisationsFile> {
+    let first = parts.first().ok_or("no parts")?;
+    let grid = channels::read_grid(first)?;
+    let same =
+        |name: &str| first.text(name).map(str::to_string).ok_or_else(|| format!("no {name} attribute"));
+    let (table_digest, group) = (same(TABLE_DIGEST)?, same(GROUP_SIZE)?);
+    let group_size = match group.parse() {
+        Ok(size) if size > 0 => size,
+        _ => return Err(format!("{GROUP_SIZE} = {group}: a positive integer needed")),
+    };
+    let mut warnings = Vec::new();
+    let mut realisations = Realisations::default();
+    let names = channels::colour_names(first)?;
+    for (index, mut part) in parts.into_iter().enumerate() {
+        let wrong = |why: String| format!("part {index}: {why}");
+        if part.name.as_deref() != Some(part_name(index).as_str()) {
+            return Err(wrong(format!("its name is {:?}, not `{}`", part.name, part_name(index))));
+        }
+        if channels::read_grid(&part).map_err(wrong)? != grid
+            || part.text(TABLE_DIGEST) != Some(&table_digest)
+            || part.text(GROUP_SIZE) != Some(&group)
+        {
+            return Err(wrong("it belongs to another table than part 0".into()));
+        }
+        channels::check_digest(&part, &table_digest, &mut warnings).map_err(wrong)?;
+        realisations.parts.push(take_part(&mut part, names).map_err(wrong)?);
+    }
+    Ok(RealisationsFile { grid, table_digest, group_size, realisations, warnings })
+}
+
+fn take_part(part: &mut Part, names: &[&str]) -> Reason<RealisationPart> {
+    let mut values = RealisationPart::default();
+    for name in names {
+        values.total.push(channels::take(part, name)?);
+        values.single.push(channels::take(part, &format!("single.{name}"))?);
+    }
+    Ok(values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_tables::table;
+    use super::*;
+
+    fn realisations(count: u16, colours: u16) -> Realisations {
+        let values = |k: u16, c: u16| (0..12).map(|i| f32::from(100 * k + 20 * c + i).sqrt()).collect();
+        let colours = |k: u16| (0..colours).map(|c| values(k, c)).collect::<Vec<Vec<f32>>>();
+        let part = |k: u16| RealisationPart { total: colours(k + 1), single: colours(k) };
+        Realisations { parts: (0..count).map(part).collect() }
+    }
+
+    #[test]
+    fn realisations_round_trip_with_their_table() {
+        for (count, colours) in [(1, 1), (3, 3), (12, 1)] {
+            let (table, parts) = (table(usize::from(colours)), realisations(count, colours));
+            let bytes = encode(&parts, &table, 1).expect("encodes");
+            assert_eq!(bytes, encode(&parts, &table, 1).expect("encodes"));
+            let file = decode(Path::new("x.exr"), &bytes).expect("decodes");
+            assert_eq!(file.realisations, parts);
+            assert_eq!((&file.grid, file.group_size), (&table.grid, 1));
+            assert!(file.belongs_to(&table).expect("has a digest") && file.warnings.is_empty());
+            let mut other = table.clone();
+            other.hits[0] += 1;
+            assert!(!file.belongs_to(&other).expect("has a digest"));
+        }
+    }
+
+    #[test]
+    fn the_size_said_beforehand_is_never_exceeded() {
+        for (count, colours) in [(1, 1), (16, 3), (40, 1)] {
+            let table = table(usize::from(colours));
+            let bytes = encode(&realisations(count, colours), &table, 1).expect("encodes").len() as u64;
+            let bound = file_bytes(&table.grid, usize::from(colours), usize::from(count));
+            assert!(bytes <= bound, "{bytes} > {bound}");
+        }
+    }
+
+    #[test]
+    fn too_many_realisations_become_groups_and_then_nothing() {
+        let table = table(1);
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("t.realisations.exr");
+        let (sixteen, all) = (file_bytes(&table.grid, 1, 16), file_bytes(&table.grid, 1, 48));
+        let parts = realisations(48, 1);
+        assert_eq!(save(&path, &parts, &table, sixteen - 1).expect("saves"), Kept::Nothing);
+        assert!(!path.exists());
+        assert_eq!(kept(&table.grid, 1, 40, all - 1), Kept::All);
+        assert_eq!(kept(&table.grid, 1, 50, all - 1), Kept::Nothing);
+        assert_eq!(save(&path, &parts, &table, all - 1).expect("saves"), Kept::Groups);
+        let file = load(&path).expect("loads");
+        assert_eq!((file.realisations.parts.len(), file.group_size), (16, 3));
+        let mean: f64 = (3..6).map(|k| f64::from(parts.parts[k].single[0][5])).sum::<f64>() / 3.0;
+        assert_eq!(file.realisations.parts[1].single[0][5], mean as f32);
+    }
+}

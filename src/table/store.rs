@@ -1,0 +1,241 @@
+//! The table's own file: one EXR image, row = light stop, column = sensor bin, lossless.
+//!
+//! Enters: a [`BrdfTable`]. Leaves: the same bytes from every run, and the same table from the bytes.
+
+use std::path::Path;
+
+use crate::error::{Error, Result};
+use crate::files;
+use crate::files::image::{self, Part, Samples};
+
+use super::channels::{self, DIGEST, GRID, Reason};
+use super::{BrdfTable, ColourChannels};
+
+const VERSION: &str = "gonio.version";
+const CAMPAIGN: &str = "gonio.campaign";
+const CONVENTION: &str = "gonio.convention";
+const SEED: &str = "gonio.seed";
+const PATCH_DIGEST: &str = "gonio.patch_digest";
+
+/// How directions and values of a table are to be understood.
+pub const CONVENTION_TEXT: &str = "Frame: z is the mean normal of the sample, x its tangent, right-handed; \
+    theta is the angle from z and phi the azimuth from x towards y, in degrees. wi points from the surface to \
+    the light (theta_i, phi_i), wo from the surface to the sensor (theta_r, phi_r); the mirror direction lies at \
+    theta_r = theta_i, phi_r = phi_i + 180. With phi_r_relative, phi_r counts from phi_i. Values are the BRDF in \
+    1/sr averaged over the bin by projected solid angle, not multiplied by any cosine. Row = light stop, theta_i \
+    major; column = sensor bin, theta_r major.";
+
+/// A table from a file, and what its reader should know.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// The table.
+    pub table: BrdfTable,
+    /// What is missing or odd, without being wrong.
+    pub warnings: Vec<String>,
+}
+
+/// The bytes of the table's file.
+///
+/// NaN and infinite values are refused. Held by: `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
+pub fn encode(table: &BrdfTable) -> Result<Vec<u8>> {
+    let part = to_part(table).map_err(|why| Error::Refused(format!("the table cannot be stored: {why}")))?;
+    image::encode(vec![part]).map_err(|why| Error::Internal(format!("encoding the table: {why}")))
+}
+
+/// Writes the table's file, whole or not at all.
+pub fn save(path: &Path, table: &BrdfTable) -> Result<()> {
+    files::write_atomically(path, &encode(table)?)
+}
+
+/// The digest that the table's file carries.
+pub fn digest(table: &BrdfTable) -> Result<String> {
+    let part = to_part(table).map_err(|why| Error::Refused(format!("the table has no digest: {why}")))?;
+    Ok(part.text(DIGEST).unwrap_or_default().to_string())
+}
+
+/// Reads a table's file.
+pub fn load(path: &Path) -> Result<Loaded> {
+    decode(path, &files::read(path)?)
+}
+
+/// The table in the bytes of a file; `path` is for messages only.
+///
+/// A wrong digest is an error, a missing one a warning. Held by: `damaged_tables_are_errors_and_never_panic`.
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<Loaded> {
+    let parts = image::decode(bytes).map_err(|why| Error::format(path, why))?;
+    let count = parts.len();
+    match <[Part; 1]>::try_from(parts) {
+        Ok([part]) => from_part(part).map_err(|why| Error::format(path, why)),
+        Err(_) => Err(Error::format(path, format!("a table has one part, this file has {count}"))),
+    }
+}
+
+fn to_part(table: &BrdfTable) -> Reason<Part> {
+    let (height, width) = channels::check_grid(&table.grid)?;
+    let names = table.colour_names();
+    if names.len() != table.colours.len() {
+        return Err(format!("{} colours, 1 or 3 needed", table.colours.len()));
+    }
+    let mut part = Part { width, height, ..Part::default() };
+    for (name, colour) in names.iter().zip(&table.colours) {
+        channels::insert(&mut part, name, &colour.total)?;
+        channels::insert(&mut part, &format!("single.{name}"), &colour.single)?;
+        channels::insert(&mut part, &format!("multiple.{name}"), &colour.multiple)?;
+        channels::insert(&mut part, &format!("stderr.{name}"), &colour.stderr)?;
+        channels::insert(&mut part, &format!("stderr.single.{name}"), &colour.stderr_single)?;
+    }
+    if let Some(schlick) = &table.schlick {
+        channels::insert(&mut part, "schlick", schlick)?;
+    }
+    if table.hits.len() != width * height {
+        return Err(format!("channel `hits` has {} values, {} needed", table.hits.len(), width * height));
+    }
+    part.channels.insert("hits".into(), Samples::U32(table.hits.clone()));
+    let grid = channels::grid_text(&table.grid)?;
+    part.set_text(DIGEST, &channels::digest(&grid, &table.patch_digest, &part));
+    part.set_text(GRID, &grid);
+    part.set_text(VERSION, &table.version);
+    part.set_text(CAMPAIGN, &table.campaign);
+    part.set_text(CONVENTION, CONVENTION_TEXT);
+    part.set_text(SEED, &table.seed.to_string());
+    part.set_text(PATCH_DIGEST, &table.patch_digest);
+    Ok(part)
+}
+
+fn from_part(mut part: Part) -> Reason<Loaded> {
+    let mut warnings = Vec::new();
+    let grid = channels::read_grid(&part)?;
+    let seed = read_seed(&part, &mut warnings)?;
+    let mut attribute = |name: &str| {
+        let text = part.text(name);
+        if text.is_none() {
+            warnings.push(format!("no {name} attribute"));
+        }
+        text.unwrap_or_default().to_string()
+    };
+    let (version, campaign) = (attribute(VERSION), attribute(CAMPAIGN));
+    if attribute(CONVENTION) != CONVENTION_TEXT {
+        warnings.push(format!("{CONVENTION} is not this program's: its angles may mean something else"));
+    }
+    let patch_digest = part.text(PATCH_DIGEST).unwrap_or_default().to_string();
+    let names = channels::colour_names(&part)?;
+    drop_unknown(&mut part, names, &mut warnings);
+    channels::check_digest(&part, &patch_digest, &mut warnings)?;
+    let colours = names.iter().map(|name| take_colour(&mut part, name)).collect::<Reason<_>>()?;
+    let hits = match part.channels.remove("hits") {
+        Some(Samples::U32(hits)) => hits,
+        Some(_) => return Err("channel `hits` is not UINT".into()),
+        None => return Err("channel `hits` is missing".into()),
+    };
+    let has_schlick = part.channels.contains_key("schlick");
+    let schlick = if has_schlick { Some(channels::take(&mut part, "schlick")?) } else { None };
+    let table = BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick };
+    Ok(Loaded { table, warnings })
+}
+
+fn read_seed(part: &Part, warnings: &mut Vec<String>) -> Reason<u64> {
+    let Some(text) = part.text(SEED) else {
+        warnings.push(format!("no {SEED} attribute; 0 is taken"));
+        return Ok(0);
+    };
+    text.parse().map_err(|_| format!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))
+}
+
+fn take_colour(part: &mut Part, name: &str) -> Reason<ColourChannels> {
+    Ok(ColourChannels {
+        total: channels::take(part, name)?,
+        single: channels::take(part, &format!("single.{name}"))?,
+        multiple: channels::take(part, &format!("multiple.{name}"))?,
+        stderr: channels::take(part, &format!("stderr.{name}"))?,
+        stderr_single: channels::take(part, &format!("stderr.single.{name}"))?,
+    })
+}
+
+/// Takes out channels that are none of a table's.
+fn drop_unknown(part: &mut Part, colours: &[&str], warnings: &mut Vec<String>) {
+    let prefixes = ["", "single.", "multiple.", "stderr.", "stderr.single."];
+    let known = |name: &str| {
+        name == "hits"
+            || name == "schlick"
+            || prefixes.iter().any(|p| name.strip_prefix(p).is_some_and(|rest| colours.contains(&rest)))
+    };
+    part.channels.retain(|name, _| {
+        if !known(name) {
+            warnings.push(format!("channel `{name}` is not one of a table's and is left out"));
+        }
+        known(name)
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_tables::{colour, table};
+    use super::*;
+
+    fn reason(part: Part) -> String {
+        from_part(part).expect_err("must be refused").clone()
+    }
+
+    #[test]
+    fn nan_and_infinity_are_refused_before_writing() {
+        for bad in [f32::NAN, f32::INFINITY] {
+            let mut table = table(3);
+            table.colours[1].stderr[7] = bad;
+            let message = encode(&table).expect_err("must be refused").to_string();
+            assert!(message.contains("`stderr.G`, stop 1, bin 1"), "{message}");
+        }
+    }
+
+    #[test]
+    fn channels_that_do_not_fit_the_grid_are_refused() {
+        let mut table = table(1);
+        table.hits.pop();
+        assert!(encode(&table).expect_err("must be refused").to_string().contains("`hits`"));
+        table.hits.push(0);
+        table.colours.push(colour(1.0, 12));
+        assert!(encode(&table).expect_err("must be refused").to_string().contains("2 colours"));
+    }
+
+    #[test]
+    fn a_missing_half_or_uint_channel_is_named() {
+        let part = || {
+            let mut part = to_part(&table(1)).expect("sound");
+            part.attributes.remove(DIGEST);
+            part
+        };
+        let mut missing = part();
+        missing.channels.remove("single.Y");
+        assert_eq!(reason(missing), "channel `single.Y` is missing");
+        let mut half = part();
+        half.channels.insert("stderr.Y".into(), Samples::F16(vec![Default::default(); 12]));
+        assert_eq!(reason(half), "channel `stderr.Y` is HALF, FLOAT needed");
+        let mut hits = part();
+        hits.channels.insert("hits".into(), Samples::F32(vec![0.0; 12]));
+        assert_eq!(reason(hits), "channel `hits` is not UINT");
+        let mut nan = part();
+        nan.channels.insert("Y".into(), Samples::F32(vec![f32::NAN; 12]));
+        assert!(reason(nan).contains("channel `Y`, stop 0, bin 0"));
+    }
+
+    #[test]
+    fn a_grid_of_another_size_is_an_error() {
+        let mut part = to_part(&table(1)).expect("sound");
+        let mut grid = table(1).grid;
+        grid.theta_i_deg.push(80.0);
+        part.set_text(GRID, &channels::grid_text(&grid).expect("prints"));
+        assert!(reason(part).contains("3 stops and 6 bins, the image is 6 wide and 2 high"));
+    }
+
+    #[test]
+    fn what_is_missing_is_said_and_what_is_unknown_is_left_out() {
+        let mut part = to_part(&table(1)).expect("sound");
+        part.attributes.retain(|name, _| name == GRID);
+        part.channels.insert("depth".into(), Samples::F32(vec![0.0; 12]));
+        let loaded = from_part(part).expect("readable");
+        let all = loaded.warnings.join("\n");
+        for word in [DIGEST, SEED, VERSION, CAMPAIGN, CONVENTION, "`depth`"] {
+            assert!(all.contains(word), "{word} is not in: {all}");
+        }
+        assert_eq!(loaded.table.colours, table(1).colours);
+    }
+}

@@ -1,0 +1,96 @@
+//! One path from its start to its end: shadow test, mirror bounces, exit.
+
+use glam::{DVec2, DVec3};
+
+use super::image::Image;
+use super::walk::{Outcome, Place, Walker};
+
+/// A patch as it lies on the stage: the field, its slope scales and which image of it. World directions are in the
+/// sample's frame (x along alpha_x).
+#[derive(Debug, Clone, Copy)]
+pub struct Sample<'a> {
+    /// Walks the canonical field.
+    pub walker: Walker<'a>,
+    /// World slope per canonical slope.
+    pub alpha: DVec2,
+    /// Which mirror image of the field lies there.
+    pub image: Image,
+}
+
+/// How a path ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ending {
+    /// The light does not see the start.
+    Hidden,
+    /// It leaves along `wo` (sample's frame) after `order` bounces.
+    Out {
+        /// Unit vector, above the horizon.
+        wo: DVec3,
+        /// Number of bounces.
+        order: u32,
+    },
+    /// It goes on beyond the last order.
+    Cut,
+    /// It leaves an open map by its edge.
+    LeftMap,
+    /// A fault of the program.
+    Lost,
+}
+
+/// What happens to a path's light at each bounce.
+pub trait Bounce {
+    /// A bounce with directions `wi` (where the light comes from) and `wo`, both away from the facet.
+    fn bounce(&mut self, wi: DVec3, wo: DVec3);
+}
+
+impl Sample<'_> {
+    /// A world direction in canonical field coordinates: (ax wx, ay wy, wz), seen from the field.
+    pub fn to_field(&self, w: DVec3) -> DVec3 {
+        let xy = self.image.to_field(self.alpha * DVec2::new(w.x, w.y));
+        DVec3::new(xy.x, xy.y, w.z)
+    }
+
+    /// The mirror direction of `wi` at a facet: 2 (wi.N) N/(N.N) - wi with N = (-ax p, -ay q, 1), not normalised.
+    pub fn reflected(&self, wi: DVec3, place: &Place) -> DVec3 {
+        let corners = self.walker.field().corners(place.facet.x, place.facet.y);
+        let slope = if place.facet.upper { corners.upper_slope() } else { corners.lower_slope() };
+        let world = self.alpha * self.image.from_field(slope);
+        let normal = DVec3::new(-world.x, -world.y, 1.0);
+        (2.0 * wi.dot(normal) / normal.length_squared()) * normal - wi
+    }
+
+    /// Follows a path from `start` under light from `wi` through at most `bounces` orders.
+    pub fn trace(&self, start: Place, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> Ending {
+        match self.walker.walk(&start, self.to_field(wi)) {
+            Outcome::Escaped => {}
+            Outcome::Hit(_) => return Ending::Hidden,
+            Outcome::LeftMap => return Ending::LeftMap,
+            Outcome::Lost => return Ending::Lost,
+        }
+        let mut place = start;
+        let mut back = wi;
+        for order in 1..=bounces {
+            let wo = self.reflected(back, &place);
+            visit.bounce(back, wo);
+            // A path that goes down must hit again: at the last order there is nothing left to find out.
+            if order == bounces && wo.z <= 0.0 {
+                return Ending::Cut;
+            }
+            match self.walker.walk(&place, self.to_field(wo)) {
+                Outcome::Escaped => return Ending::Out { wo, order },
+                Outcome::Hit(next) => place = next,
+                Outcome::LeftMap => return Ending::LeftMap,
+                Outcome::Lost => return Ending::Lost,
+            }
+            back = -wo;
+        }
+        Ending::Cut
+    }
+
+    /// The first bounce with shadowing and masking switched off.
+    pub fn trace_unobstructed(&self, start: Place, wi: DVec3, visit: &mut impl Bounce) -> Ending {
+        let wo = self.reflected(wi, &start);
+        visit.bounce(wi, wo);
+        if wo.z > 0.0 { Ending::Out { wo, order: 1 } } else { Ending::Cut }
+    }
+}
