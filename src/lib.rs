@@ -19,9 +19,11 @@ pub mod error;
 pub mod files;
 pub mod rng;
 pub mod sphere;
+pub mod stats;
 
 pub mod campaign;
 pub mod instrument;
+pub mod measure;
 pub mod surface;
 pub mod table;
 pub mod trace;

@@ -1,0 +1,14 @@
+//! 5. The measurement: surface, instrument and trace put together, block by block.
+
+pub mod arms;
+pub mod assemble;
+pub mod optics;
+pub mod patches;
+pub mod plan;
+pub mod run;
+pub mod tally;
+
+pub use assemble::{Measured, StopResult};
+pub use patches::{Patch, Patches};
+pub use plan::{Plan, plan};
+pub use run::{Cost, measure};

@@ -1,0 +1,145 @@
+//! The patches of a campaign: made, built or loaded, by realisation.
+
+use glam::DVec2;
+use sha2::{Digest, Sha256};
+
+use crate::campaign::{Alpha, Campaign, SurfaceKind};
+use crate::error::{Error, Result};
+use crate::rng::{self, Purpose, StreamId};
+use crate::surface::import::{self, ImportedMap};
+use crate::surface::{Heightfield, SlopeLaw, Synthesiser};
+use crate::trace::Window;
+
+/// Where a campaign's patches come from.
+pub enum Patches {
+    /// Random, one for each realisation.
+    Random {
+        /// Makes them.
+        synthesiser: Box<Synthesiser>,
+        /// The campaign's seed.
+        seed: u64,
+    },
+    /// One exact shape for all realisations.
+    Exact {
+        /// The heights.
+        field: Heightfield,
+        /// World slope per canonical slope.
+        alpha: DVec2,
+    },
+    /// One measured map; realisations are its start regions.
+    Map {
+        /// The map.
+        map: Box<ImportedMap>,
+        /// tiles x tiles regions.
+        tiles: usize,
+        /// Cells kept free along an open edge.
+        margin: usize,
+    },
+}
+
+/// One realisation's patch.
+#[derive(Debug, Clone)]
+pub struct Patch {
+    /// Canonical heights.
+    pub field: Heightfield,
+    /// World slope per canonical slope where the surface itself says so; else the campaign's alpha counts.
+    pub own_alpha: Option<DVec2>,
+    /// Where paths start.
+    pub window: Window,
+}
+
+impl Patches {
+    /// Prepares the patches of a campaign; `notes` gets what an imported map had to say.
+    pub fn prepare(campaign: &Campaign, notes: &mut Vec<String>) -> Result<Self> {
+        let surface = &campaign.surface;
+        let random = |law| {
+            let synthesiser = Synthesiser::new(law, surface.cells as usize, surface.correlation_cells);
+            Patches::Random { synthesiser: Box::new(synthesiser), seed: campaign.seed }
+        };
+        Ok(match &surface.kind {
+            SurfaceKind::Ggx(_) => random(SlopeLaw::Ggx),
+            SurfaceKind::Beckmann(_) => random(SlopeLaw::Beckmann),
+            SurfaceKind::Mirror => Patches::Exact { field: flat(), alpha: DVec2::ONE },
+            SurfaceKind::VGroove { slope } => Patches::Exact { field: grooves(), alpha: DVec2::splat(*slope) },
+            SurfaceKind::File(height_map) => {
+                let mut map = import::load(height_map)?;
+                notes.append(&mut map.notes);
+                let (low, high) = map.field.range();
+                let steepest = campaign.light.theta_i_deg.iter().copied().fold(0.0, f64::max).to_radians().tan();
+                let reach = (high - low) * map.alpha_x.max(map.alpha_y) * steepest;
+                let shortest = map.field.cells_x().min(map.field.cells_y());
+                let margin = if map.field.is_periodic() { 0 } else { (reach.ceil() as usize).min(shortest / 4) };
+                let tiles = height_map.tiles as usize;
+                if (shortest - 2 * margin) < tiles {
+                    return Err(Error::format(
+                        &height_map.resolved_path,
+                        format!("{shortest} cells are too few for {tiles} x {tiles} start regions"),
+                    ));
+                }
+                Patches::Map { map: Box::new(map), tiles, margin }
+            }
+        })
+    }
+
+    /// The patch of one realisation.
+    pub fn realisation(&self, realisation: u64) -> Patch {
+        match self {
+            Patches::Random { synthesiser, seed } => {
+                let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop: 0, block: 0 };
+                let field = synthesiser.patch(&mut rng::stream(id));
+                Patch { window: Window::all(&field), own_alpha: None, field }
+            }
+            Patches::Exact { field, alpha } => {
+                Patch { window: Window::all(field), own_alpha: Some(*alpha), field: field.clone() }
+            }
+            Patches::Map { map, tiles, margin } => Patch {
+                window: tile(&map.field, *tiles, *margin, realisation as usize),
+                own_alpha: Some(DVec2::new(map.alpha_x, map.alpha_y)),
+                field: map.field.clone(),
+            },
+        }
+    }
+
+    /// The slope law that the patches should follow.
+    pub fn law(campaign: &Campaign) -> Option<SlopeLaw> {
+        match campaign.surface.kind {
+            SurfaceKind::Ggx(_) => Some(SlopeLaw::Ggx),
+            SurfaceKind::Beckmann(_) => Some(SlopeLaw::Beckmann),
+            _ => None,
+        }
+    }
+}
+
+impl Patch {
+    /// World slope per canonical slope, with the campaign's `alpha` where the surface has none of its own.
+    pub fn alpha(&self, alpha: Option<Alpha>) -> DVec2 {
+        self.own_alpha.unwrap_or_else(|| alpha.map_or(DVec2::ONE, |alpha| DVec2::new(alpha.x, alpha.y)))
+    }
+
+    /// SHA-256 over the heights, little-endian f64 bits, row by row.
+    pub fn digest(&self) -> [u8; 32] {
+        let mut hash = Sha256::new();
+        for height in self.field.heights() {
+            hash.update(height.to_le_bytes());
+        }
+        hash.finalize().into()
+    }
+}
+
+fn flat() -> Heightfield {
+    Heightfield::new(8, 8, true, vec![0.0; 64])
+}
+
+/// Ridges of canonical slope +-1 along y: heights 0 and 1 in turn.
+fn grooves() -> Heightfield {
+    Heightfield::new(8, 8, true, (0..64).map(|i| f64::from(i % 2)).collect())
+}
+
+/// Start region `index` of tiles x tiles equal ones inside the margin.
+fn tile(field: &Heightfield, tiles: usize, margin: usize, index: usize) -> Window {
+    let part = |cells: usize, k: usize| {
+        let inner = cells - 2 * margin;
+        (margin + k * inner / tiles, margin + (k + 1) * inner / tiles)
+    };
+    Window { x: part(field.cells_x(), index % tiles), y: part(field.cells_y(), index / tiles) }
+}

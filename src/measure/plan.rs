@@ -1,0 +1,187 @@
+//! What a campaign needs, and what it skips: decided here, once, before anything is allocated.
+
+use serde::Serialize;
+
+use crate::campaign::{Azimuth, Campaign, Optics, SurfaceKind};
+use crate::error::{Error, Result};
+use crate::instrument::{Grid, grid_of};
+use crate::sphere;
+use crate::trace::BLOCK;
+
+/// Bytes that a run may use where the system does not say how much is free.
+const DEFAULT_LIMIT: u128 = 4 << 30;
+/// Measured time of one cell step and of one facet summed, on one core of about 4 GHz; only for the estimate.
+const NS_PER_CELL: f64 = 6.0;
+const NS_PER_FACET: f64 = 2.5;
+const NS_PER_SYNTHESISED_CELL: f64 = 3500.0;
+
+/// Something that the campaign does not need.
+#[derive(Debug, Clone, Serialize)]
+pub struct Skip {
+    /// What is left out.
+    pub what: String,
+    /// Why the answer stays the same.
+    pub why: String,
+}
+
+/// The decisions.
+#[derive(Debug, Clone, Serialize)]
+pub struct Plan {
+    /// Stops and bins.
+    #[serde(skip)]
+    pub grid: Grid,
+    /// Light stops.
+    pub stops: usize,
+    /// Sensor bins at each stop.
+    pub bins: usize,
+    /// Tables (one for each roughness).
+    pub tables: usize,
+    /// Groups that error bars come from: patches, or start regions of a measured map.
+    pub realisations: u32,
+    /// Blocks per stop and realisation.
+    pub blocks: u64,
+    /// Starts per stop and realisation: whole blocks.
+    pub samples: u64,
+    /// Starts of the whole run.
+    pub total_samples: u128,
+    /// Whether every block has an azimuth of its own.
+    pub averages_azimuth: bool,
+    /// Mirror images of each patch that serve as further samples (1: none).
+    pub images: u64,
+    /// For each stop, whether mirrored arrivals count as well.
+    pub folded: Vec<bool>,
+    /// Colours of the table.
+    pub colours: usize,
+    /// What is left out, and why.
+    pub skipped: Vec<Skip>,
+    /// Estimated peak memory.
+    pub memory_bytes: u128,
+    /// Estimated time on two cores.
+    pub estimated_s: f64,
+}
+
+/// Decides how a campaign is measured. Errors: `Refused` where it would not fit the memory.
+pub fn plan(campaign: &Campaign) -> Result<Plan> {
+    let grid = grid_of(campaign);
+    let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
+    let blocks = campaign.stop.samples.div_ceil(BLOCK);
+    let tables = campaign.alphas().len();
+    let random = matches!(campaign.surface.kind, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_));
+    let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
+    let folded = (0..grid.stops()).map(|stop| random && is_folded(campaign, &grid, stop)).collect::<Vec<_>>();
+    let realisations = campaign.surface.realisations;
+    let total = [grid.stops() as u128, u128::from(realisations), u128::from(blocks * BLOCK), tables as u128];
+    let mut plan = Plan {
+        stops: grid.stops(),
+        bins: grid.bins(),
+        tables,
+        realisations,
+        blocks,
+        samples: blocks * BLOCK,
+        total_samples: total.iter().product(),
+        averages_azimuth,
+        images,
+        folded,
+        colours: if campaign.optics == Optics::PerfectMirror { 1 } else { 3 },
+        skipped: Vec::new(),
+        memory_bytes: 0,
+        estimated_s: 0.0,
+        grid,
+    };
+    plan.skipped = skips(campaign, &plan);
+    plan.memory_bytes = memory(campaign, &plan);
+    plan.estimated_s = seconds(campaign, &plan);
+    let limit = memory_limit();
+    if plan.memory_bytes > limit {
+        return Err(Error::Refused(format!(
+            "{}: needs about {} MiB of memory, {} MiB may be used; take fewer stops, bins, realisations or cells",
+            campaign.name,
+            plan.memory_bytes >> 20,
+            limit >> 20
+        )));
+    }
+    Ok(plan)
+}
+
+/// Whether the surface's law is its own mirror image about the plane of incidence.
+fn is_folded(campaign: &Campaign, grid: &Grid, stop: usize) -> bool {
+    let phi = sphere::reduced_deg(grid.stop_deg(stop).1 - campaign.surface.rotation_deg);
+    let relative = campaign.light.azimuth == Azimuth::Relative;
+    let mirrored = if relative { campaign.is_isotropic() } else { campaign.is_isotropic() || phi % 90.0 == 0.0 };
+    campaign.trace.fold && mirrored
+}
+
+fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {
+    let mut skipped = Vec::new();
+    let mut skip = |what: &str, why: &str| skipped.push(Skip { what: what.into(), why: why.into() });
+    skip("primary rays", "paths start on the facets, in proportion to the area turned to the light");
+    skip("the sensor's ray of paths that go down at the last order", "a path that goes down must hit again");
+    if plan.tables > 1 {
+        skip("synthesis for further roughnesses", "one canonical patch serves every alpha: scaling is affine");
+    }
+    if plan.stops > 1 {
+        skip("synthesis for further stops", "all stops see the same patches");
+    }
+    if plan.averages_azimuth {
+        skip("stops at further azimuths", "the table is averaged over the light's azimuth: one for every block");
+    }
+    if plan.folded.iter().any(|&folded| folded) {
+        skip("half of the directions", "the law is its own mirror image: each arrival counts on both sides");
+    }
+    if plan.images > 1 {
+        skip("seven of eight patches", "mirror images of a patch have the same law: the arms are mirrored");
+    }
+    if campaign.optics == Optics::PerfectMirror {
+        skip("throughput", "F = 1: tallies are counts");
+    } else if campaign.trace.bounces == 1 {
+        skip("a trace for each colour", "Schlick's Fresnel follows from the bin's sum of (1-c)^5");
+    }
+    if !campaign.trace.visibility {
+        skip("all rays", "visibility is switched off; energy laws do not apply");
+    }
+    skipped
+}
+
+/// Patches in flight (two threads at least) with their working copies, tallies and tables.
+fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
+    let threads = rayon::current_num_threads() as u128;
+    let cells = match &campaign.surface.kind {
+        SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_) => u128::from(campaign.surface.cells).pow(2),
+        SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64,
+        SurfaceKind::File(map) => std::fs::metadata(&map.resolved_path).map_or(0, |meta| u128::from(meta.len())),
+    };
+    let entries = (plan.stops as u128) * (plan.bins as u128);
+    // Fixed-point sums of 16 bytes while a stop is measured; f64 records of every realisation; the table itself.
+    let sums = 3 + 2 * plan.colours as u128;
+    let records = entries * u128::from(plan.realisations) * plan.tables as u128 * 8 * sums;
+    let tallies = 4 * threads * plan.bins as u128 * 16 * sums;
+    threads * cells * 110 + records + tallies + entries * 4 * 8 * plan.colours as u128
+}
+
+/// A rough time on two cores: rays cross height range x alpha tan(theta) cells.
+fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
+    let (cells, height) = match campaign.surface.kind {
+        SurfaceKind::Ggx(_) => (f64::from(campaign.surface.cells).powi(2), 5.0 * campaign.surface.correlation_cells),
+        SurfaceKind::Beckmann(_) => (f64::from(campaign.surface.cells).powi(2), 2.0 * campaign.surface.correlation_cells),
+        _ => (64.0, 1.0),
+    };
+    let alphas: Vec<f64> = campaign.alphas().iter().map(|a| a.map_or(0.3, |a| a.x.max(a.y))).collect();
+    let per_stop = |stop: usize, alpha: f64| {
+        let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
+        let crossed = 6.0 + height * alpha * (sin / cos + 1.5);
+        plan.blocks as f64 * (BLOCK as f64 * 2.0 * crossed * NS_PER_CELL + 2.0 * cells * NS_PER_FACET)
+    };
+    let tracing: f64 = (0..plan.stops).flat_map(|stop| alphas.iter().map(move |&a| per_stop(stop, a))).sum();
+    let synthesis = if matches!(campaign.surface.kind, SurfaceKind::Ggx(_)) { cells * NS_PER_SYNTHESISED_CELL } else { 0.0 };
+    0.5e-9 * f64::from(plan.realisations) * (tracing + synthesis)
+}
+
+/// Half of the memory that is available now.
+fn memory_limit() -> u128 {
+    let available = || {
+        let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+        let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+        line.split_whitespace().nth(1)?.parse::<u128>().ok()
+    };
+    available().map_or(DEFAULT_LIMIT, |kib| kib * 1024 / 2)
+}

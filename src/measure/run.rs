@@ -1,0 +1,270 @@
+//! The measurement itself: realisations, stops and blocks in parallel, integer sums in any order.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::arms::{BlockArms, starts_stream};
+use super::assemble::{Measured, StopRecord, assemble};
+use super::optics::{Light, f0_of};
+use super::patches::{Patch, Patches};
+use super::plan::Plan;
+use super::tally::{Shape, Tally, to_units};
+use crate::campaign::{Alpha, Campaign};
+use crate::error::{Error, Result};
+use crate::files;
+use crate::instrument::Sensor;
+use crate::rng;
+use crate::trace::{BLOCK, Ending, Sample, Starts, Walker};
+
+/// What a run cost.
+#[derive(Debug, Clone, Serialize)]
+pub struct Cost {
+    /// Wall time.
+    pub wall_s: f64,
+    /// Processor time of all threads, synthesis included.
+    pub cpu_s: f64,
+    /// Wall time spent making patches.
+    pub synthesis_s: f64,
+    /// Wall time spent tracing.
+    pub tracing_s: f64,
+    /// Threads.
+    pub threads: usize,
+    /// Starts.
+    pub samples: u64,
+    /// Rays followed.
+    pub rays_traced: u64,
+    /// Rays that were not needed.
+    pub rays_skipped: u64,
+    /// Largest resident memory.
+    pub peak_bytes: u64,
+}
+
+/// Everything that blocks share.
+struct Context<'a> {
+    campaign: &'a Campaign,
+    plan: &'a Plan,
+    sensor: Sensor,
+    f0: Option<[f64; 3]>,
+    progress: &'a (dyn Fn(u64) + Sync),
+    rays: AtomicU64,
+    skipped: AtomicU64,
+}
+
+/// Measures a campaign: one result for each roughness. `progress` is called with the starts of every finished block.
+///
+/// Errors: those of loading a height map; `Internal` if a ray is lost.
+pub fn measure(
+    campaign: &Campaign,
+    plan: &Plan,
+    patches: &Patches,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<(Vec<Measured>, Cost)> {
+    let (begin, cpu) = (Instant::now(), cpu_seconds());
+    let context = Context {
+        campaign,
+        plan,
+        sensor: Sensor::new(&plan.grid),
+        f0: f0_of(&campaign.optics),
+        progress,
+        rays: AtomicU64::new(0),
+        skipped: AtomicU64::new(0),
+    };
+    let alphas = campaign.alphas();
+    let mut records: Vec<Vec<Vec<StopRecord>>> = vec![Vec::new(); alphas.len()];
+    let mut digests = Vec::new();
+    let (mut synthesis_s, mut tracing_s) = (0.0, 0.0);
+    let all: Vec<u64> = (0..u64::from(plan.realisations)).collect();
+    // As many patches in memory as there are threads to make them.
+    for group in all.chunks(rayon::current_num_threads()) {
+        let clock = Instant::now();
+        let made: Vec<Patch> = group.par_iter().map(|&k| patches.realisation(k)).collect();
+        digests.extend(made.par_iter().map(Patch::digest).collect::<Vec<_>>().concat());
+        synthesis_s += clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        for (alpha, records) in alphas.iter().zip(&mut records) {
+            let measured = group.par_iter().zip(&made).map(|(&k, patch)| context.realisation(patch, *alpha, k));
+            records.extend(measured.collect::<Result<Vec<_>>>()?);
+        }
+        tracing_s += clock.elapsed().as_secs_f64();
+    }
+    let patch_digest = files::sha256_hex(&digests);
+    let results = alphas.iter().zip(records);
+    let results = results.map(|(alpha, records)| assemble(campaign, plan, *alpha, records, &patch_digest)).collect();
+    let cost = Cost {
+        wall_s: begin.elapsed().as_secs_f64(),
+        cpu_s: cpu_seconds() - cpu,
+        synthesis_s,
+        tracing_s,
+        threads: rayon::current_num_threads(),
+        samples: plan.total_samples.try_into().unwrap_or(u64::MAX),
+        rays_traced: context.rays.into_inner(),
+        rays_skipped: context.skipped.into_inner(),
+        peak_bytes: peak_bytes(),
+    };
+    Ok((results, cost))
+}
+
+impl Context<'_> {
+    /// All stops of one realisation.
+    fn realisation(&self, patch: &Patch, alpha: Option<Alpha>, realisation: u64) -> Result<Vec<StopRecord>> {
+        let walker = Walker::new(&patch.field);
+        let stop = |stop: usize| {
+            let tally = (0..self.plan.blocks)
+                .into_par_iter()
+                .fold(|| Tally::new(self.shape()), |mut tally, block| {
+                    self.block(Work { patch, walker, alpha, realisation, stop, block }, &mut tally);
+                    tally
+                })
+                .reduce(|| Tally::new(self.shape()), Tally::merge);
+            if tally.lost > 0 || tally.starts() != self.plan.samples {
+                let (lost, starts) = (tally.lost, tally.starts());
+                return Err(Error::Internal(format!(
+                    "realisation {realisation}, stop {stop}: {lost} rays lost, {starts} of {} starts counted",
+                    self.plan.samples
+                )));
+            }
+            Ok(StopRecord::new(&tally))
+        };
+        (0..self.plan.stops).into_par_iter().map(stop).collect()
+    }
+
+    fn shape(&self) -> Shape {
+        Shape {
+            bins: self.plan.bins,
+            bounces: self.campaign.trace.bounces,
+            fresnel_colours: self.f0.map_or(0, |_| self.plan.colours),
+        }
+    }
+
+    /// One block of starts of one stop.
+    fn block(&self, work: Work, tally: &mut Tally) {
+        let (campaign, plan) = (self.campaign, self.plan);
+        let arms = BlockArms::new(campaign, plan, work.stop, work.realisation, work.block);
+        let sample = Sample { walker: work.walker, alpha: work.patch.alpha(work.alpha), image: arms.image };
+        let starts = Starts::new(&work.patch.field, work.patch.window, sample.to_field(arms.wi));
+        let flux = starts.share(BLOCK) / plan.blocks as f64;
+        let units = to_units(flux);
+        let mut rng = rng::stream(starts_stream(campaign, plan, work.stop, work.realisation, work.block));
+        let mut rays = Rays::default();
+        starts.each(BLOCK, &mut rng, |start| {
+            let mut light = Light::new(self.f0);
+            let ending = if campaign.trace.visibility {
+                sample.trace(start, arms.wi, campaign.trace.bounces, &mut light)
+            } else {
+                sample.trace_unobstructed(start, arms.wi, &mut light)
+            };
+            rays.count(&ending, campaign);
+            match ending {
+                Ending::Out { wo, order } => self.arrive(tally, &arms, work.stop, Arrival { wo, order, light, flux, units }),
+                Ending::Hidden => tally.hidden.add(units),
+                Ending::Cut => tally.cut.add(units),
+                Ending::LeftMap => tally.left_map.add(units),
+                Ending::Lost => tally.lost += 1,
+            }
+        });
+        self.rays.fetch_add(rays.traced, Ordering::Relaxed);
+        self.skipped.fetch_add(rays.skipped, Ordering::Relaxed);
+        (self.progress)(BLOCK);
+    }
+
+    /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded.
+    fn arrive(&self, tally: &mut Tally, arms: &BlockArms, stop: usize, arrival: Arrival) {
+        let Arrival { wo, order, light, flux, units } = arrival;
+        let out = &mut tally.orders[order as usize - 1];
+        out.count += 1;
+        out.flux += units;
+        for (sum, left) in out.colours.iter_mut().zip(light.throughput) {
+            *sum += if self.f0.is_none() { units } else { to_units(flux * left) };
+        }
+        let folded = self.plan.folded[stop];
+        let part = if folded { 0.5 } else { 1.0 };
+        let units = to_units(part * flux);
+        let mut into_bins = |direction: DVec3| {
+            self.sensor.each_bin(direction, |bin| {
+                tally.hits[bin] += 1;
+                if order > 1 {
+                    for (sums, left) in tally.multiple.iter_mut().zip(light.throughput) {
+                        sums[bin] += to_units(part * flux * left);
+                    }
+                } else {
+                    tally.single[bin] += units;
+                    if let Some(sum) = tally.schlick.get_mut(bin) {
+                        *sum += to_units(part * flux * light.first);
+                    }
+                }
+            });
+        };
+        let wo = arms.in_bins(wo);
+        into_bins(wo);
+        if folded {
+            into_bins(arms.mirrored(wo));
+        }
+    }
+}
+
+/// The address of a block, and the patch that it is measured on.
+struct Work<'a> {
+    patch: &'a Patch,
+    walker: Walker<'a>,
+    alpha: Option<Alpha>,
+    realisation: u64,
+    stop: usize,
+    block: u64,
+}
+
+/// A path that leaves the surface.
+struct Arrival {
+    wo: DVec3,
+    order: u32,
+    light: Light,
+    flux: f64,
+    units: u128,
+}
+
+/// Counts rays for the cost report.
+#[derive(Default)]
+struct Rays {
+    traced: u64,
+    skipped: u64,
+}
+
+impl Rays {
+    fn count(&mut self, ending: &Ending, campaign: &Campaign) {
+        let orders = match ending {
+            Ending::Out { order, .. } => u64::from(*order),
+            Ending::Cut => u64::from(campaign.trace.bounces),
+            _ => 0,
+        };
+        if campaign.trace.visibility {
+            self.traced += 1 + orders;
+        } else {
+            self.skipped += 1 + orders;
+        }
+    }
+}
+
+/// Processor time of the process so far; 0 where the system does not tell.
+fn cpu_seconds() -> f64 {
+    let ticks = || {
+        let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+        let after_name = stat.rsplit_once(')')?.1;
+        let field = |n: usize| after_name.split_whitespace().nth(n)?.parse::<f64>().ok();
+        Some(field(11)? + field(12)?)
+    };
+    // The kernel reports in ticks of 1/100 s.
+    ticks().unwrap_or(0.0) / 100.0
+}
+
+/// Largest resident memory so far; 0 where the system does not tell.
+fn peak_bytes() -> u64 {
+    let peak = || {
+        let status = std::fs::read_to_string("/proc/self/status").ok()?;
+        let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+        line.split_whitespace().nth(1)?.parse::<u64>().ok()
+    };
+    peak().unwrap_or(0) * 1024
+}

@@ -1,0 +1,76 @@
+//! Statistics over realisations: mean, standard error, Student t, Sidak. Imports nothing of the crate.
+
+use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::function::gamma::ln_gamma;
+
+/// Mean and the standard error of the mean of independent values; the error is `None` for fewer than two.
+///
+/// se^2 = sum (x - mean)^2/(n (n - 1)), in two passes: nothing cancels. Held by: `mean_and_error_by_hand`.
+pub fn mean_and_se(values: impl Iterator<Item = f64> + Clone) -> (f64, Option<f64>) {
+    let count = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    let squares: f64 = values.map(|x| (x - mean) * (x - mean)).sum();
+    (mean, (count > 1.0).then(|| (squares / (count * (count - 1.0))).sqrt()))
+}
+
+/// E[s]/sigma of a normal sample of `n` >= 2: the bias of the sample standard deviation.
+///
+/// c4(n) = sqrt(2/(n-1)) Gamma(n/2)/Gamma((n-1)/2). Held by: `c4_matches_published_values`.
+pub fn c4(n: usize) -> f64 {
+    let n = n as f64;
+    (2.0 / (n - 1.0)).sqrt() * (ln_gamma(0.5 * n) - ln_gamma(0.5 * (n - 1.0))).exp()
+}
+
+/// The limit that |t| of `dof` degrees of freedom exceeds with probability `p` (two-sided), 0 < p < 1, dof >= 1.
+pub fn student_limit(p: f64, dof: usize) -> f64 {
+    let t = StudentsT::new(0.0, 1.0, dof as f64).expect("dof >= 1");
+    // The lower tail keeps its digits where 1 - p/2 would lose them.
+    -t.inverse_cdf(0.5 * p)
+}
+
+/// Level of each of `tests` independent tests that keeps the family's level: 1 - (1 - level)^(1/tests).
+pub fn sidak(level: f64, tests: usize) -> f64 {
+    -((-level).ln_1p() / tests as f64).exp_m1()
+}
+
+/// Mean of a slice, 0 if it is empty.
+pub fn mean(values: &[f64]) -> f64 {
+    if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_and_error_by_hand() {
+        // Values 1, 2, 3, 6 about 1e9: mean 3, squares 4 + 1 + 0 + 9 = 14, se = sqrt(14/12).
+        let (mean, se) = mean_and_se([1.0, 2.0, 3.0, 6.0].into_iter().map(|x| x + 1e9));
+        assert_eq!(mean, 1e9 + 3.0);
+        assert!((se.unwrap() - (14.0f64 / 12.0).sqrt()).abs() < 1e-15);
+        assert_eq!(mean_and_se([5.0].into_iter()), (5.0, None));
+    }
+
+    #[test]
+    fn c4_matches_published_values() {
+        // Tables of control-chart constants, six digits.
+        for (n, value) in [(2, 0.797_885), (3, 0.886_227), (10, 0.972_659), (25, 0.989_640)] {
+            assert!((c4(n) - value).abs() < 6e-7, "{n}: {}", c4(n));
+        }
+    }
+
+    #[test]
+    fn student_limits_match_published_values() {
+        // Tables of Student's t, 97.5 %, three digits after the point.
+        for (dof, value) in [(1, 12.706), (4, 2.776), (7, 2.365), (15, 2.131), (30, 2.042)] {
+            assert!((student_limit(0.05, dof) - value).abs() < 6e-4, "{dof}: {}", student_limit(0.05, dof));
+        }
+    }
+
+    #[test]
+    fn sidak_keeps_digits_for_many_tests() {
+        assert!((sidak(0.01, 5) - 0.002_008_05).abs() < 1e-8);
+        // ln(1/0.99)/1e6 to first order.
+        assert!((sidak(0.01, 1_000_000) - 1.005_033_585e-8).abs() < 1e-16);
+    }
+}
