@@ -21,5 +21,7 @@ pub mod sphere;
 
 pub mod campaign;
 pub mod instrument;
+pub mod optics;
 pub mod surface;
 pub mod table;
+pub mod theory;
