@@ -25,3 +25,4 @@ pub mod optics;
 pub mod surface;
 pub mod table;
 pub mod theory;
+pub mod validate;
