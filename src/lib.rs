@@ -15,15 +15,32 @@
 //! The measuring side (`surface`, `instrument`, `optics`, `trace`, `measure`, `table`) never imports `theory`;
 //! the two meet in `validate`. A test keeps it so.
 
+// What every stage may use.
 pub mod error;
 pub mod files;
 pub mod rng;
 pub mod sphere;
 pub mod stats;
 
+// The stages, in the order of the data. Each imports only earlier ones.
 pub mod campaign;
-pub mod instrument;
-pub mod measure;
+
 pub mod surface;
-pub mod table;
+
+pub mod instrument;
+
+pub mod optics;
+
 pub mod trace;
+
+pub mod table;
+
+pub mod measure;
+
+pub mod theory;
+
+pub mod validate;
+
+pub mod report;
+
+pub mod cli;

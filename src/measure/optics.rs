@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::campaign::Optics;
+use crate::optics::fresnel::schlick_weight;
 use crate::trace::Bounce;
 
 /// F0 in each colour; `None` for F = 1.
@@ -31,13 +32,10 @@ impl Light {
 }
 
 impl Bounce for Light {
-    /// Schlick at the facet: F = F0 + (1 - F0) (1-c)^5, with 1 - c = sin^2/(1 + c) free of cancellation.
+    /// Schlick at the facet: F = F0 + (1 - F0) (1-c)^5.
     fn bounce(&mut self, wi: DVec3, wo: DVec3) {
         let Some(f0) = self.f0 else { return };
-        let c = 0.5 * (wi + wo).length();
-        let one_minus_c = 0.25 * wi.distance_squared(wo) / (1.0 + c);
-        let square = one_minus_c * one_minus_c;
-        let fifth = square * square * one_minus_c;
+        let fifth = schlick_weight(wi, wo);
         if self.bounces == 0 {
             self.first = fifth;
         }

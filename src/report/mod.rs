@@ -1,0 +1,3 @@
+//! 9. What a measurement says to its reader.
+
+pub mod summary;

@@ -1,0 +1,14 @@
+//! The analytic answer: microfacet theory on paper, sharing no code with the measuring side.
+//!
+//! Enters: roughness and a pair of directions. Leaves: D, Lambda, G1, G2 and the BRDF in 1/sr, without cosine.
+//! Papers: Walter et al. 2007 (D), Heitz 2014 (masking), Torrance and Sparrow 1967 (grooves).
+
+pub mod microfacet;
+pub mod ndf;
+pub mod smith;
+pub mod v_cavity;
+
+pub use microfacet::Microfacet;
+pub use ndf::Ndf;
+pub use smith::{Masking, Side};
+pub use v_cavity::{GrooveLobe, v_groove_lobes};

@@ -1,0 +1,285 @@
+//! Means of the analytic BRDF over sensor bins: what a table is compared with, bin mean against bin mean.
+//!
+//! Enters: a microfacet model, the light (one direction, or nodes of its aperture) and the table's regions. Leaves:
+//! per region and masking the mean, weighted with cos(theta_r), of D G2/(4 cos cos) ("unit", F = 1) and of the same
+//! times (1 - c)^5 ("schlick"): Schlick's BRDF with any F0 is F0 unit + (1 - F0) schlick.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::gauss_legendre::gauss_legendre;
+use super::quadrature::{COMPONENTS, Estimate, Integrand, Precision, Rect, SinCos, Values, integrate};
+use crate::instrument::Region;
+use crate::optics::fresnel::schlick_weight;
+use crate::sphere;
+use crate::theory::smith::visibility;
+use crate::theory::{Masking, Microfacet, Side};
+
+/// Most maskings that one evaluation can carry.
+pub const MASKINGS: usize = COMPONENTS / 2;
+
+/// The means over one bin, in the order of `BinMeans::maskings`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct BinMean {
+    /// F = 1, 1/sr.
+    pub unit: [f64; MASKINGS],
+    /// Times (1 - c)^5, 1/sr.
+    pub schlick: [f64; MASKINGS],
+    /// Largest disagreement of the two orders of the cubature among the above, 1/sr.
+    pub error: f64,
+}
+
+impl BinMean {
+    /// The mean of Schlick's BRDF of the masking at `index`, 1/sr.
+    pub fn with_f0(&self, index: usize, f0: f64) -> f64 {
+        f0 * self.unit[index] + (1.0 - f0) * self.schlick[index]
+    }
+}
+
+/// The analytic side of a comparison: which maskings, and how precisely.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BinMeans {
+    /// At most `MASKINGS` of them.
+    pub maskings: Vec<Masking>,
+    /// Of the bin's flux, for the maskings that are smooth. The direction-correlated one has kinks (max and min of the
+    /// two Lambdas, the azimuth's absolute value) and is held to ten times as much.
+    pub relative: f64,
+    /// Share of the stop's incident flux below which an error in one bin does not matter.
+    pub absolute: f64,
+}
+
+/// How much more the direction-correlated masking may be off.
+const KINKED: f64 = 10.0;
+
+/// Rectangles per bin and direction of light beyond which the cubature gives up (and `BinMean::error` tells).
+const MAX_RECTANGLES: usize = 200_000;
+
+impl BinMeans {
+    /// The given maskings at the default precision: the two orders agree to 1e-6 of the bin (1e-5 for the
+    /// direction-correlated masking) or to 1e-9 of the stop's flux. The integrals themselves are far closer.
+    pub fn new(maskings: Vec<Masking>) -> Self {
+        assert!(maskings.len() <= MASKINGS, "at most {MASKINGS} maskings at once");
+        BinMeans { maskings, relative: 1e-6, absolute: 1e-9 }
+    }
+
+    /// The means over `regions` (stage's frame) under light from `source`: directions with weights that add up to 1.
+    ///
+    /// - Domain: sources and regions above the horizon. An aperture of half-angle 0 gets the value at its axis.
+    /// - Returns one entry per region, the same bits for any number of threads.
+    /// - Several source nodes stand for the aperture only if the bin or the lobe is wider than their distance.
+    /// - Cost: 225 evaluations per rectangle; one rectangle per bin far from the lobe.
+    /// - Held by: `bins_add_up_to_the_reference_albedo`, `a_lobe_of_a_ten_thousandth_is_found` (tests/bin_means.rs).
+    pub fn evaluate(&self, model: &Microfacet, source: &[(DVec3, f64)], regions: &[Region]) -> Vec<BinMean> {
+        regions.par_iter().map(|region| self.mean(model, source, region)).collect()
+    }
+
+    fn mean(&self, model: &Microfacet, source: &[(DVec3, f64)], region: &Region) -> BinMean {
+        let mut mean = BinMean::default();
+        for &(wi, weight) in source {
+            let lit = Lit::new(model, wi, &self.maskings);
+            let (value, error, size) = match *region {
+                Region::Cap { axis, half_angle: 0.0 } => (lit.densities(model.to_sample(axis)), 0.0, axis.z),
+                _ => {
+                    let found = self.flux(&lit, model, region);
+                    (found.value, found.error.into_iter().fold(0.0, f64::max), region.projected_solid_angle())
+                }
+            };
+            for k in 0..self.maskings.len() {
+                mean.unit[k] += weight * value[2 * k] / size;
+                mean.schlick[k] += weight * value[2 * k + 1] / size;
+            }
+            mean.error += weight * error / size;
+        }
+        mean
+    }
+
+    fn flux(&self, lit: &Lit, model: &Microfacet, region: &Region) -> Estimate {
+        let mut relative = [self.relative; COMPONENTS];
+        for (k, &masking) in self.maskings.iter().enumerate() {
+            if masking == Masking::DirectionCorrelated {
+                relative[2 * k] *= KINKED;
+                relative[2 * k + 1] *= KINKED;
+            }
+        }
+        let precision = Precision { relative, absolute: self.absolute, max_rectangles: MAX_RECTANGLES };
+        let (chart, rects) = Chart::of_region(model, lit, region);
+        integrate(&Mapped { lit, chart }, &rects, &precision)
+    }
+}
+
+/// Directional albedo of the single-bounce model: the integrals over the hemisphere of f cos(theta_r), (unit, schlick).
+///
+/// - `wi`: unit vector, stage's frame, wi.z > 0. Returns numbers in [0, 1] (unless nothing is masked).
+/// - Numerics: the two orders agree to 1e-8; measured against the reference values in `albedo_matches_the_reference`.
+/// - Held by: `albedo_matches_the_reference` (tests/bin_means.rs).
+pub fn albedo(model: &Microfacet, wi: DVec3, masking: Masking) -> (f64, f64) {
+    let whole = Region::Rectangle { theta: [0.0, FRAC_PI_2], phi: [0.0, TAU] };
+    let means = BinMeans { maskings: vec![masking], relative: 1e-8, absolute: 1e-10 };
+    let found = means.flux(&Lit::new(model, wi, &means.maskings), model, &whole);
+    (found.value[0], found.value[1])
+}
+
+/// Directions with weights for light that fills the cone of `half_angle` about `axis` evenly in *projected* solid angle.
+///
+/// The density (w.z) sin psi dpsi deta in polar angles (psi, eta) about the axis becomes (w.z/cos psi) du deta with
+/// u = sin^2 psi: Gauss-Legendre of `order` points in u, trapezoid of 2 order + 1 points in eta, the first in the
+/// meridian of the axis.
+///
+/// - Domain: the cone stays above the horizon. A half-angle of 0 gives the axis alone.
+/// - The weights add up to 1 (to rounding) and are positive.
+/// - Held by: `source_nodes_integrate_the_cone` (tests/bin_means.rs).
+pub fn source_nodes(axis: DVec3, half_angle: f64, order: usize) -> Vec<(DVec3, f64)> {
+    if half_angle == 0.0 {
+        return vec![(axis, 1.0)];
+    }
+    let (down, across) = meridian_frame(axis);
+    let around = 2 * order + 1;
+    let mut nodes = Vec::with_capacity(order * around);
+    for (u, weight) in gauss_legendre(order) {
+        let sin_psi = u.sqrt() * half_angle.sin();
+        let cos_psi = (1.0 - sin_psi * sin_psi).sqrt();
+        for k in 0..around {
+            let (sin, cos) = (TAU * k as f64 / around as f64).sin_cos();
+            let w = axis * cos_psi + (down * cos + across * sin) * sin_psi;
+            nodes.push((w, weight * w.z / (cos_psi * axis.z * around as f64)));
+        }
+    }
+    nodes
+}
+
+/// The directions of growing theta and of growing phi at `axis`.
+fn meridian_frame(axis: DVec3) -> (DVec3, DVec3) {
+    let (sin, cos) = sphere::phi(axis).sin_cos();
+    let across = DVec3::new(-sin, cos, 0.0);
+    (across.cross(axis), across)
+}
+
+/// The model under light from one direction, all in the sample's frame.
+struct Lit<'a> {
+    model: &'a Microfacet,
+    maskings: &'a [Masking],
+    wi: DVec3,
+    side: Side,
+}
+
+impl<'a> Lit<'a> {
+    fn new(model: &'a Microfacet, wi: DVec3, maskings: &'a [Masking]) -> Self {
+        let wi = model.to_sample(wi);
+        Lit { model, maskings, wi, side: model.side(wi) }
+    }
+
+    /// D V cos(theta_r) of every masking, alone and times (1 - c)^5: outgoing flux per solid angle, 1/sr.
+    fn densities(&self, wo: DVec3) -> Values {
+        let (i, o) = (&self.side, self.model.side(wo));
+        let d_cos = self.model.ndf.d_of_sum(self.wi + wo, self.model.alpha_x, self.model.alpha_y) * wo.z;
+        let schlick = schlick_weight(self.wi, wo);
+        let mut values = [0.0; COMPONENTS];
+        for (pair, &masking) in values.chunks_exact_mut(2).zip(self.maskings) {
+            let unit = d_cos * visibility(masking, i, &o);
+            pair.copy_from_slice(&[unit, unit * schlick]);
+        }
+        values
+    }
+
+    /// Slope of the half vector in units of alpha: D depends on its length alone.
+    fn canonical_slope(&self, wo: DVec3) -> [f64; 2] {
+        let h = self.wi + wo;
+        [h.x / (self.model.alpha_x * h.z), h.y / (self.model.alpha_y * h.z)]
+    }
+}
+
+/// How two angles name a direction of the sample's frame.
+enum Chart {
+    /// (theta, phi).
+    Polar,
+    /// (psi, eta) about the axis: (axis, direction of eta = 0, of eta = 90 degrees).
+    About(DVec3, DVec3, DVec3),
+}
+
+/// Largest steps of the first subdivision, on which the nine samples of the resolution test see the feature's trend.
+const LARGEST: [f64; 2] = [PI / 6.0, PI / 4.0];
+
+impl Chart {
+    /// The chart of a region and its rectangles, cut where the integrand may have kinks or narrow turns.
+    ///
+    /// Cuts in azimuth: the plane of incidence, and the axes of an anisotropic sample, where the canonical azimuth
+    /// turns fast. In theta: theta_i of an isotropic sample, where the larger Lambda changes hands.
+    fn of_region(model: &Microfacet, lit: &Lit, region: &Region) -> (Chart, Vec<Rect>) {
+        let phi_i = sphere::phi(lit.wi);
+        let mut planes = vec![phi_i];
+        if !model.is_isotropic() {
+            planes.extend([0.0, FRAC_PI_2]);
+        }
+        let (chart, u, cuts_u, v) = match *region {
+            Region::Rectangle { theta, phi } => {
+                let cuts = if model.is_isotropic() { vec![sphere::theta(lit.wi)] } else { vec![] };
+                (Chart::Polar, theta, cuts, phi.map(|phi| phi - model.rotation))
+            }
+            Region::Cap { axis, half_angle } => {
+                let axis = model.to_sample(axis);
+                let (down, across) = meridian_frame(axis);
+                let turn = sphere::phi(axis);
+                planes.iter_mut().for_each(|plane| *plane -= turn);
+                planes.push(0.0);
+                (Chart::About(axis, down, across), [0.0, half_angle], vec![], [0.0, TAU])
+            }
+        };
+        let us = steps(u, &cuts_u, LARGEST[0]);
+        let vs = steps(v, &half_turns(&planes, v), LARGEST[1]);
+        let rects =
+            us.windows(2).flat_map(|u| vs.windows(2).map(|v| Rect { u: [u[0], u[1]], v: [v[0], v[1]] }));
+        (chart, rects.collect())
+    }
+
+    fn direction(&self, (sin_u, cos_u): SinCos, (sin_v, cos_v): SinCos) -> DVec3 {
+        match *self {
+            Chart::Polar => DVec3::new(sin_u * cos_v, sin_u * sin_v, cos_u),
+            Chart::About(axis, down, across) => axis * cos_u + (down * cos_v + across * sin_v) * sin_u,
+        }
+    }
+}
+
+/// All angles inside `ends` that differ from one of `planes` by a whole number of half turns.
+fn half_turns(planes: &[f64], ends: [f64; 2]) -> Vec<f64> {
+    let inside = |&plane: &f64| {
+        let first = ((ends[0] - plane) / PI).ceil() as i64;
+        let last = ((ends[1] - plane) / PI).floor() as i64;
+        (first..=last).map(move |k| plane + PI * k as f64)
+    };
+    planes.iter().flat_map(inside).collect()
+}
+
+/// The ends, the cuts between them, and as many steps more as keep each below `largest`.
+fn steps(ends: [f64; 2], cuts: &[f64], largest: f64) -> Vec<f64> {
+    let mut marks: Vec<f64> = cuts.iter().copied().filter(|&cut| ends[0] < cut && cut < ends[1]).collect();
+    marks.extend(ends);
+    marks.sort_by(f64::total_cmp);
+    marks.dedup();
+    let mut all = vec![ends[0]];
+    for pair in marks.windows(2) {
+        let count = ((pair[1] - pair[0]) / largest).ceil().max(1.0);
+        let within = (1..count as usize).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / count);
+        all.extend(within);
+        all.push(pair[1]);
+    }
+    all
+}
+
+/// The lit model over a chart.
+struct Mapped<'a> {
+    lit: &'a Lit<'a>,
+    chart: Chart,
+}
+
+impl Integrand for Mapped<'_> {
+    /// The area element of both charts is the sine of the first angle.
+    fn values(&self, u: SinCos, v: SinCos) -> Values {
+        self.lit.densities(self.chart.direction(u, v)).map(|value| value * u.0)
+    }
+
+    fn feature(&self, u: SinCos, v: SinCos) -> [f64; 2] {
+        self.lit.canonical_slope(self.chart.direction(u, v))
+    }
+}
