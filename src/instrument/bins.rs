@@ -84,8 +84,10 @@ impl Sensor {
         let positions = grid.theta_r_deg.iter().flat_map(|&t| grid.phi_r_deg.iter().map(move |&p| (t, p)));
         let mut caps: Vec<Cap> = positions
             .enumerate()
-            .map(|(bin, (theta, phi))| {
-                Cap { theta: theta.abs().to_radians(), axis: sphere::direction_deg(theta, phi), bin }
+            .map(|(bin, (theta, phi))| Cap {
+                theta: theta.abs().to_radians(),
+                axis: sphere::direction_deg(theta, phi),
+                bin,
             })
             .collect();
         caps.sort_by(|a, b| a.theta.total_cmp(&b.theta));

@@ -70,9 +70,16 @@ impl BlockArms {
 
 /// The stream of a block's start points. The stop enters by its angles in the sample's frame: a turned sample under
 /// turned arms draws the same numbers, and a further stop leaves the others as they were.
-pub fn starts_stream(campaign: &Campaign, plan: &Plan, stop: usize, realisation: u64, block: u64) -> StreamId {
+pub fn starts_stream(
+    campaign: &Campaign,
+    plan: &Plan,
+    stop: usize,
+    realisation: u64,
+    block: u64,
+) -> StreamId {
     let (theta_i, phi_i) = plan.grid.stop_deg(stop);
-    let phi = if plan.averages_azimuth { 0.0 } else { sphere::reduced_deg(phi_i - campaign.surface.rotation_deg) };
+    let phi =
+        if plan.averages_azimuth { 0.0 } else { sphere::reduced_deg(phi_i - campaign.surface.rotation_deg) };
     StreamId {
         seed: campaign.seed,
         purpose: Purpose::Starts,

@@ -73,7 +73,11 @@ impl StopRecord {
             orders: tally
                 .orders
                 .iter()
-                .map(|o| OrderRecord { count: o.count, colours: o.colours.map(from_units), unit: from_units(o.flux) })
+                .map(|o| OrderRecord {
+                    count: o.count,
+                    colours: o.colours.map(from_units),
+                    unit: from_units(o.flux),
+                })
                 .collect(),
             cut: (tally.cut.count, from_units(tally.cut.flux)),
             hidden: tally.hidden.count,
@@ -116,7 +120,8 @@ pub fn assemble(
     let hits = total_hits(plan, &records);
     let empty = empty_bin_errors(plan, &records, &sizes);
     let colours = (0..colour_f0.len()).map(|colour| channels(&parts, colour, &hits, &empty)).collect();
-    let schlick = (f0.is_some() && campaign.trace.bounces == 1).then(|| schlick_channel(plan, &records, &sizes));
+    let schlick =
+        (f0.is_some() && campaign.trace.bounces == 1).then(|| schlick_channel(plan, &records, &sizes));
     let table = BrdfTable {
         grid: plan.grid.clone(),
         campaign: campaign::to_toml(&campaign),
@@ -195,7 +200,10 @@ fn schlick_channel(plan: &Plan, records: &[Vec<StopRecord>], sizes: &[Vec<f64>])
 }
 
 fn entries<T>(plan: &Plan, of: impl Fn(usize, usize) -> T) -> Vec<T> {
-    (0..plan.stops).flat_map(|stop| (0..plan.bins).map(move |bin| (stop, bin))).map(|(s, b)| of(s, b)).collect()
+    (0..plan.stops)
+        .flat_map(|stop| (0..plan.bins).map(move |bin| (stop, bin)))
+        .map(|(s, b)| of(s, b))
+        .collect()
 }
 
 fn stop_result(records: &[Vec<StopRecord>], stop: usize, colours: usize) -> StopResult {

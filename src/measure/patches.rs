@@ -60,15 +60,19 @@ impl Patches {
             SurfaceKind::Ggx(_) => random(SlopeLaw::Ggx),
             SurfaceKind::Beckmann(_) => random(SlopeLaw::Beckmann),
             SurfaceKind::Mirror => Patches::Exact { field: flat(), alpha: DVec2::ONE },
-            SurfaceKind::VGroove { slope } => Patches::Exact { field: grooves(), alpha: DVec2::splat(*slope) },
+            SurfaceKind::VGroove { slope } => {
+                Patches::Exact { field: grooves(), alpha: DVec2::splat(*slope) }
+            }
             SurfaceKind::File(height_map) => {
                 let mut map = import::load(height_map)?;
                 notes.append(&mut map.notes);
                 let (low, high) = map.field.range();
-                let steepest = campaign.light.theta_i_deg.iter().copied().fold(0.0, f64::max).to_radians().tan();
+                let steepest =
+                    campaign.light.theta_i_deg.iter().copied().fold(0.0, f64::max).to_radians().tan();
                 let reach = (high - low) * map.alpha_x.max(map.alpha_y) * steepest;
                 let shortest = map.field.cells_x().min(map.field.cells_y());
-                let margin = if map.field.is_periodic() { 0 } else { (reach.ceil() as usize).min(shortest / 4) };
+                let margin =
+                    if map.field.is_periodic() { 0 } else { (reach.ceil() as usize).min(shortest / 4) };
                 let tiles = height_map.tiles as usize;
                 if (shortest - 2 * margin) < tiles {
                     return Err(Error::format(

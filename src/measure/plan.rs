@@ -68,7 +68,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
     let tables = campaign.alphas().len();
     let random = matches!(campaign.surface.kind, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_));
     let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
-    let folded = (0..grid.stops()).map(|stop| random && is_folded(campaign, &grid, stop)).collect::<Vec<_>>();
+    let folded = folded_stops(campaign, &grid);
     let realisations = campaign.surface.realisations;
     let total = [grid.stops() as u128, u128::from(realisations), u128::from(blocks * BLOCK), tables as u128];
     let mut plan = Plan {
@@ -103,12 +103,16 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
     Ok(plan)
 }
 
-/// Whether the surface's law is its own mirror image about the plane of incidence.
-fn is_folded(campaign: &Campaign, grid: &Grid, stop: usize) -> bool {
-    let phi = sphere::reduced_deg(grid.stop_deg(stop).1 - campaign.surface.rotation_deg);
-    let relative = campaign.light.azimuth == Azimuth::Relative;
-    let mirrored = if relative { campaign.is_isotropic() } else { campaign.is_isotropic() || phi % 90.0 == 0.0 };
-    campaign.trace.fold && mirrored
+/// For each stop, whether the surface's law is its own mirror image about the plane of incidence and arrivals are
+/// therefore counted on both sides.
+pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
+    let random = matches!(campaign.surface.kind, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_));
+    let along_an_axis = |stop: usize| {
+        let phi = sphere::reduced_deg(grid.stop_deg(stop).1 - campaign.surface.rotation_deg);
+        campaign.light.azimuth != Azimuth::Relative && phi % 90.0 == 0.0
+    };
+    let folds = |stop: usize| campaign.is_isotropic() || along_an_axis(stop);
+    (0..grid.stops()).map(|stop| campaign.trace.fold && random && folds(stop)).collect()
 }
 
 fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {
@@ -117,13 +121,19 @@ fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {
     skip("primary rays", "paths start on the facets, in proportion to the area turned to the light");
     skip("the sensor's ray of paths that go down at the last order", "a path that goes down must hit again");
     if plan.tables > 1 {
-        skip("synthesis for further roughnesses", "one canonical patch serves every alpha: scaling is affine");
+        skip(
+            "synthesis for further roughnesses",
+            "one canonical patch serves every alpha: scaling is affine",
+        );
     }
     if plan.stops > 1 {
         skip("synthesis for further stops", "all stops see the same patches");
     }
     if plan.averages_azimuth {
-        skip("stops at further azimuths", "the table is averaged over the light's azimuth: one for every block");
+        skip(
+            "stops at further azimuths",
+            "the table is averaged over the light's azimuth: one for every block",
+        );
     }
     if plan.folded.iter().any(|&folded| folded) {
         skip("half of the directions", "the law is its own mirror image: each arrival counts on both sides");
@@ -148,7 +158,9 @@ fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
     let cells = match &campaign.surface.kind {
         SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_) => u128::from(campaign.surface.cells).pow(2),
         SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64,
-        SurfaceKind::File(map) => std::fs::metadata(&map.resolved_path).map_or(0, |meta| u128::from(meta.len())),
+        SurfaceKind::File(map) => {
+            std::fs::metadata(&map.resolved_path).map_or(0, |meta| u128::from(meta.len()))
+        }
     };
     let entries = (plan.stops as u128) * (plan.bins as u128);
     // Fixed-point sums of 16 bytes while a stop is measured; f64 records of every realisation; the table itself.
@@ -161,8 +173,12 @@ fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
 /// A rough time on two cores: rays cross height range x alpha tan(theta) cells.
 fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
     let (cells, height) = match campaign.surface.kind {
-        SurfaceKind::Ggx(_) => (f64::from(campaign.surface.cells).powi(2), 5.0 * campaign.surface.correlation_cells),
-        SurfaceKind::Beckmann(_) => (f64::from(campaign.surface.cells).powi(2), 2.0 * campaign.surface.correlation_cells),
+        SurfaceKind::Ggx(_) => {
+            (f64::from(campaign.surface.cells).powi(2), 5.0 * campaign.surface.correlation_cells)
+        }
+        SurfaceKind::Beckmann(_) => {
+            (f64::from(campaign.surface.cells).powi(2), 2.0 * campaign.surface.correlation_cells)
+        }
         _ => (64.0, 1.0),
     };
     let alphas: Vec<f64> = campaign.alphas().iter().map(|a| a.map_or(0.3, |a| a.x.max(a.y))).collect();
@@ -172,7 +188,11 @@ fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
         plan.blocks as f64 * (BLOCK as f64 * 2.0 * crossed * NS_PER_CELL + 2.0 * cells * NS_PER_FACET)
     };
     let tracing: f64 = (0..plan.stops).flat_map(|stop| alphas.iter().map(move |&a| per_stop(stop, a))).sum();
-    let synthesis = if matches!(campaign.surface.kind, SurfaceKind::Ggx(_)) { cells * NS_PER_SYNTHESISED_CELL } else { 0.0 };
+    let synthesis = if matches!(campaign.surface.kind, SurfaceKind::Ggx(_)) {
+        cells * NS_PER_SYNTHESISED_CELL
+    } else {
+        0.0
+    };
     0.5e-9 * f64::from(plan.realisations) * (tracing + synthesis)
 }
 

@@ -86,14 +86,16 @@ pub fn measure(
         synthesis_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         for (alpha, records) in alphas.iter().zip(&mut records) {
-            let measured = group.par_iter().zip(&made).map(|(&k, patch)| context.realisation(patch, *alpha, k));
+            let measured =
+                group.par_iter().zip(&made).map(|(&k, patch)| context.realisation(patch, *alpha, k));
             records.extend(measured.collect::<Result<Vec<_>>>()?);
         }
         tracing_s += clock.elapsed().as_secs_f64();
     }
     let patch_digest = files::sha256_hex(&digests);
     let results = alphas.iter().zip(records);
-    let results = results.map(|(alpha, records)| assemble(campaign, plan, *alpha, records, &patch_digest)).collect();
+    let results =
+        results.map(|(alpha, records)| assemble(campaign, plan, *alpha, records, &patch_digest)).collect();
     let cost = Cost {
         wall_s: begin.elapsed().as_secs_f64(),
         cpu_s: cpu_seconds() - cpu,
@@ -115,10 +117,13 @@ impl Context<'_> {
         let stop = |stop: usize| {
             let tally = (0..self.plan.blocks)
                 .into_par_iter()
-                .fold(|| Tally::new(self.shape()), |mut tally, block| {
-                    self.block(Work { patch, walker, alpha, realisation, stop, block }, &mut tally);
-                    tally
-                })
+                .fold(
+                    || Tally::new(self.shape()),
+                    |mut tally, block| {
+                        self.block(Work { patch, walker, alpha, realisation, stop, block }, &mut tally);
+                        tally
+                    },
+                )
                 .reduce(|| Tally::new(self.shape()), Tally::merge);
             if tally.lost > 0 || tally.starts() != self.plan.samples {
                 let (lost, starts) = (tally.lost, tally.starts());
@@ -159,7 +164,9 @@ impl Context<'_> {
             };
             rays.count(&ending, campaign);
             match ending {
-                Ending::Out { wo, order } => self.arrive(tally, &arms, work.stop, Arrival { wo, order, light, flux, units }),
+                Ending::Out { wo, order } => {
+                    self.arrive(tally, &arms, work.stop, Arrival { wo, order, light, flux, units })
+                }
                 Ending::Hidden => tally.hidden.add(units),
                 Ending::Cut => tally.cut.add(units),
                 Ending::LeftMap => tally.left_map.add(units),

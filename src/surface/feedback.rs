@@ -135,6 +135,7 @@ impl Feedback {
 /// Mean of the logarithm of the wanted length over rank interval `knot`: the middle of 16 sub-intervals each.
 fn mean_log_length(law: SlopeLaw, knot: usize) -> f64 {
     let parts = 16;
-    let at = |j: usize| law.length_quantile((knot as f64 + (j as f64 + 0.5) / parts as f64) / KNOTS as f64).ln();
+    let at =
+        |j: usize| law.length_quantile((knot as f64 + (j as f64 + 0.5) / parts as f64) / KNOTS as f64).ln();
     (0..parts).map(at).sum::<f64>() / parts as f64
 }

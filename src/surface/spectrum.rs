@@ -66,7 +66,8 @@ impl SquareFft {
 
     /// Sum over all n^2 modes of `f(kx, ky)`.
     pub fn sum_over_modes(&self, f: impl Fn(f64, f64) -> f64) -> f64 {
-        let row = |iy: usize| (0..self.side).map(|ix| f(self.wave_number(ix), self.wave_number(iy))).sum::<f64>();
+        let row =
+            |iy: usize| (0..self.side).map(|ix| f(self.wave_number(ix), self.wave_number(iy))).sum::<f64>();
         (0..self.side).map(row).sum()
     }
 

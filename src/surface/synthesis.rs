@@ -92,7 +92,9 @@ struct GaussianSpectrum {
 impl GaussianSpectrum {
     fn new(fft: &SquareFft, correlation: f64) -> Self {
         let quarter_l2 = 0.25 * correlation * correlation;
-        let power = |kx: f64, ky: f64| if kx == 0.0 && ky == 0.0 { 0.0 } else { (-quarter_l2 * (kx * kx + ky * ky)).exp() };
+        let power = |kx: f64, ky: f64| {
+            if kx == 0.0 && ky == 0.0 { 0.0 } else { (-quarter_l2 * (kx * kx + ky * ky)).exp() }
+        };
         let versine = |k: f64| 2.0 * (0.5 * k).sin().powi(2);
         let shared = fft.sum_over_modes(|kx, ky| power(kx, ky) * versine(kx) * versine(ky));
         let mixed = fft.sum_over_modes(|kx, ky| power(kx, ky) * (kx.sin() * ky.sin()).powi(2));

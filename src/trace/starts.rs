@@ -93,7 +93,13 @@ impl<'a> Starts<'a> {
     }
 
     /// Visits the starts of one row, whose running sum begins at `sum`; returns its last facet turned to the light.
-    fn starts_in_row(&self, y: usize, mut sum: f64, due: &mut Due, start: &mut impl FnMut(Facet)) -> Option<Facet> {
+    fn starts_in_row(
+        &self,
+        y: usize,
+        mut sum: f64,
+        due: &mut Due,
+        start: &mut impl FnMut(Facet),
+    ) -> Option<Facet> {
         let mut last_lit = None;
         for x in self.window.x.0..self.window.x.1 {
             let corners = self.field.corners(x, y);

@@ -156,7 +156,11 @@ impl<'a> Walker<'a> {
                 }
                 (entry, upper, own) = (diagonal, leaves_upper, false);
             }
-            let exit = if along_x { local.x_edge(&corners, x.forward, t) } else { local.y_edge(&corners, y.forward, t) };
+            let exit = if along_x {
+                local.x_edge(&corners, x.forward, t)
+            } else {
+                local.y_edge(&corners, y.forward, t)
+            };
             if !own && exit.clearance < 0.0 {
                 return self.hit(&local, Facet { x: cell.0, y: cell.1, upper }, entry, exit);
             }

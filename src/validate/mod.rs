@@ -1,7 +1,12 @@
 //! 7. The table against theory and against laws. The only place where the two sides meet.
 
 pub mod bin_mean;
+pub mod compare;
+pub mod expect;
 pub mod gauss_legendre;
+pub mod laws;
+mod lines;
+pub mod model;
 pub mod quadrature;
 pub mod verdict;
 

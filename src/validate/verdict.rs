@@ -1,9 +1,15 @@
 //! The verdict on a table: every comparison, every law, and what failed.
 
+use rayon::prelude::*;
 use serde::Serialize;
-use serde_json::Value;
 
+use super::compare::{ColourFigures, Comparison, Figures, StopComparison, StopData};
+use super::expect::{self, Bar};
+use super::laws::{Energy, Reciprocity};
+use super::model::{Model, StopMeans};
 use crate::campaign::Campaign;
+use crate::instrument::{Grid, GridKind, Region};
+use crate::measure::plan::folded_stops;
 use crate::table::{BrdfTable, Realisations};
 
 /// Everything that validation finds.
@@ -14,12 +20,163 @@ pub struct Verdict {
     /// One sentence for each failure.
     pub failures: Vec<String>,
     /// The table against each named model.
-    pub comparisons: Vec<Value>,
+    pub comparisons: Vec<Comparison>,
+    /// Flux.
+    pub energy: Energy,
+    /// Arms exchanged; null where no two stops see each other.
+    pub reciprocity: Option<Reciprocity>,
     /// The masking with the smallest discrepancy.
     pub nearest_masking: Option<String>,
+    /// What the table was held to.
+    pub bar: Option<Bar>,
 }
 
 /// Holds a table to the laws and to the models that fit its campaign.
-pub fn examine(_table: &BrdfTable, _campaign: &Campaign, _realisations: Option<&Realisations>) -> Verdict {
-    Verdict { ok: true, failures: vec![], comparisons: vec![], nearest_masking: None }
+pub fn examine(table: &BrdfTable, campaign: &Campaign, realisations: Option<&Realisations>) -> Verdict {
+    let model = Model::of(campaign);
+    let means: Option<Vec<StopMeans>> = model.as_ref().map(|model| {
+        (0..table.grid.stops()).into_par_iter().map(|stop| model.means(campaign, &table.grid, stop)).collect()
+    });
+    let comparisons = match (&model, &means) {
+        (Some(model), Some(means)) => compare(table, campaign, model, means),
+        _ => Vec::new(),
+    };
+    let energy = Energy::of(table, realisations, campaign.trace.visibility);
+    let exact =
+        table.grid.kind == GridKind::Arm && table.grid.aperture_deg == Some(campaign.light.aperture_deg);
+    let reciprocity = if campaign.trace.visibility {
+        Reciprocity::of(table, realisations, exact, means.as_deref())
+    } else {
+        None
+    };
+    let bar = expect::bar(campaign, &table.grid);
+    let mut failures = Vec::new();
+    failures.extend(energy_failure(&energy));
+    failures.extend(reciprocity.as_ref().and_then(reciprocity_failure));
+    failures.extend(bar.and_then(|bar| bar_failure(bar, &comparisons)));
+    Verdict {
+        ok: failures.is_empty(),
+        failures,
+        nearest_masking: nearest(&comparisons, |comparison| comparison.figures.l1),
+        comparisons,
+        energy,
+        reciprocity,
+        bar,
+    }
+}
+
+/// The number of realisations behind a table: the campaign's (a map's start regions included).
+fn realisations_of(campaign: &Campaign) -> usize {
+    campaign.surface.realisations as usize
+}
+
+fn compare(table: &BrdfTable, campaign: &Campaign, model: &Model, means: &[StopMeans]) -> Vec<Comparison> {
+    let names = model.maskings();
+    let of = |(index, masking): (usize, &&str)| {
+        let stops: Vec<StopComparison> = (0..table.grid.stops())
+            .map(|stop| compare_stop(table, campaign, stop, &means[stop].values[index]))
+            .collect();
+        Comparison {
+            model: model.name().into(),
+            masking: (*masking).into(),
+            scope: "single".into(),
+            figures: Figures::mean(stops.iter().map(|stop| &stop.figures)),
+            stops,
+        }
+    };
+    names.iter().enumerate().map(of).collect()
+}
+
+fn compare_stop(table: &BrdfTable, campaign: &Campaign, stop: usize, model: &[Vec<f64>]) -> StopComparison {
+    let grid = &table.grid;
+    let bins = grid.bins();
+    let here = stop * bins..(stop + 1) * bins;
+    let size: Vec<f64> = grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
+    let counted = counted_bins(grid, stop, folded_stops(campaign, grid)[stop]);
+    let realisations = realisations_of(campaign);
+    let figures = |(colour, model): (usize, &Vec<f64>)| {
+        let channels = &table.colours[colour];
+        StopData {
+            value: &channels.single[here.clone()],
+            stderr: &channels.stderr_single[here.clone()],
+            hits: &table.hits[here.clone()],
+            model,
+            size: &size,
+            counted: &counted,
+            realisations,
+        }
+        .figures()
+    };
+    let colours: Vec<ColourFigures> = model.iter().enumerate().map(figures).collect();
+    let count = colours.len() as f64;
+    let bins_judged: usize = colours.iter().map(|c| c.bins).sum();
+    let outside: usize = colours.iter().map(|c| c.outside).sum();
+    let whole = grid.kind == GridKind::Hemisphere;
+    let (theta_i_deg, phi_i_deg) = grid.stop_deg(stop);
+    StopComparison {
+        theta_i_deg,
+        phi_i_deg,
+        albedo_model: whole.then(|| colours.iter().map(|c| c.albedo_model).sum::<f64>() / count),
+        figures: Figures::mean(colours.iter().map(|c| &c.figures)),
+        max_t: colours.iter().filter_map(|c| c.max_t).reduce(f64::max),
+        share_outside_95: (bins_judged > 0).then(|| outside as f64 / bins_judged as f64),
+        dof: realisations.saturating_sub(1),
+    }
+}
+
+/// Of two bins that mirror each other about the plane of incidence, the one on the left of it.
+fn counted_bins(grid: &Grid, stop: usize, folded: bool) -> Vec<bool> {
+    let phi_i = grid.stop_deg(stop).1.to_radians();
+    let half_turn = |region: &Region| match *region {
+        Region::Rectangle { phi: [low, high], .. } => {
+            // The light's frame is turned with it where phi_r is relative; regions are in the stage's frame.
+            let middle = (0.5 * (low + high) - phi_i).rem_euclid(std::f64::consts::TAU);
+            middle <= std::f64::consts::PI + 1e-9 || middle >= std::f64::consts::TAU - 1e-9
+        }
+        Region::Cap { axis, .. } => {
+            let across = axis.y * phi_i.cos() - axis.x * phi_i.sin();
+            across >= -1e-9
+        }
+    };
+    grid.regions(stop).iter().map(|region| !folded || half_turn(region)).collect()
+}
+
+fn energy_failure(energy: &Energy) -> Option<String> {
+    (energy.violations > 0).then(|| {
+        let largest = energy.largest_albedo.unwrap_or(f64::NAN);
+        format!(
+            "energy: {} stops reflect more than they get (largest albedo {largest:.4})",
+            energy.violations
+        )
+    })
+}
+
+/// Only the exact kind is a law; the other compares bins of different shape.
+fn reciprocity_failure(reciprocity: &Reciprocity) -> Option<String> {
+    let (max_t, limit) = reciprocity.max_t.zip(reciprocity.limit)?;
+    (reciprocity.kind == "exact" && max_t > limit)
+        .then(|| format!("reciprocity: a pair differs by {max_t:.1} standard errors, limit {limit:.1}"))
+}
+
+/// A bar counts only where the noise is no larger than it; a bar of 0 means "no more than the noise".
+fn bar_failure(bar: Bar, comparisons: &[Comparison]) -> Option<String> {
+    let comparison = comparisons.iter().find(|c| c.masking == bar.masking)?;
+    let (found, noise) = comparison.figures.l1_model.zip(comparison.figures.l1_noise)?;
+    let broken = if bar.l1_model > 0.0 {
+        noise <= bar.l1_model && found > bar.l1_model
+    } else {
+        found > noise.max(1e-6)
+    };
+    broken.then(|| {
+        format!(
+            "{} {}: l1_model {found:.4} (noise {noise:.4}) is above {:.4}",
+            comparison.model, bar.masking, bar.l1_model
+        )
+    })
+}
+
+/// The masking whose figure is smallest.
+pub fn nearest(comparisons: &[Comparison], figure: impl Fn(&Comparison) -> Option<f64>) -> Option<String> {
+    let with = comparisons.iter().filter_map(|c| figure(c).map(|f| (f, &c.masking)));
+    with.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, masking)| masking.clone())
 }

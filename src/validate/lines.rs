@@ -1,0 +1,92 @@
+//! The verdict in words and columns, at most 100 wide.
+
+use super::compare::Comparison;
+use super::verdict::{Verdict, nearest};
+
+impl Verdict {
+    /// The printable report.
+    pub fn lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(first) = self.comparisons.first() {
+            lines.push(format!(
+                "order 1 against {} D F G2/(4 |n.l||n.v|), flux-weighted L1 of bin means:",
+                first.model
+            ));
+            lines.extend(self.comparison_lines(first));
+        }
+        lines.push(self.energy_line());
+        lines.extend(self.reciprocity_line());
+        match (self.ok, self.bar) {
+            (true, Some(bar)) if bar.l1_model > 0.0 => {
+                lines.push(format!("verdict: ok (l1_model of {} held to {:.4})", bar.masking, bar.l1_model));
+            }
+            (true, _) => lines.push("verdict: ok".into()),
+            (false, _) => {
+                lines.push("verdict: FAILED".into());
+                lines.extend(self.failures.iter().map(|failure| format!("  {failure}")));
+            }
+        }
+        lines
+    }
+
+    fn comparison_lines(&self, first: &Comparison) -> Vec<String> {
+        let short = |masking: &str| masking.replace("_correlated", "").replace("direction", "direct.");
+        let mut head = format!("{:>9} {:>7} {:>8}", "theta_i", "phi_i", "noise");
+        for comparison in &self.comparisons {
+            head += &format!(" {:>10}", short(&comparison.masking));
+        }
+        let mut lines = vec![head + "  nearest (l1_model; noise taken off)"];
+        let number = |value: Option<f64>| value.map_or("n/a".into(), |v| format!("{v:.4}"));
+        for (k, stop) in first.stops.iter().enumerate() {
+            let mut line =
+                format!("{:>9} {:>7} {:>8}", stop.theta_i_deg, stop.phi_i_deg, number(stop.figures.l1_noise));
+            for comparison in &self.comparisons {
+                let figures = comparison.stops[k].figures;
+                line += &format!(" {:>10}", number(figures.l1_model.or(figures.l1)));
+            }
+            if self.comparisons.len() > 1 {
+                line += &format!(
+                    "  {}",
+                    nearest(&self.comparisons, |c| c.stops[k].figures.l1).unwrap_or_default()
+                );
+            }
+            lines.push(line);
+        }
+        let mut line = format!("{:>9} {:>7} {:>8}", "mean", "", number(first.figures.l1_noise));
+        for comparison in &self.comparisons {
+            line += &format!(" {:>10}", number(comparison.figures.l1_model.or(comparison.figures.l1)));
+        }
+        lines.push(
+            line + &self
+                .nearest_masking
+                .as_ref()
+                .filter(|_| self.comparisons.len() > 1)
+                .map_or(String::new(), |m| format!("  {m}")),
+        );
+        lines
+    }
+
+    fn energy_line(&self) -> String {
+        match (&self.energy.skipped, self.energy.largest_albedo) {
+            (Some(why), _) => format!("energy: not judged, {why}"),
+            (None, Some(albedo)) => {
+                let se = self.energy.largest_albedo_se.map_or("n/a".into(), |se| format!("{se:.5}"));
+                format!("energy: largest albedo {albedo:.5} +- {se}, {} violations", self.energy.violations)
+            }
+            (None, None) => "energy: no stops".into(),
+        }
+    }
+
+    fn reciprocity_line(&self) -> Option<String> {
+        let r = self.reciprocity.as_ref()?;
+        let number = |value: Option<f64>| value.map_or("n/a".into(), |v| format!("{v:.2}"));
+        let what = if r.kind == "exact" { "equal apertures" } else { "bins corrected by the model" };
+        Some(format!(
+            "reciprocity ({what}): {} pairs, L1 {}, largest |t| {} (limit {})",
+            r.pairs,
+            r.l1.map_or("n/a".into(), |v| format!("{v:.4}")),
+            number(r.max_t),
+            number(r.limit)
+        ))
+    }
+}

@@ -1,0 +1,180 @@
+//! The analytic answer to a campaign: which models speak of its surface, and their means over the table's bins.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+use super::bin_mean::{BinMeans, source_nodes};
+use crate::campaign::{Azimuth, Campaign, Optics, SurfaceKind};
+use crate::instrument::{Grid, Sensor};
+use crate::optics::fresnel::schlick_weight;
+use crate::sphere;
+use crate::theory::v_cavity::v_groove_lobes;
+use crate::theory::{Masking, Microfacet, Ndf};
+
+/// Azimuths over which a model that is not isotropic is averaged (its period is half a turn): a trapezoid rule on a
+/// smooth periodic function.
+const AZIMUTHS: usize = 36;
+/// Nodes along the radius of the light's aperture.
+const APERTURE_ORDER: usize = 6;
+
+/// What theory says about a surface.
+pub enum Model {
+    /// D G2 F/(4 cos cos) with each of the maskings.
+    Microfacet {
+        /// The surface.
+        surface: Microfacet,
+        /// In the order of the comparisons.
+        maskings: Vec<Masking>,
+    },
+    /// Mirror directions that carry all the flux.
+    Lobes {
+        /// The model's name.
+        name: &'static str,
+        /// The masking's name.
+        masking: &'static str,
+        /// V-groove slope; `None` for a flat mirror.
+        slope: Option<f64>,
+        /// The sample's turn.
+        rotation: f64,
+    },
+}
+
+/// One model's means over the bins of one stop.
+pub struct StopMeans {
+    /// [masking][colour][bin], 1/sr.
+    pub values: Vec<Vec<Vec<f64>>>,
+}
+
+impl Model {
+    /// The models of a campaign; `None` where theory has nothing to say (a measured map).
+    pub fn of(campaign: &Campaign) -> Option<Self> {
+        let rotation = campaign.surface.rotation_deg.to_radians();
+        let microfacet = |ndf| {
+            let alpha = campaign.alphas()[0]?;
+            let surface = Microfacet { ndf, alpha_x: alpha.x, alpha_y: alpha.y, rotation };
+            let shadowed = vec![Masking::Separable, Masking::HeightCorrelated, Masking::DirectionCorrelated];
+            let maskings = if campaign.trace.visibility { shadowed } else { vec![Masking::None] };
+            Some(Model::Microfacet { surface, maskings })
+        };
+        match campaign.surface.kind {
+            SurfaceKind::Ggx(_) => microfacet(Ndf::Ggx),
+            SurfaceKind::Beckmann(_) => microfacet(Ndf::Beckmann),
+            SurfaceKind::Mirror => {
+                Some(Model::Lobes { name: "mirror", masking: "none", slope: None, rotation })
+            }
+            SurfaceKind::VGroove { slope } => Some(Model::Lobes {
+                name: "torrance_sparrow",
+                masking: "v_cavity",
+                slope: Some(slope),
+                rotation,
+            }),
+            SurfaceKind::File(_) => None,
+        }
+    }
+
+    /// The model's name in the summary.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Model::Microfacet { surface, .. } => surface.ndf.name(),
+            Model::Lobes { name, .. } => name,
+        }
+    }
+
+    /// Names of the maskings, in the order of `StopMeans::values`.
+    pub fn maskings(&self) -> Vec<&'static str> {
+        match self {
+            Model::Microfacet { maskings, .. } => maskings.iter().map(|masking| masking.name()).collect(),
+            Model::Lobes { masking, .. } => vec![masking],
+        }
+    }
+
+    /// The means over the bins of one stop, over the same bins and light aperture as the measurement.
+    pub fn means(&self, campaign: &Campaign, grid: &Grid, stop: usize) -> StopMeans {
+        let half_angle = campaign.light.aperture_deg.to_radians();
+        let source = source_nodes(grid.wi(stop), half_angle, APERTURE_ORDER);
+        let f0: Vec<Option<f64>> = match campaign.optics {
+            Optics::PerfectMirror => vec![None],
+            Optics::Schlick { f0, .. } => f0.iter().map(|&f0| Some(f0)).collect(),
+        };
+        let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
+        let turns = if averaged { AZIMUTHS } else { 1 };
+        let rotations = (0..turns).map(|k| PI * k as f64 / turns as f64);
+        let mut sum: Option<Vec<Vec<Vec<f64>>>> = None;
+        for rotation in rotations {
+            let part = self.turned_means(rotation, grid, stop, &source, &f0);
+            sum = Some(match sum {
+                None => part,
+                Some(sum) => zip3(sum, &part),
+            });
+        }
+        let mut values = sum.unwrap_or_default();
+        values.iter_mut().flatten().flatten().for_each(|value| *value /= turns as f64);
+        StopMeans { values }
+    }
+
+    fn turned_means(
+        &self,
+        turn: f64,
+        grid: &Grid,
+        stop: usize,
+        source: &[(DVec3, f64)],
+        f0: &[Option<f64>],
+    ) -> Vec<Vec<Vec<f64>>> {
+        match self {
+            Model::Microfacet { surface, maskings } => {
+                let surface = Microfacet { rotation: surface.rotation + turn, ..*surface };
+                let bins = BinMeans::new(maskings.clone()).evaluate(&surface, source, &grid.regions(stop));
+                let of = |k: usize, f0: Option<f64>| {
+                    bins.iter().map(|bin| f0.map_or(bin.unit[k], |f0| bin.with_f0(k, f0))).collect()
+                };
+                (0..maskings.len()).map(|k| f0.iter().map(|&f0| of(k, f0)).collect()).collect()
+            }
+            Model::Lobes { slope, rotation, .. } => {
+                vec![
+                    f0.iter()
+                        .map(|&f0| lobe_means(*slope, rotation + turn, grid, stop, source, f0))
+                        .collect(),
+                ]
+            }
+        }
+    }
+}
+
+/// The flux of each mirror direction over the bin that holds it.
+fn lobe_means(
+    slope: Option<f64>,
+    rotation: f64,
+    grid: &Grid,
+    stop: usize,
+    source: &[(DVec3, f64)],
+    f0: Option<f64>,
+) -> Vec<f64> {
+    let sensor = Sensor::new(grid);
+    let regions = grid.regions(stop);
+    let turn_back = if grid.phi_r_relative { -grid.stop_deg(stop).1 } else { 0.0 };
+    let mut means = vec![0.0; regions.len()];
+    for &(wi, weight) in source {
+        let lobes: Vec<(DVec3, f64)> = match slope {
+            None => vec![(DVec3::new(-wi.x, -wi.y, wi.z), 1.0)],
+            Some(slope) => {
+                v_groove_lobes(slope, rotation, wi).iter().map(|lobe| (lobe.wo, lobe.flux)).collect()
+            }
+        };
+        for (wo, flux) in lobes.into_iter().filter(|&(wo, flux)| flux > 0.0 && wo.z > 0.0) {
+            let fresnel = f0.map_or(1.0, |f0| f0 + (1.0 - f0) * schlick_weight(wi, wo));
+            sensor.each_bin(sphere::turned(wo, sphere::sin_cos_deg(turn_back)), |bin| {
+                means[bin] += weight * flux * fresnel / regions[bin].projected_solid_angle();
+            });
+        }
+    }
+    means
+}
+
+fn zip3(mut sum: Vec<Vec<Vec<f64>>>, part: &[Vec<Vec<f64>>]) -> Vec<Vec<Vec<f64>>> {
+    let flat = sum.iter_mut().flatten().flatten();
+    for (sum, part) in flat.zip(part.iter().flatten().flatten()) {
+        *sum += part;
+    }
+    sum
+}
