@@ -19,6 +19,13 @@ pub struct Verdict {
     pub nearest_masking: Option<String>,
 }
 
+impl Verdict {
+    /// The printable report.
+    pub fn lines(&self) -> Vec<String> {
+        vec![format!("laws and expectations: {}", if self.ok { "met" } else { "not met" })]
+    }
+}
+
 /// Holds a table to the laws and to the models that fit its campaign.
 pub fn examine(_table: &BrdfTable, _campaign: &Campaign, _realisations: Option<&Realisations>) -> Verdict {
     Verdict { ok: true, failures: vec![], comparisons: vec![], nearest_masking: None }
