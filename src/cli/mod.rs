@@ -1,1 +1,169 @@
 //! The command line: one file a verb.
+//!
+//! Results go to stdout, everything else to stderr. No physics here: verbs read, call a stage, and print.
+
+use std::ffi::OsString;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Mutex;
+
+use clap::{ColorChoice, Parser, Subcommand};
+
+use crate::error::{Error, Result};
+
+mod certificate_text;
+mod check;
+mod measure;
+mod output;
+mod plan_text;
+mod progress;
+mod surface;
+mod targets;
+mod validate;
+
+pub use output::print_error;
+
+/// Stack of a worker: nested parallel loops steal work on top of waiting work.
+const STACK_BYTES: usize = 16 << 20;
+/// Threads for each core at most.
+const THREADS_PER_CORE: usize = 4;
+
+/// A virtual gonioreflectometer: measures the BRDF of explicit random microsurfaces, with error bars.
+#[derive(Parser)]
+#[command(name = "gonio", version, color = ColorChoice::Never, arg_required_else_help = true, max_term_width = 100)]
+#[command(after_help = "Example: gonio measure configs/quickstart.toml\n\
+    Exit codes: 0 done, 1 ran and disagrees, 2 command line or campaign, 3 files, 4 refused,\n\
+    70 internal error.")]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Check(check::Arguments),
+    Surface(surface::Arguments),
+    Measure(measure::Arguments),
+    Validate(validate::Arguments),
+}
+
+impl Verb {
+    /// The wanted number of threads, 0 for one a core.
+    fn threads(&self) -> usize {
+        match self {
+            Verb::Surface(arguments) => arguments.threads,
+            Verb::Measure(arguments) => arguments.threads,
+            Verb::Check(_) | Verb::Validate(_) => 0,
+        }
+    }
+
+    fn run(&self) -> Result<u8> {
+        match self {
+            Verb::Check(arguments) => check::run(arguments),
+            Verb::Surface(arguments) => surface::run(arguments),
+            Verb::Measure(arguments) => measure::run(arguments),
+            Verb::Validate(arguments) => validate::run(arguments),
+        }
+    }
+}
+
+/// Runs the command line `words`, the program's name first, and returns the exit code.
+///
+/// A panic, also one inside a worker, is returned as [`Error::Internal`]; the process's panic hook is replaced.
+pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
+    panic::set_hook(Box::new(|panic| remember(&panic.to_string())));
+    guarded(|| {
+        let arguments = match Arguments::try_parse_from(words) {
+            Ok(arguments) => arguments,
+            Err(answer) => {
+                // Help and version too; a reader that has gone away does not change the answer.
+                answer.print().ok();
+                return Ok(answer.exit_code().try_into().unwrap_or(2));
+            }
+        };
+        pool(arguments.verb.threads())?.install(|| arguments.verb.run())
+    })
+}
+
+/// Workers by their number alone: the environment has no say.
+fn pool(wanted: usize) -> Result<rayon::ThreadPool> {
+    let threads = workers(wanted);
+    if wanted > threads {
+        output::warn(format_args!(
+            "--threads {wanted}: {threads} are used, {THREADS_PER_CORE} for each core"
+        ));
+    }
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .stack_size(STACK_BYTES)
+        .build()
+        .map_err(|e| Error::Refused(format!("{threads} threads cannot be started: {e}")))
+}
+
+/// How many workers there will be: as wanted, one for each core for 0, within the limit.
+fn workers(wanted: usize) -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
+    if wanted == 0 { cores } else { wanted.min(THREADS_PER_CORE * cores) }
+}
+
+/// The last panic's text and place, as the hook saw it. Decoders catch panics of their own: nothing is printed
+/// before one reaches the top.
+static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
+
+fn remember(panic: &str) {
+    if let Ok(mut last) = LAST_PANIC.lock() {
+        *last = panic.split_whitespace().collect::<Vec<_>>().join(" ");
+    }
+}
+
+/// Turns a panic into an error.
+fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|payload| {
+        let said = payload.downcast_ref::<String>().map(String::as_str);
+        let said = said.or(payload.downcast_ref::<&str>().copied()).unwrap_or("panic").to_string();
+        let seen = LAST_PANIC.lock().map(|last| last.clone()).unwrap_or_default();
+        let text = if seen.is_empty() { said } else { seen };
+        Err(Error::Internal(format!("{text} (please report)")))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn every_help_fits_a_screen_and_shows_an_example() {
+        let mut command = Arguments::command();
+        command.build();
+        for verb in command.get_subcommands_mut().filter(|verb| verb.get_name() != "help") {
+            let help = verb.render_help().to_string();
+            assert!(help.lines().count() <= 24, "{help}");
+            assert!(help.lines().all(|line| line.chars().count() <= 100), "{help}");
+            assert!(help.contains("Example: gonio "), "{help}");
+        }
+    }
+
+    #[test]
+    fn a_panic_in_a_worker_is_an_internal_error_in_one_line() {
+        let failed = guarded(|| {
+            pool(2)?.install(|| rayon::join(|| (), || panic!("a broken invariant")));
+            Ok(())
+        });
+        let error = failed.expect_err("the worker panicked");
+        assert_eq!(error.exit_code(), 70);
+        assert_eq!(error.to_string(), "internal error: a broken invariant (please report)");
+    }
+
+    #[test]
+    fn threads_are_counted_by_the_command_line_alone() {
+        let cores = std::thread::available_parallelism().expect("known").get();
+        assert_eq!((workers(0), workers(1), workers(3), workers(100_000)), (cores, 1, 3, 4 * cores));
+        assert_eq!(pool(3).expect("starts").install(rayon::current_num_threads), 3);
+    }
+}

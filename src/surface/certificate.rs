@@ -13,6 +13,8 @@ use super::slope_law::SlopeLaw;
 
 /// Bins of the azimuth histogram.
 pub const AZIMUTH_BINS: usize = 36;
+/// Bins of the pooled slope law.
+const SLOPE_BINS: usize = 10_000;
 
 /// The certificate of one patch, in canonical slopes.
 #[derive(Debug, Clone, Serialize)]
@@ -73,13 +75,66 @@ impl Certificate {
     }
 }
 
+/// Facets by the share of the wanted law below their slope length, of one patch or of many: even where the law is
+/// met.
+#[derive(Debug, Clone)]
+pub struct SlopeCounts {
+    law: SlopeLaw,
+    counts: Vec<u64>,
+}
+
+impl SlopeCounts {
+    /// No facets yet.
+    pub fn new(law: SlopeLaw) -> Self {
+        SlopeCounts { law, counts: vec![0; SLOPE_BINS] }
+    }
+
+    /// Counts the facets of a patch.
+    pub fn add(&mut self, field: &Heightfield) {
+        for (x, y) in cells(field) {
+            let corners = field.corners(x, y);
+            for slope in [corners.lower_slope(), corners.upper_slope()] {
+                let below = self.law.length_cdf(slope.length());
+                self.counts[((below * SLOPE_BINS as f64) as usize).min(SLOPE_BINS - 1)] += 1;
+            }
+        }
+    }
+
+    /// Counts the facets of another count, which must be of the same law.
+    pub fn merge(&mut self, other: &Self) {
+        debug_assert_eq!(self.law, other.law);
+        for (mine, theirs) in self.counts.iter_mut().zip(&other.counts) {
+            *mine += theirs;
+        }
+    }
+
+    /// Kolmogorov-Smirnov distance of all facets together from the law, `None` without facets.
+    ///
+    /// Looked at between bins only: too small by at most 1/10,000. Held by:
+    /// `pooled_counts_give_the_distance_of_all_facets`.
+    pub fn ks(&self) -> Option<f64> {
+        let all: u64 = self.counts.iter().sum();
+        let (mut below, mut largest) = (0, 0.0f64);
+        for (bin, count) in self.counts.iter().enumerate() {
+            below += count;
+            let wanted = (bin + 1) as f64 / SLOPE_BINS as f64;
+            largest = largest.max((below as f64 / all as f64 - wanted).abs());
+        }
+        (all > 0).then_some(largest)
+    }
+}
+
+fn cells(field: &Heightfield) -> impl Iterator<Item = (usize, usize)> {
+    let (columns, rows) = (field.cells_x(), field.cells_y());
+    (0..rows).flat_map(move |y| (0..columns).map(move |x| (x, y)))
+}
+
 /// Slopes and mean heights of all facets.
 fn facets(field: &Heightfield) -> (Vec<DVec2>, Vec<f64>) {
-    let cells = (0..field.cells_y()).flat_map(|y| (0..field.cells_x()).map(move |x| (x, y)));
     let both = |c: Corners| {
         [(c.lower_slope(), (c.h00 + c.h10 + c.h01) / 3.0), (c.upper_slope(), (c.h11 + c.h10 + c.h01) / 3.0)]
     };
-    cells.flat_map(|(x, y)| both(field.corners(x, y))).unzip()
+    cells(field).flat_map(|(x, y)| both(field.corners(x, y))).unzip()
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -153,4 +208,34 @@ fn azimuth_harmonics(slopes: &[DVec2]) -> [[f64; 2]; 2] {
     }
     let n = slopes.len() as f64;
     [(first / n).to_array(), (second / n).to_array()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Heights without any order: sines of growing arguments.
+    fn field(phase: f64) -> Heightfield {
+        Heightfield::new(32, 32, true, (0..1024).map(|i| (phase + f64::from(i * i)).sin()).collect())
+    }
+
+    #[test]
+    fn pooled_counts_give_the_distance_of_all_facets() {
+        for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann] {
+            let one = |phase: f64| {
+                let mut counts = SlopeCounts::new(law);
+                counts.add(&field(phase));
+                counts
+            };
+            let mut both = one(0.3);
+            both.merge(&one(7.0));
+            let lengths = |phase: f64| facets(&field(phase)).0.into_iter().map(|slope| slope.length());
+            let mut all: Vec<f64> = lengths(0.3).chain(lengths(7.0)).collect();
+            radsort::sort(&mut all);
+            let exact = ks_distance(&all, |length| law.length_cdf(length));
+            let pooled = both.ks().expect("there are facets");
+            assert!(pooled <= exact + 1e-12 && pooled >= exact - 1e-4, "{law:?}: {pooled}, exactly {exact}");
+        }
+        assert_eq!(SlopeCounts::new(SlopeLaw::Ggx).ks(), None);
+    }
 }

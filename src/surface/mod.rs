@@ -11,7 +11,7 @@ pub mod slope_law;
 mod spectrum;
 pub mod synthesis;
 
-pub use certificate::Certificate;
+pub use certificate::{Certificate, SlopeCounts};
 pub use heightfield::Heightfield;
 pub use slope_law::SlopeLaw;
 pub use synthesis::Synthesiser;

@@ -1,0 +1,137 @@
+//! The certificates of a set of patches in words: a row for each, and what all of them say together.
+
+use serde::Serialize;
+
+use super::output::{columns, or_na};
+use super::surface::Entry;
+use crate::stats;
+
+/// Level of the test for preferred azimuths, over all harmonics together.
+const LEVEL: f64 = 0.01;
+const HARMONICS: [&str; 4] = ["cos psi", "sin psi", "cos 2 psi", "sin 2 psi"];
+
+/// What all patches together show.
+#[derive(Serialize)]
+pub struct Pooled {
+    /// Kolmogorov-Smirnov distance of all facets from the wanted law.
+    ks: Option<f64>,
+    /// Azimuth harmonics of the slopes: mean over patches, tested against 0.
+    harmonics: Vec<Harmonic>,
+    /// Degrees of freedom of t.
+    dof: usize,
+    /// What |t| of an even set exceeds, in any harmonic, with probability 1 %.
+    t_limit: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct Harmonic {
+    name: &'static str,
+    mean: f64,
+    se: Option<f64>,
+    t: Option<f64>,
+    rejected: Option<bool>,
+}
+
+impl Pooled {
+    /// Means and tests over the patches; `ks` is that of all facets.
+    pub fn of(entries: &[Entry], ks: Option<f64>) -> Self {
+        let dof = entries.len().saturating_sub(1);
+        let level = stats::sidak(LEVEL, HARMONICS.len());
+        let t_limit = (dof > 0).then(|| stats::student_limit(level, dof));
+        let harmonic = |(k, &name): (usize, &&'static str)| {
+            let values = entries.iter().map(|entry| entry.certificate.azimuth_harmonics.as_flattened()[k]);
+            let (mean, se) = stats::mean_and_se(values);
+            let t = se.filter(|se| *se > 0.0).map(|se| mean / se);
+            let rejected = t.zip(t_limit).map(|(t, limit)| t.abs() > limit);
+            Harmonic { name, mean, se, t, rejected }
+        };
+        Pooled { ks, harmonics: HARMONICS.iter().enumerate().map(harmonic).collect(), dof, t_limit }
+    }
+}
+
+/// The printable certificate.
+pub fn lines(entries: &[Entry], pooled: &Pooled) -> Vec<String> {
+    const HEADINGS: [&str; 12] = [
+        "patch", "KS", "azimuth", "|h1|", "|h2|", "r(h)", "r(h^2)", "skew", "kurt", "range", "|mean|",
+        "median",
+    ];
+    let rows: Vec<Vec<String>> = entries.iter().enumerate().map(row).collect();
+    let mut lines = columns(&HEADINGS, &rows);
+    lines.extend(
+        [
+            "",
+            "slopes in the patch's own unit (alpha = 1), lengths in cells; azimuth: least..most, 1 is even;",
+            "h1, h2: harmonics of the slope azimuth psi; r: rank correlation of slope length with height,",
+            "with its square; mean: of the slope; median: of its length",
+            "",
+        ]
+        .map(String::from),
+    );
+    lines.push(format!("all patches: KS {}", or_na(pooled.ks, 5)));
+    lines.extend(columns(&["harmonic", "mean", "standard error", "t", "even?"], &harmonics(pooled)));
+    lines.push(match pooled.t_limit {
+        Some(limit) => {
+            format!("|t| above {limit:.2} in any rejects at 1 % (Student, {} degrees, Sidak)", pooled.dof)
+        }
+        None => "one patch: no test".into(),
+    });
+    lines
+}
+
+fn row((index, entry): (usize, &Entry)) -> Vec<String> {
+    let certificate = &entry.certificate;
+    let (least, most) = certificate.azimuth_extremes();
+    let length = |[x, y]: [f64; 2]| x.hypot(y);
+    let [first, second] = certificate.azimuth_harmonics.map(length);
+    vec![
+        format!("{index:03}"),
+        or_na(certificate.ks, 5),
+        format!("{least:.3}..{most:.3}"),
+        format!("{first:.4}"),
+        format!("{second:.4}"),
+        format!("{:.4}", certificate.rank_correlation_height),
+        format!("{:.4}", certificate.rank_correlation_height_squared),
+        format!("{:.3}", certificate.height_skewness),
+        format!("{:.3}", certificate.height_kurtosis),
+        format!("{}", Shown(certificate.height_range)),
+        small(length(certificate.mean_slope)),
+        format!("{}", Shown(certificate.median_slope)),
+    ]
+}
+
+/// A number that should be 0: its size.
+fn small(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.0e}") }
+}
+
+/// A number of any size in few characters.
+struct Shown(f64);
+
+impl std::fmt::Display for Shown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let size = self.0.abs();
+        if size == 0.0 || (1e-2..1e3).contains(&size) {
+            write!(f, "{:.3}", self.0)
+        } else {
+            write!(f, "{:.1e}", self.0)
+        }
+    }
+}
+
+fn harmonics(pooled: &Pooled) -> Vec<Vec<String>> {
+    let verdict = |rejected: Option<bool>| match rejected {
+        None => "n/a",
+        Some(true) => "rejected",
+        Some(false) => "yes",
+    };
+    let row = |harmonic: &Harmonic| {
+        vec![
+            harmonic.name.into(),
+            format!("{:.5}", harmonic.mean),
+            or_na(harmonic.se, 5),
+            or_na(harmonic.t, 2),
+            verdict(harmonic.rejected).into(),
+        ]
+    };
+    pooled.harmonics.iter().map(row).collect()
+}

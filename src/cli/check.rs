@@ -1,0 +1,57 @@
+//! `gonio check`: every fault of a campaign, or what measuring it would mean.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::output::{Output, print_error, to_json, warn};
+use super::plan_text;
+use crate::campaign::{self, Parsed};
+use crate::error::{Error, Result};
+use crate::measure;
+
+/// List all faults of a campaign, or show the plan: stops, bins, samples, memory, time
+#[derive(Args)]
+#[command(after_help = "Example: gonio check configs/quickstart.toml")]
+pub struct Arguments {
+    /// The campaign, a TOML file
+    campaign: PathBuf,
+    /// Print one JSON document: faults, plan, notes
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8> {
+    let parsed = match campaign::read(&arguments.campaign) {
+        Err(error @ Error::Campaign(_)) if arguments.json => return answer(&error),
+        parsed => parsed?,
+    };
+    let Parsed { campaign, notes } = parsed;
+    let plan = measure::plan(&campaign);
+    let mut out = Output::default();
+    if arguments.json {
+        let code = plan.as_ref().err().map_or(0, Error::exit_code);
+        let plan = match plan {
+            Ok(plan) => to_json(&plan)?,
+            Err(error) => {
+                print_error(&error);
+                Value::Null
+            }
+        };
+        out.json(&json!({ "faults": [], "plan": plan, "notes": notes }))?;
+        return Ok(code);
+    }
+    notes.iter().for_each(warn);
+    let plan = plan?;
+    out.lines(plan_text::facts(&campaign, &plan))?;
+    out.lines(plan_text::skipped(&plan))?;
+    Ok(0)
+}
+
+/// The faults as JSON.
+fn answer(error: &Error) -> Result<u8> {
+    let faults = if let Error::Campaign(faults) = error { to_json(faults)? } else { Value::Null };
+    Output::default().json(&json!({ "faults": faults, "plan": null, "notes": [] }))?;
+    Ok(error.exit_code())
+}

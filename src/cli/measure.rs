@@ -1,0 +1,203 @@
+//! `gonio measure`: the main job, from the campaign to tables, summaries and a report.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::Value;
+
+use super::output::{self, Output, duration, grouped, json_text, say, warn, with_error};
+use super::plan_text;
+use super::progress::Progress;
+use super::targets::{self, Target};
+use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
+use crate::error::{Error, Result};
+use crate::files;
+use crate::measure::{self, Cost, Measured, Patches, Plan, StopResult};
+use crate::report::summary::summary;
+use crate::stats;
+use crate::table::realisations::{self, Kept};
+use crate::table::store;
+use crate::validate::{self, Verdict};
+
+/// Measure a campaign: table, realisations, summary and report
+#[derive(Args)]
+#[command(after_help = "Writes <name>.exr, <name>.realisations.exr and, last, <name>.json to the folder;\n\
+    several roughnesses give one set each, <name>_alpha_<value>.\n\n\
+    Example: gonio measure configs/quickstart.toml --threads 2")]
+pub struct Arguments {
+    /// The campaign, a TOML file
+    campaign: PathBuf,
+    /// Folder of the results [default: out/<name>]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Seed instead of the campaign's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Worker threads, 0 for one a core; results do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+    /// Replace results that are there
+    #[arg(long)]
+    force: bool,
+    /// Print the summary as one JSON document (a list for several roughnesses)
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8> {
+    let Parsed { mut campaign, notes } = campaign::read(&arguments.campaign)?;
+    campaign.seed = arguments.seed.unwrap_or(campaign.seed);
+    notes.iter().for_each(warn);
+    measure::plan(&campaign)?;
+    let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
+    let all = Target::of(&campaign, &folder);
+    for target in &all {
+        targets::spare_inputs(&target.paths(), &arguments.campaign, &campaign)?;
+    }
+    let finished =
+        all.iter().map(|target| Ok(!arguments.force && target.is_finished()?)).collect::<Result<Vec<_>>>()?;
+    let open: Vec<&Target> =
+        all.iter().zip(&finished).filter(|(_, done)| !**done).map(|(target, _)| target).collect();
+    let mut out = Output::default();
+    for target in all.iter().zip(&finished).filter(|(_, done)| **done).map(|(target, _)| target) {
+        let text = format!("{} is finished: nothing to do", target.table.display());
+        if arguments.json { say(text) } else { out.line(text)? }
+    }
+    if !open.is_empty() {
+        measure_all(&of_targets(&campaign, &open), &open, arguments.json, &mut out)?;
+    }
+    if arguments.json {
+        let mut summaries =
+            all.iter().map(|target| read_summary(&target.summary)).collect::<Result<Vec<_>>>()?;
+        let single = if summaries.len() == 1 { summaries.pop() } else { None };
+        out.json(&single.unwrap_or(Value::Array(summaries)))?;
+    }
+    Ok(0)
+}
+
+/// The campaign with the roughnesses of `open` alone. Roughnesses share patches and draws: the tables stay the same.
+fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
+    let mut some = campaign.clone();
+    if let SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) = &mut some.surface.kind {
+        alphas.retain(|alpha| open.iter().any(|target| target.alpha == Some(*alpha)));
+    }
+    some
+}
+
+/// Measures the open tables and writes each with its summary, data first.
+fn measure_all(campaign: &Campaign, open: &[&Target], json: bool, out: &mut Output) -> Result<()> {
+    let plan = measure::plan(campaign)?;
+    let mut notes = Vec::new();
+    let patches = Patches::prepare(campaign, &mut notes)?;
+    notes.iter().for_each(warn);
+    if !json {
+        out.lines(plan_text::facts(campaign, &plan))?;
+    }
+    let progress = Progress::new(plan.total_samples.try_into().unwrap_or(u64::MAX), "samples");
+    let (results, cost) = measure::measure(campaign, &plan, &patches, &|starts| progress.add(starts))?;
+    progress.finish();
+    for (measured, target) in results.iter().zip(open) {
+        let verdict = validate::examine(&measured.table, &measured.campaign, Some(&measured.realisations));
+        let document = summary(measured, &plan, &cost, &verdict);
+        let kept = write(measured, &document, target)?;
+        verdict.failures.iter().for_each(warn);
+        if !json {
+            report(out, measured, &plan, &verdict)?;
+            out.lines(files_written(target, kept))?;
+        }
+    }
+    if json { Ok(()) } else { out.lines(cost_lines(&cost)) }
+}
+
+fn write(measured: &Measured, summary: &Value, target: &Target) -> Result<Kept> {
+    // Without its summary a table counts as unfinished, whatever happens from here on.
+    targets::remove(&target.summary)?;
+    store::save(&target.table, &measured.table)?;
+    let limit = realisations::SIZE_LIMIT;
+    let kept = realisations::save(&target.realisations, &measured.realisations, &measured.table, limit)?;
+    if kept == Kept::Nothing {
+        targets::remove(&target.realisations)?;
+    }
+    files::write_atomically(&target.summary, format!("{}\n", json_text(summary)?).as_bytes())?;
+    Ok(kept)
+}
+
+fn read_summary(path: &Path) -> Result<Value> {
+    let bytes = files::read(path)?;
+    serde_json::from_slice(&bytes).map_err(|e| Error::format(path, format!("is no summary: {e}")))
+}
+
+/// Albedos of every stop, and the verdict.
+fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict) -> Result<()> {
+    let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
+    let mut headings = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
+    headings.extend(open_map.then_some("left map"));
+    let row = |(index, stop): (usize, &StopResult)| {
+        let (theta, phi) = plan.grid.stop_deg(index);
+        let starts = plan.samples as f64 * f64::from(plan.realisations);
+        let share = |count: u64| format!("{:.4} %", 100.0 * count as f64 / starts);
+        let single = stop.albedo_by_order[..1].iter();
+        let (single, total) = (albedo(single), albedo(stop.albedo_by_order.iter()));
+        let mut row = vec![
+            format!("{theta:.2}"),
+            format!("{phi:.2}"),
+            single,
+            total,
+            share(stop.hidden),
+            share(stop.cut),
+        ];
+        row.extend(open_map.then(|| share(stop.left_map)));
+        row
+    };
+    let rows: Vec<Vec<String>> = measured.stops.iter().enumerate().map(row).collect();
+    let alpha = match measured.campaign.alphas()[..] {
+        [Some(alpha)] if alpha.x == alpha.y => format!(", alpha {}", alpha.x),
+        [Some(alpha)] => format!(", alpha_x {}, alpha_y {}", alpha.x, alpha.y),
+        _ => String::new(),
+    };
+    out.line("")?;
+    out.line(format_args!("{}{alpha}: mean +- standard error over realisations", measured.campaign.name))?;
+    out.lines(output::columns(&headings, &rows))?;
+    out.line("")?;
+    out.lines(verdict.lines())
+}
+
+/// Sum over orders, its mean over the realisations and the standard error.
+fn albedo<'a>(orders: impl Iterator<Item = &'a Vec<f64>> + Clone) -> String {
+    let count = orders.clone().map(Vec::len).min().unwrap_or(0);
+    let sums: Vec<f64> = (0..count).map(|k| orders.clone().map(|order| order[k]).sum()).collect();
+    let (mean, se) = stats::mean_and_se(sums.into_iter());
+    with_error(mean, se)
+}
+
+fn files_written(target: &Target, kept: Kept) -> Vec<String> {
+    let size = |path: &Path| path.metadata().map_or(String::new(), |meta| output::bytes(meta.len().into()));
+    let line = |what: &str, path: &Path| format!("{what:<14}{} ({})", path.display(), size(path));
+    let limit = realisations::SIZE_LIMIT / 1_000_000;
+    let realisations = match kept {
+        Kept::All => line("realisations", &target.realisations),
+        Kept::Groups => {
+            let groups = realisations::GROUPS;
+            format!(
+                "{}, in {groups} groups: all would exceed {limit} MB",
+                line("realisations", &target.realisations)
+            )
+        }
+        Kept::Nothing => format!("{:<14}left out: they would exceed {limit} MB", "realisations"),
+    };
+    vec![String::new(), line("table", &target.table), realisations, line("summary", &target.summary)]
+}
+
+fn cost_lines(cost: &Cost) -> [String; 2] {
+    let rate = cost.samples as f64 / cost.tracing_s.max(1e-9) / 1e6;
+    let times = format!(
+        "{:<14}{} ({} of it making patches), {} of processor time, {} threads",
+        "time",
+        duration(cost.wall_s),
+        duration(cost.synthesis_s),
+        duration(cost.cpu_s),
+        cost.threads
+    );
+    let (rays, memory) = (grouped(cost.rays_traced), output::bytes(cost.peak_bytes.into()));
+    [times, format!("{:<14}{rays} rays, {rate:.2} million samples/s, {memory} of memory", "work")]
+}

@@ -1,0 +1,127 @@
+//! A campaign and its plan in words: what `check` shows and `measure` begins with.
+
+use super::output::{bytes, duration, grouped, wrapped};
+use crate::campaign::{Alpha, Azimuth, BinLayout, Campaign, Optics, Sensor, SurfaceKind};
+use crate::measure::Plan;
+
+/// Room for the words on the left.
+const HEAD: usize = 14;
+
+/// The plan, a line or two for each question.
+pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
+    let trace = &campaign.trace;
+    let orders =
+        if trace.bounces == 1 { "order 1".into() } else { format!("orders up to {}", trace.bounces) };
+    let sight = if trace.visibility { "shadowing and masking" } else { "no shadowing or masking" };
+    let samples = format!(
+        "{} for each stop and realisation ({} blocks), {} in all",
+        grouped(plan.samples),
+        grouped(plan.blocks),
+        grouped(plan.total_samples)
+    );
+    let facts = [
+        ("campaign", format!("{}, seed {}", campaign.name, campaign.seed)),
+        ("surface", surface(campaign)),
+        ("optics", optics(campaign)),
+        ("trace", format!("{orders}; {sight}")),
+        ("stops", stops(campaign, plan)),
+        ("bins", format!("{} at each stop: {}", grouped(plan.bins as u128), sensor(campaign))),
+        ("tables", plan.tables.to_string()),
+        ("realisations", plan.realisations.to_string()),
+        ("samples", samples),
+        ("memory", format!("about {}", bytes(plan.memory_bytes))),
+        ("time", format!("about {} on two cores", duration(plan.estimated_s))),
+    ];
+    facts.iter().flat_map(|(head, text)| line(head, text)).collect()
+}
+
+/// What is skipped, and why.
+pub fn skipped(plan: &Plan) -> Vec<String> {
+    plan.skipped.iter().flat_map(|skip| line("skipped", &format!("{}: {}", skip.what, skip.why))).collect()
+}
+
+fn line(head: &str, text: &str) -> Vec<String> {
+    wrapped(&format!("{head:<HEAD$}"), text)
+}
+
+fn surface(campaign: &Campaign) -> String {
+    let surface = &campaign.surface;
+    let random = |law: &str, alphas: &[Alpha]| {
+        format!(
+            "{law}, alpha {}; patches of {} x {} cells, correlation {} cells",
+            listed(alphas.iter().map(|alpha| roughness(*alpha))),
+            surface.cells,
+            surface.cells,
+            surface.correlation_cells
+        )
+    };
+    let what = match &surface.kind {
+        SurfaceKind::Ggx(alphas) => random("ggx", alphas),
+        SurfaceKind::Beckmann(alphas) => random("beckmann", alphas),
+        SurfaceKind::Mirror => "a flat mirror".into(),
+        SurfaceKind::VGroove { slope } => format!("v-grooves along y, slope {slope}"),
+        SurfaceKind::File(map) => format!("{}, {} x {} start regions", map.path, map.tiles, map.tiles),
+    };
+    if surface.rotation_deg == 0.0 {
+        what
+    } else {
+        format!("{what}; turned by {} degrees", surface.rotation_deg)
+    }
+}
+
+/// A roughness as it is written: one number where it is the same along x and y.
+fn roughness(alpha: Alpha) -> String {
+    if alpha.x == alpha.y { alpha.x.to_string() } else { format!("{} along x, {} along y", alpha.x, alpha.y) }
+}
+
+fn optics(campaign: &Campaign) -> String {
+    match &campaign.optics {
+        Optics::PerfectMirror => "F = 1".into(),
+        Optics::Schlick { material: Some(name), f0 } => format!("{name}, Schlick, F0 {f0:?}"),
+        Optics::Schlick { material: None, f0 } => format!("Schlick, F0 {f0:?}"),
+    }
+}
+
+fn stops(campaign: &Campaign, plan: &Plan) -> String {
+    let thetas = listed(campaign.light.theta_i_deg.iter());
+    let phis = match &campaign.light.azimuth {
+        Azimuth::Relative => "azimuth averaged".into(),
+        Azimuth::Absolute(phis) => format!("phi_i {}", listed(phis.iter())),
+    };
+    format!("{}: theta_i {thetas}; {phis}", plan.stops)
+}
+
+fn sensor(campaign: &Campaign) -> String {
+    match &campaign.sensor {
+        Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
+            let layout = match bins {
+                BinLayout::Centred => "centred on",
+                BinLayout::Aligned => "edges on",
+            };
+            let step = |whole: f64, count: u32| (whole / f64::from(count) * 1e4).round() / 1e4;
+            let (theta, phi) = (step(90.0, *theta_r_bins), step(360.0, *phi_r_bins));
+            format!("{layout} multiples of {theta} (theta_r) and {phi} degrees (phi_r)")
+        }
+        Sensor::Arm { aperture_deg, .. } => format!("arm positions, half-angle {aperture_deg} degrees"),
+    }
+}
+
+/// A list with its middle left out where it is long.
+fn listed<T: ToString>(values: impl Iterator<Item = T>) -> String {
+    let mut texts: Vec<String> = values.map(|value| value.to_string()).collect();
+    if texts.len() > 10 {
+        texts.splice(5..texts.len() - 2, ["...".to_string()]);
+    }
+    texts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lists_keep_their_ends() {
+        assert_eq!(listed([1.5, 2.0].iter()), "1.5, 2");
+        assert_eq!(listed(0..20), "0, 1, 2, 3, 4, ..., 18, 19");
+    }
+}

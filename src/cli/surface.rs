@@ -1,0 +1,280 @@
+//! `gonio surface`: the patches of a campaign as files, with the certificate of what they really have.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use rayon::prelude::*;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::certificate_text::{self, Pooled};
+use super::output::{Output, json_text, to_json, warn};
+use super::progress::Progress;
+use super::targets;
+use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
+use crate::error::{Error, Result};
+use crate::files;
+use crate::measure::{self, Patch, Patches};
+use crate::surface::{Certificate, SlopeCounts, export};
+
+/// Make the patches of a campaign and certify their slopes and heights
+#[derive(Args)]
+#[command(after_help = "Writes patch_000.exr ... (height, pitch_x, pitch_y) and, last, \
+    certificate.json.\n\nExample: gonio surface configs/quickstart.toml -o patches --npy")]
+pub struct Arguments {
+    /// The campaign, a TOML file
+    campaign: PathBuf,
+    /// Folder of the patches [default: out/<name>]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Write the same heights as patch_000.npy ... too
+    #[arg(long)]
+    npy: bool,
+    /// Seed instead of the campaign's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Worker threads, 0 for one a core; results do not depend on it
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+    /// Replace patches that are there
+    #[arg(long)]
+    force: bool,
+    /// Print the certificate as one JSON document
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8> {
+    let Parsed { mut campaign, mut notes } = campaign::read(&arguments.campaign)?;
+    campaign.seed = arguments.seed.unwrap_or(campaign.seed);
+    measure::plan(&campaign)?;
+    let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
+    let job = Job::new(arguments, &campaign, folder, &mut notes)?;
+    notes.iter().for_each(warn);
+    job.check_folder(&arguments.campaign)?;
+    let progress = Progress::new(job.count, "patches");
+    let (entries, slopes) = job.make_all(&progress)?;
+    progress.finish();
+    let pooled = Pooled::of(&entries, slopes.and_then(|slopes| slopes.ks()));
+    let document = job.document(&entries, &pooled, &notes)?;
+    files::write_atomically(&job.certificate(), format!("{}\n", json_text(&document)?).as_bytes())?;
+    let mut out = Output::default();
+    if arguments.json {
+        out.json(&document)?;
+    } else {
+        out.lines(certificate_text::lines(&entries, &pooled))?;
+        let npy = if job.npy { " and .npy" } else { "" };
+        let (last, pitch) = (job.name(job.count - 1, "exr"), job.pitch);
+        out.line("")?;
+        out.line(format_args!(
+            "files   {} to {last}{npy}, certificate.json in {}",
+            job.name(0, "exr"),
+            job.folder.display()
+        ))?;
+        out.line(format_args!("pitch   {} x {} in the unit of the heights", pitch[0], pitch[1]))?;
+    }
+    Ok(0)
+}
+
+/// The certificate of one patch and where it is.
+#[derive(Serialize)]
+pub struct Entry {
+    file: String,
+    /// SHA-256 over the heights.
+    heights_sha256: String,
+    #[serde(flatten)]
+    pub certificate: Certificate,
+}
+
+/// Everything that the patches share.
+struct Job<'a> {
+    campaign: &'a Campaign,
+    patches: Patches,
+    folder: PathBuf,
+    count: u64,
+    pitch: [f64; 2],
+    npy: bool,
+    force: bool,
+}
+
+impl<'a> Job<'a> {
+    fn new(
+        arguments: &Arguments,
+        campaign: &'a Campaign,
+        folder: PathBuf,
+        notes: &mut Vec<String>,
+    ) -> Result<Self> {
+        let patches = Patches::prepare(campaign, notes)?;
+        let random = matches!(patches, Patches::Random { .. });
+        let alphas = campaign.alphas();
+        let alpha = match (&patches, &alphas[..]) {
+            (Patches::Exact { alpha, .. }, _) => [alpha.x, alpha.y],
+            (Patches::Map { map, .. }, _) => [map.alpha_x, map.alpha_y],
+            (Patches::Random { .. }, [Some(alpha)]) => [alpha.x, alpha.y],
+            (Patches::Random { .. }, _) => {
+                notes.push(
+                    "several roughnesses share these patches: written with pitch 1, as alpha = 1".into(),
+                );
+                [1.0, 1.0]
+            }
+        };
+        if let Patches::Map { map, .. } = &patches
+            && !map.field.is_periodic()
+        {
+            notes.push(
+                "the map is open: a reader of patches would take its first and last rows for neighbours"
+                    .into(),
+            );
+        }
+        let count = if random { u64::from(campaign.surface.realisations) } else { 1 };
+        let (npy, force) = (arguments.npy, arguments.force);
+        Ok(Job { campaign, patches, folder, count, pitch: alpha.map(|alpha| 1.0 / alpha), npy, force })
+    }
+
+    fn name(&self, index: u64, end: &str) -> String {
+        format!("patch_{index:03}.{end}")
+    }
+
+    fn certificate(&self) -> PathBuf {
+        self.folder.join("certificate.json")
+    }
+
+    /// The names of all patches that will be there.
+    fn names(&self) -> Vec<String> {
+        let ends: &[&str] = if self.npy { &["exr", "npy"] } else { &["exr"] };
+        (0..self.count).flat_map(|index| ends.iter().map(move |end| self.name(index, end))).collect()
+    }
+
+    /// Before any work: what lies in the folder must be of these patches, or be replaced by --force.
+    fn check_folder(&self, file: &Path) -> Result<()> {
+        let mut outputs: Vec<PathBuf> = self.names().iter().map(|name| self.folder.join(name)).collect();
+        outputs.push(self.certificate());
+        let paths: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
+        targets::spare_inputs(&paths, file, self.campaign)?;
+        if !self.force {
+            let strange = self.patches_there()?.into_iter().find(|(index, _)| *index >= self.count);
+            if let Some((_, path)) = strange {
+                return Err(targets::in_the_way(&path, "is there, a patch more than this campaign has"));
+            }
+            return self.check_certificate();
+        }
+        targets::remove(&self.certificate())?;
+        for (_, path) in self.patches_there()? {
+            // Only patches that are not about to be replaced: what is left is of one run.
+            if !outputs.contains(&path) {
+                targets::spare_inputs(&[&path], file, self.campaign)?;
+                targets::remove(&path)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A certificate that is there must be of the same surface and seed.
+    fn check_certificate(&self) -> Result<()> {
+        let path = self.certificate();
+        if !path.exists() {
+            return Ok(());
+        }
+        let old: Value = serde_json::from_slice(&files::read(&path)?).unwrap_or_default();
+        let same = old["seed"] == json!(self.campaign.seed)
+            && old["surface"] == surface_of(self.campaign)?
+            && old["pitch"] == json!(self.pitch);
+        if same { Ok(()) } else { Err(targets::in_the_way(&path, "is of other patches")) }
+    }
+
+    /// Files in the folder that are named as patches are, with their numbers.
+    fn patches_there(&self) -> Result<Vec<(u64, PathBuf)>> {
+        let mut found = Vec::new();
+        for entry in fs::read_dir(&self.folder).map_err(|e| Error::io(&self.folder, e))? {
+            let entry = entry.map_err(|e| Error::io(&self.folder, e))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let digits = name.strip_prefix("patch_").and_then(|rest| rest.split_once('.'));
+            if let Some((digits, "exr" | "npy")) = digits
+                && digits.len() >= 3
+                && let Ok(index) = digits.parse()
+            {
+                found.push((index, self.folder.join(name)));
+            }
+        }
+        found.sort();
+        Ok(found)
+    }
+
+    /// Makes, certifies and writes all patches, as many at a time as there are threads.
+    fn make_all(&self, progress: &Progress) -> Result<(Vec<Entry>, Option<SlopeCounts>)> {
+        let mut all = Patches::law(self.campaign).map(SlopeCounts::new);
+        let mut entries = Vec::new();
+        let indices: Vec<u64> = (0..self.count).collect();
+        for group in indices.chunks(rayon::current_num_threads()) {
+            let make = |&index: &u64| {
+                let made = self.make(index);
+                progress.add(1);
+                made
+            };
+            for (entry, slopes) in group.par_iter().map(make).collect::<Result<Vec<_>>>()? {
+                entries.push(entry);
+                if let (Some(all), Some(slopes)) = (&mut all, slopes) {
+                    all.merge(&slopes);
+                }
+            }
+        }
+        Ok((entries, all))
+    }
+
+    fn make(&self, index: u64) -> Result<(Entry, Option<SlopeCounts>)> {
+        let patch = self.patches.realisation(index);
+        let [pitch_x, pitch_y] = self.pitch;
+        self.put(index, "exr", &export::encode_exr(&patch.field, pitch_x, pitch_y)?)?;
+        if self.npy {
+            self.put(index, "npy", &export::encode_npy(&patch.field)?)?;
+        }
+        let law = Patches::law(self.campaign);
+        let slopes = law.map(|law| {
+            let mut slopes = SlopeCounts::new(law);
+            slopes.add(&patch.field);
+            slopes
+        });
+        let certificate = Certificate::of(&patch.field, law);
+        let heights_sha256 = files::hex(&Patch::digest(&patch));
+        Ok((Entry { file: self.name(index, "exr"), heights_sha256, certificate }, slopes))
+    }
+
+    /// Writes a file, unless the same bytes are there already.
+    fn put(&self, index: u64, end: &str, bytes: &[u8]) -> Result<()> {
+        let path = self.folder.join(self.name(index, end));
+        if !self.force && path.exists() {
+            let same = files::read(&path)? == bytes;
+            return if same { Ok(()) } else { Err(targets::in_the_way(&path, "is another patch")) };
+        }
+        files::write_atomically(&path, bytes)
+    }
+
+    fn document(&self, entries: &[Entry], pooled: &Pooled, notes: &[String]) -> Result<Value> {
+        Ok(json!({
+            "schema": 1,
+            "name": self.campaign.name,
+            "seed": self.campaign.seed,
+            "version": env!("CARGO_PKG_VERSION"),
+            "surface": surface_of(self.campaign)?,
+            "pitch": self.pitch,
+            "patches": to_json(&entries)?,
+            "all": to_json(pooled)?,
+            "notes": notes,
+        }))
+    }
+}
+
+/// What of the surface decides the patches: not how it is turned or mirrored.
+fn surface_of(campaign: &Campaign) -> Result<Value> {
+    let surface = &campaign.surface;
+    Ok(match &surface.kind {
+        SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_) => json!({
+            "realisations": surface.realisations,
+            "cells": surface.cells,
+            "correlation_cells": surface.correlation_cells,
+            "kind": to_json(&surface.kind)?,
+        }),
+        kind => json!({ "kind": to_json(kind)? }),
+    })
+}

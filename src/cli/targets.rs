@@ -1,0 +1,110 @@
+//! Where results go: the folder, the files of each table, and what lies there already.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use super::output::{say, warn};
+use crate::campaign::{self, Alpha, Campaign, SurfaceKind};
+use crate::error::{Error, Result};
+use crate::files;
+use crate::table::store;
+
+/// The output folder, ready to take files: `wanted`, or `out/<name>`.
+pub fn open_folder(wanted: Option<&Path>, campaign: &Campaign) -> Result<PathBuf> {
+    let folder = wanted.map_or_else(|| Path::new("out").join(&campaign.name), Path::to_path_buf);
+    files::create_folder(&folder)?;
+    for path in files::remove_leftovers(&folder)? {
+        say(format_args!("note: {}, left by a run that was ended, is removed", path.display()));
+    }
+    Ok(folder)
+}
+
+/// Refuses to write over what the campaign reads.
+pub fn spare_inputs(outputs: &[&Path], file: &Path, campaign: &Campaign) -> Result<()> {
+    let map = match &campaign.surface.kind {
+        SurfaceKind::File(map) => Some(map.resolved_path.as_path()),
+        _ => None,
+    };
+    let inputs: Vec<PathBuf> = [Some(file), map].into_iter().flatten().flat_map(fs::canonicalize).collect();
+    let is_input = |path: &Path| fs::canonicalize(path).is_ok_and(|path| inputs.contains(&path));
+    match outputs.iter().find(|path| is_input(path)) {
+        Some(path) => {
+            Err(Error::format(path, "is read by this campaign and would be overwritten; choose another -o"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Removes a file if it is there.
+pub fn remove(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != ErrorKind::NotFound => Err(Error::io(path, e)),
+        _ => Ok(()),
+    }
+}
+
+/// The files of one table. The summary is written last: where it is, the table is finished.
+pub struct Target {
+    /// The roughness, where there is one.
+    pub alpha: Option<Alpha>,
+    /// The table.
+    pub table: PathBuf,
+    /// Its realisations.
+    pub realisations: PathBuf,
+    /// Its summary.
+    pub summary: PathBuf,
+    campaign: String,
+}
+
+impl Target {
+    /// The files of every table of a campaign.
+    pub fn of(campaign: &Campaign, folder: &Path) -> Vec<Target> {
+        let alphas = campaign.alphas();
+        let several = alphas.len() > 1;
+        let target = |alpha: Option<Alpha>| {
+            let one = alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
+            let stem = match alpha {
+                Some(alpha) if several => format!("{}_alpha_{}", campaign.name, alpha.x),
+                _ => campaign.name.clone(),
+            };
+            Target {
+                alpha,
+                table: folder.join(format!("{stem}.exr")),
+                realisations: folder.join(format!("{stem}.realisations.exr")),
+                summary: folder.join(format!("{stem}.json")),
+                campaign: campaign::to_toml(&one),
+            }
+        };
+        alphas.into_iter().map(target).collect()
+    }
+
+    /// Whether the table is there and finished. A table of another campaign, or a file that is no table, is an
+    /// error; one of this campaign without its summary is of a run that was ended, and is made again.
+    pub fn is_finished(&self) -> Result<bool> {
+        let finished = self.summary.exists();
+        if !self.table.exists() {
+            let stray = [&self.summary, &self.realisations].into_iter().find(|path| path.exists());
+            return stray.map_or(Ok(false), |path| Err(in_the_way(path, "is there without its table")));
+        }
+        let loaded =
+            store::load(&self.table).map_err(|e| in_the_way(&self.table, &format!("is no table ({e})")))?;
+        if loaded.table.campaign != self.campaign {
+            return Err(in_the_way(&self.table, "was measured by another campaign or seed"));
+        }
+        if finished && loaded.table.version != env!("CARGO_PKG_VERSION") {
+            warn(format_args!("{} was measured by version {}", self.table.display(), loaded.table.version));
+        }
+        Ok(finished)
+    }
+
+    /// All its files.
+    pub fn paths(&self) -> [&Path; 3] {
+        [&self.table, &self.realisations, &self.summary]
+    }
+}
+
+/// The refusal to replace a file.
+pub fn in_the_way(path: &Path, what: &str) -> Error {
+    Error::format(path, format!("{what}; --force replaces it, -o DIR writes elsewhere"))
+}

@@ -1,0 +1,342 @@
+//! Promise: the program's exit codes, what goes to stdout and stderr, and which files are written when.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::{Command as StdCommand, Output, Stdio};
+
+use assert_cmd::Command;
+use gonio::files::sha256_hex;
+use gonio::surface::import::load_patch;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// A campaign of a fraction of a second.
+const SMALL: &str = "\
+name = \"small\"
+seed = 5
+[surface]
+realisations = 4
+cells = 32
+correlation_cells = 4.0
+[surface.ggx]
+alpha = 0.3
+[light]
+theta_i_deg = [0, 50]
+[sensor.hemisphere]
+theta_r_bins = 6
+phi_r_bins = 12
+[stop]
+samples = 65_536
+";
+
+/// A folder with `small.toml` of this text.
+fn folder(text: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    fs::write(folder.path().join("small.toml"), text).expect("campaign");
+    folder
+}
+
+fn gonio(folder: &Path, words: &[&str]) -> Output {
+    Command::cargo_bin("gonio").expect("built").current_dir(folder).args(words).output().expect("runs")
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+#[track_caller]
+fn exits(output: &Output, code: i32) {
+    assert_eq!(output.status.code(), Some(code), "{}\n{}", stdout(output), stderr(output));
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {}", stdout(output)))
+}
+
+/// Names and SHA-256 of the files in a folder; of a summary, without what a run cost and would need.
+fn digests(folder: &Path) -> BTreeMap<String, String> {
+    let digest = |path: &Path| {
+        let mut bytes = fs::read(path).expect("readable");
+        if let Ok(Value::Object(mut summary)) = serde_json::from_slice(&bytes) {
+            summary.remove("cost");
+            if let Some(plan) = summary.get_mut("plan").and_then(Value::as_object_mut) {
+                plan.remove("memory_bytes");
+            }
+            bytes = Value::Object(summary).to_string().into_bytes();
+        }
+        sha256_hex(&bytes)
+    };
+    fs::read_dir(folder)
+        .expect("readable")
+        .map(|entry| entry.expect("entry").path())
+        .map(|path| (path.file_name().expect("name").to_string_lossy().into_owned(), digest(&path)))
+        .collect()
+}
+
+#[test]
+fn help_and_version_are_answers_and_no_arguments_are_a_mistake() {
+    let folder = folder(SMALL);
+    for words in [&["--help"][..], &["--version"], &["check", "--help"], &["measure", "--help"]] {
+        exits(&gonio(folder.path(), words), 0);
+    }
+    assert!(stdout(&gonio(folder.path(), &["--version"])).starts_with("gonio "));
+    for words in
+        [&[][..], &["measure"], &["mesure", "small.toml"], &["check", "small.toml", "--threads", "2"]]
+    {
+        let output = gonio(folder.path(), words);
+        exits(&output, 2);
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{words:?}");
+    }
+    exits(&gonio(folder.path(), &["measure", "small.toml", "--seed", "-1"]), 2);
+}
+
+#[test]
+fn check_shows_the_plan_and_writes_nothing() {
+    let folder = folder(SMALL);
+    let output = gonio(folder.path(), &["check", "small.toml"]);
+    exits(&output, 0);
+    let text = stdout(&output);
+    for word in ["stops", "bins", "realisations", "65,536", "524,288 in all", "memory", "time", "skipped"] {
+        assert!(text.contains(word), "{word}: {text}");
+    }
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    assert!(stderr(&output).is_empty());
+    let answer = json(&gonio(folder.path(), &["check", "small.toml", "--json"]));
+    assert_eq!((&answer["faults"], &answer["plan"]["samples"]), (&Value::Array(vec![]), &65_536.into()));
+    assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
+}
+
+#[test]
+fn all_faults_are_listed_with_their_lines_and_nothing_runs() {
+    let text = SMALL.replace("alpha = 0.3", "alhpa = 0.3").replace("[0, 50]", "[0, 95]");
+    let folder = folder(&text);
+    for verb in ["check", "measure", "surface"] {
+        let output = gonio(folder.path(), &[verb, "small.toml"]);
+        exits(&output, 2);
+        let said = stderr(&output);
+        assert!(said.lines().any(|line| line.starts_with("error: small.toml:8:")), "{said}");
+        assert!(said.lines().any(|line| line.starts_with("error: small.toml:10:")), "{said}");
+        let faults = said.lines().filter(|line| line.starts_with("error: ")).count();
+        assert_eq!(
+            said.lines().last(),
+            Some(&*format!("{faults} faults in small.toml; nothing was measured"))
+        );
+        assert!(output.stdout.is_empty());
+    }
+    let output = gonio(folder.path(), &["check", "small.toml", "--json"]);
+    exits(&output, 2);
+    let answer = json(&output);
+    assert!(output.stderr.is_empty() && answer["plan"].is_null());
+    let lines: Vec<&Value> =
+        answer["faults"].as_array().expect("a list").iter().map(|f| &f["line"]).collect();
+    assert!(lines.contains(&&8.into()) && lines.contains(&&10.into()), "{lines:?}");
+    assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
+}
+
+#[test]
+fn files_that_cannot_be_read_are_named() {
+    let folder = folder(SMALL);
+    for words in [["check", "no.toml"], ["measure", "no.toml"], ["surface", "."], ["validate", "no.exr"]] {
+        let output = gonio(folder.path(), &words);
+        exits(&output, 3);
+        assert!(stderr(&output).starts_with(&format!("error: {}: ", words[1])), "{}", stderr(&output));
+    }
+    exits(&gonio(folder.path(), &["validate", "small.toml"]), 3);
+}
+
+#[test]
+fn results_are_the_same_bytes_for_any_number_of_threads() {
+    let folder = folder(SMALL);
+    let of = |threads: &str, variable: &str| {
+        let out = format!("out_{threads}");
+        for verb in ["measure", "surface"] {
+            let mut command = Command::cargo_bin("gonio").expect("built");
+            command.current_dir(folder.path()).env("RAYON_NUM_THREADS", variable);
+            let output = command.args([verb, "small.toml", "--threads", threads, "-o", &out]).output();
+            exits(&output.expect("runs"), 0);
+        }
+        digests(&folder.path().join(out))
+    };
+    let one = of("1", "100000");
+    let patches = (0..4).map(|k| format!("patch_00{k}.exr"));
+    let tables = ["certificate.json", "small.exr", "small.json", "small.realisations.exr"].map(String::from);
+    let names: Vec<String> = tables.into_iter().chain(patches).collect();
+    let found: Vec<&String> = one.keys().collect();
+    assert!(found.len() == names.len() && names.iter().all(|name| one.contains_key(name)), "{found:?}");
+    for (threads, variable) in [("2", "abc"), ("3", "1"), ("7", "0")] {
+        assert_eq!(of(threads, variable), one, "{threads} threads");
+    }
+}
+
+#[test]
+fn a_finished_table_is_left_alone_and_another_needs_force() {
+    let folder = folder(SMALL);
+    let out = folder.path().join("out").join("small");
+    let measure = |more: &[&str]| gonio(folder.path(), &[&["measure", "small.toml"], more].concat());
+    let first = measure(&[]);
+    exits(&first, 0);
+    let report = stdout(&first);
+    assert!(report.contains("albedo total") && report.contains("small.realisations.exr"), "{report}");
+    assert!(report.lines().all(|line| line.chars().count() <= 100), "{report}");
+    let before = digests(&out);
+    let again = measure(&[]);
+    exits(&again, 0);
+    assert!(stdout(&again).contains("nothing to do"));
+    assert_eq!(json(&measure(&["--json"]))["name"], "small");
+    let other = measure(&["--seed", "6"]);
+    exits(&other, 3);
+    assert!(stderr(&other).contains("--force"), "{}", stderr(&other));
+    assert_eq!(digests(&out), before);
+    exits(&measure(&["--seed", "6", "--force"]), 0);
+    assert_ne!(digests(&out)["small.exr"], before["small.exr"]);
+    exits(&measure(&["--force"]), 0);
+    assert_eq!(digests(&out), before);
+    // Without its summary the table is unfinished: made again, without being asked.
+    fs::remove_file(out.join("small.json")).expect("removed");
+    exits(&measure(&[]), 0);
+    assert_eq!(digests(&out), before);
+    fs::write(out.join("small.exr"), b"notes of somebody").expect("written");
+    exits(&measure(&[]), 3);
+}
+
+#[test]
+fn an_output_folder_that_is_a_file_is_found_before_the_run() {
+    let folder = folder(&SMALL.replace("65_536", "65_536_000_000"));
+    fs::write(folder.path().join("taken"), b"").expect("file");
+    for verb in ["measure", "surface"] {
+        let output = gonio(folder.path(), &[verb, "small.toml", "-o", "taken"]);
+        exits(&output, 3);
+        assert!(stderr(&output).starts_with("error: taken: "), "{}", stderr(&output));
+    }
+}
+
+#[test]
+fn a_list_of_alphas_gives_a_table_each_and_only_the_missing_are_measured() {
+    let folder = folder(&SMALL.replace("alpha = 0.3", "alpha = [0.1, 0.3]"));
+    let measure = || gonio(folder.path(), &["measure", "small.toml", "-o", "out", "--json"]);
+    let output = measure();
+    exits(&output, 0);
+    assert_eq!(json(&output).as_array().map(Vec::len), Some(2));
+    let out = folder.path().join("out");
+    let before = digests(&out);
+    for alpha in ["0.1", "0.3"] {
+        for end in ["exr", "json", "realisations.exr"] {
+            assert!(before.contains_key(&format!("small_alpha_{alpha}.{end}")), "{before:?}");
+        }
+    }
+    fs::remove_file(out.join("small_alpha_0.3.json")).expect("removed");
+    exits(&measure(), 0);
+    let after = digests(&out);
+    assert_eq!(before["small_alpha_0.3.exr"], after["small_alpha_0.3.exr"]);
+    // The very table that a campaign of this roughness alone gives, but for nothing.
+    fs::write(folder.path().join("small.toml"), SMALL).expect("campaign");
+    exits(&gonio(folder.path(), &["measure", "small.toml", "-o", "single"]), 0);
+    assert_eq!(digests(&folder.path().join("single"))["small.exr"], after["small_alpha_0.3.exr"]);
+}
+
+#[test]
+fn a_closed_pipe_ends_the_printing_and_not_the_run() {
+    let folder = folder(SMALL);
+    let binary = assert_cmd::cargo::cargo_bin("gonio");
+    let mut child = StdCommand::new(binary)
+        .current_dir(folder.path())
+        .args(["measure", "small.toml", "-o", "out"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("ends");
+    exits(&output, 0);
+    assert!(stderr(&output).is_empty(), "{}", stderr(&output));
+    assert!(folder.path().join("out/small.json").exists());
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_stdout_is_an_error() {
+    let folder = folder(SMALL);
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has it");
+    let binary = assert_cmd::cargo::cargo_bin("gonio");
+    let mut command = StdCommand::new(binary);
+    let output = command.current_dir(folder.path()).args(["check", "small.toml"]).stdout(full).output();
+    let output = output.expect("runs");
+    exits(&output, 3);
+    assert!(stderr(&output).starts_with("error: stdout: "), "{}", stderr(&output));
+}
+
+#[test]
+fn validate_reads_the_table_and_says_when_realisations_are_absent() {
+    let folder = folder(SMALL);
+    exits(&gonio(folder.path(), &["measure", "small.toml", "-o", "out"]), 0);
+    let verdict = |words: &[&str]| {
+        let output = gonio(folder.path(), &[&["validate", "out/small.exr"], words].concat());
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{}", stderr(&output));
+        output
+    };
+    let whole = verdict(&["--json"]);
+    assert!(!stderr(&whole).contains("absent"));
+    let answer = json(&whole);
+    let ok = answer["ok"].as_bool().expect("a verdict");
+    assert_eq!(whole.status.code(), Some(if ok { 0 } else { 1 }));
+    assert_eq!(answer["failures"].as_array().expect("a list").is_empty(), ok);
+    fs::remove_file(folder.path().join("out/small.realisations.exr")).expect("removed");
+    assert!(stderr(&verdict(&[])).contains("small.realisations.exr is absent"));
+}
+
+#[test]
+fn surface_writes_patches_that_can_be_read_back() {
+    let folder = folder(SMALL);
+    let output = gonio(folder.path(), &["surface", "small.toml", "-o", "out", "--npy", "--json"]);
+    exits(&output, 0);
+    let certificate = json(&output);
+    assert_eq!(certificate["patches"].as_array().map(Vec::len), Some(4));
+    assert!(certificate["all"]["ks"].is_number());
+    let patch = load_patch(&folder.path().join("out/patch_003.exr")).expect("a patch");
+    assert_eq!((patch.field.cells_x(), patch.pitch_x, patch.pitch_y), (32, 1.0 / 0.3, 1.0 / 0.3));
+    assert!(folder.path().join("out/patch_003.npy").exists());
+    let before = digests(&folder.path().join("out"));
+    let surface =
+        |words: &[&str]| gonio(folder.path(), &[&["surface", "small.toml", "-o", "out"], words].concat());
+    let again = surface(&["--npy"]);
+    exits(&again, 0);
+    assert!(stdout(&again).lines().all(|line| line.chars().count() <= 100), "{}", stdout(&again));
+    assert_eq!(digests(&folder.path().join("out")), before);
+    exits(&surface(&["--seed", "9"]), 3);
+    assert_eq!(digests(&folder.path().join("out")), before);
+    exits(&surface(&["--seed", "9", "--force"]), 0);
+    let after = digests(&folder.path().join("out"));
+    assert_ne!(after["patch_000.exr"], before["patch_000.exr"]);
+    assert!(!after.contains_key("patch_000.npy"), "heights of another seed were left behind");
+}
+
+#[test]
+fn exact_surfaces_are_patches_too() {
+    let random = "realisations = 4\ncells = 32\ncorrelation_cells = 4.0\n[surface.ggx]\nalpha = 0.3\n";
+    let grooves = SMALL.replace(random, "[surface.v_groove]\nslope = 0.5\n");
+    let folder = folder(&grooves.replace("[light]\n", "[light]\naverage_azimuth = true\n"));
+    let output = gonio(folder.path(), &["surface", "small.toml", "-o", "out", "--force"]);
+    exits(&output, 0);
+    let patch = load_patch(&folder.path().join("out/patch_000.exr")).expect("a patch");
+    assert_eq!((patch.pitch_x, patch.field.heights()[1] / patch.pitch_x), (2.0, 0.5));
+}
+
+#[test]
+fn what_a_campaign_reads_is_not_overwritten() {
+    let folder = folder(SMALL);
+    exits(&gonio(folder.path(), &["surface", "small.toml", "-o", "."]), 0);
+    let random = "realisations = 4\ncells = 32\ncorrelation_cells = 4.0\n[surface.ggx]\nalpha = 0.3\n";
+    let map = "[surface.file]\npath = \"patch_000.exr\"\nperiodic = true\n";
+    let text = SMALL.replace(random, map).replace("[light]\n", "[light]\naverage_azimuth = true\n");
+    fs::write(folder.path().join("map.toml"), text).expect("campaign");
+    let before = fs::read(folder.path().join("patch_000.exr")).expect("readable");
+    let output = gonio(folder.path(), &["surface", "map.toml", "-o", ".", "--force"]);
+    exits(&output, 3);
+    assert!(stderr(&output).contains("read by this campaign"), "{}", stderr(&output));
+    assert_eq!(fs::read(folder.path().join("patch_000.exr")).expect("readable"), before);
+}
