@@ -81,7 +81,8 @@ fn special_direction(rng: &mut Pcg64Dxsm, field: &ExactField, ray: &ExactRay) ->
                 S * (cell_x - ray.facet.x) + along(0) - ray.u,
                 S * (cell_y - ray.facet.y) + along(1) - ray.v,
             );
-            [dx, dy, target_z - field.start_z(ray)]
+            // At it, or a millionth of a cell above or below.
+            [dx, dy, target_z + whole(rng, -2, 3) - field.start_z(ray)]
         }
     }
 }
