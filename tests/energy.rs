@@ -99,6 +99,20 @@ fn the_bins_hold_what_the_orders_hold() {
     }
 }
 
+/// Bins that light reaches at higher orders only: an error bar of 0 would call any model of order 1 wrong.
+#[test]
+fn every_value_has_an_error_bar() {
+    let mut without_single = 0;
+    for measured in FURNACES.iter() {
+        let colour = &measured.table.colours[0];
+        assert!(colour.stderr.iter().chain(&colour.stderr_single).all(|&se| se > 0.0 && se.is_finite()));
+        let unlit =
+            measured.table.hits.iter().zip(&colour.single).filter(|&(&hits, &f)| hits > 0 && f == 0.0);
+        without_single += unlit.count();
+    }
+    assert!(without_single > 0);
+}
+
 #[test]
 fn a_darker_material_reflects_less_at_every_order() {
     let light = "azimuth = \"relative\"";
