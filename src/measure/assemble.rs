@@ -158,7 +158,8 @@ fn channels(parts: &[RealisationPart], colour: usize, hits: &[u32], empty: &[f32
         let of = |pick: fn(&RealisationPart) -> &Vec<Vec<f32>>| {
             let values = parts.iter().map(move |part| f64::from(pick(part)[colour][entry]));
             let (mean, se) = stats::mean_and_se(values);
-            let se = if hits == 0 { empty[entry] } else { se.map_or(-1.0, |se| se as f32) };
+            // No light of the asked-for orders in any realisation, though others may have hit: as in an empty bin.
+            let se = if hits == 0 || mean == 0.0 { empty[entry] } else { se.map_or(-1.0, |se| se as f32) };
             (mean, if parts.len() > 1 { se } else { -1.0 })
         };
         let (total, stderr) = of(|part| &part.total);

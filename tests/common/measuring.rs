@@ -1,0 +1,58 @@
+//! Measures a campaign's text through the library, and the statistics that several promises share.
+
+// Each test program uses its own part.
+#![allow(dead_code)]
+
+use std::path::Path;
+
+use gonio::campaign;
+use gonio::measure::{self, Measured, Patches};
+use gonio::rng::{self, Purpose, StreamId};
+use rand_pcg::Pcg64Dxsm;
+use statrs::function::gamma::gamma_ur;
+
+/// All tables of a campaign; its height maps lie in `folder`.
+pub fn measured_in(folder: &Path, text: &str) -> Vec<Measured> {
+    let parsed = campaign::parse(text, "c.toml", folder).unwrap_or_else(|e| panic!("refused: {e}\n{text}"));
+    let plan = measure::plan(&parsed.campaign).expect("it fits the memory");
+    let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
+    let (tables, _) = measure::measure(&parsed.campaign, &plan, &patches, &|_| ()).expect("no ray is lost");
+    tables
+}
+
+/// All tables of a campaign without files.
+pub fn measured(text: &str) -> Vec<Measured> {
+    measured_in(Path::new(""), text)
+}
+
+/// The table of a campaign with one roughness.
+pub fn measured_one(text: &str) -> Measured {
+    measured(text).pop().expect("one table")
+}
+
+/// Numbers for a test.
+pub fn test_rng(seed: u64) -> Pcg64Dxsm {
+    rng::stream(StreamId { seed, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 })
+}
+
+/// A whole number in [low, high).
+pub fn whole(rng: &mut Pcg64Dxsm, low: i64, high: i64) -> i64 {
+    low + (rng::uniform(rng) * (high - low) as f64) as i64
+}
+
+/// Probability that chi-square of `dof` degrees of freedom exceeds `chi2`.
+pub fn chi_square_p(chi2: f64, dof: usize) -> f64 {
+    if chi2 <= 0.0 { 1.0 } else { gamma_ur(0.5 * dof as f64, 0.5 * chi2) }
+}
+
+/// The columns of a table's row of hits for one stop.
+pub fn hits_of(measured: &Measured, stop: usize) -> &[u32] {
+    let bins = measured.table.grid.bins();
+    &measured.table.hits[stop * bins..(stop + 1) * bins]
+}
+
+/// Which of `columns` columns `column` is after a turn by whole columns.
+pub fn turned_bin(bin: usize, columns: usize, by: usize) -> usize {
+    let (row, column) = (bin / columns, bin % columns);
+    row * columns + (column + by) % columns
+}
