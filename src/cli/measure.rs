@@ -93,7 +93,7 @@ fn measure_all(campaign: &Campaign, open: &[&Target], json: bool, out: &mut Outp
     if !json {
         out.lines(plan_text::facts(campaign, &plan))?;
     }
-    let progress = Progress::new(plan.total_samples.try_into().unwrap_or(u64::MAX), "samples");
+    let progress = Progress::new(plan.total_samples, "samples");
     let (results, cost) = measure::measure(campaign, &plan, &patches, &|starts| progress.add(starts))?;
     progress.finish();
     for (measured, target) in results.iter().zip(open) {
@@ -171,7 +171,7 @@ fn albedo<'a>(orders: impl Iterator<Item = &'a Vec<f64>> + Clone) -> String {
 }
 
 fn files_written(target: &Target, kept: Kept) -> Vec<String> {
-    let size = |path: &Path| path.metadata().map_or(String::new(), |meta| output::bytes(meta.len().into()));
+    let size = |path: &Path| path.metadata().map_or(String::new(), |meta| output::bytes(meta.len()));
     let line = |what: &str, path: &Path| format!("{what:<14}{} ({})", path.display(), size(path));
     let limit = realisations::SIZE_LIMIT / 1_000_000;
     let realisations = match kept {
@@ -198,6 +198,6 @@ fn cost_lines(cost: &Cost) -> [String; 2] {
         duration(cost.cpu_s),
         cost.threads
     );
-    let (rays, memory) = (grouped(cost.rays_traced), output::bytes(cost.peak_bytes.into()));
+    let (rays, memory) = (grouped(cost.rays_traced), output::bytes(cost.peak_bytes));
     [times, format!("{:<14}{rays} rays, {rate:.2} million samples/s, {memory} of memory", "work")]
 }

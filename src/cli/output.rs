@@ -124,7 +124,7 @@ pub fn grouped(number: impl Into<u128>) -> String {
 }
 
 /// Bytes in the unit that suits them.
-pub fn bytes(count: u128) -> String {
+pub fn bytes(count: u64) -> String {
     let count = count as f64;
     let units = [("GiB", 30), ("MiB", 20), ("KiB", 10)];
     let fitting =

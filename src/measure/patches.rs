@@ -67,12 +67,18 @@ impl Patches {
                 let mut map = import::load(height_map)?;
                 notes.append(&mut map.notes);
                 let (low, high) = map.field.range();
-                let steepest =
-                    campaign.light.theta_i_deg.iter().copied().fold(0.0, f64::max).to_radians().tan();
-                let reach = (high - low) * map.alpha_x.max(map.alpha_y) * steepest;
+                let steepest = campaign.light.theta_i_deg.iter().copied().fold(0.0, f64::max);
+                let slope = (steepest + campaign.light.aperture_deg).to_radians().tan();
+                let reach = (high - low) * map.alpha_x.max(map.alpha_y) * slope;
                 let shortest = map.field.cells_x().min(map.field.cells_y());
-                let margin =
-                    if map.field.is_periodic() { 0 } else { (reach.ceil() as usize).min(shortest / 4) };
+                let wanted = if map.field.is_periodic() { 0.0 } else { reach.ceil() };
+                let margin = (wanted as usize).min(shortest / 4);
+                if wanted > margin as f64 {
+                    notes.push(format!(
+                        "{}: shadows reach {wanted} cells, starts keep only {margin} from the edge: see `left_map`",
+                        height_map.path
+                    ));
+                }
                 let tiles = height_map.tiles as usize;
                 if (shortest - 2 * margin) < tiles {
                     return Err(Error::format(

@@ -9,11 +9,13 @@ use crate::sphere;
 use crate::trace::BLOCK;
 
 /// Bytes that a run may use where the system does not say how much is free.
-const DEFAULT_LIMIT: u128 = 4 << 30;
+const DEFAULT_LIMIT: u64 = 4 << 30;
 /// Measured time of one cell step and of one facet summed, on one core of about 4 GHz; only for the estimate.
 const NS_PER_CELL: f64 = 6.0;
 const NS_PER_FACET: f64 = 2.5;
-const NS_PER_SYNTHESISED_CELL: f64 = 3500.0;
+const NS_PER_SYNTHESISED_CELL: f64 = 5500.0;
+/// A run that would take longer is refused: 31 days.
+const LONGEST_S: f64 = 31.0 * 86_400.0;
 
 /// Something that the campaign does not need.
 #[derive(Debug, Clone, Serialize)]
@@ -43,7 +45,7 @@ pub struct Plan {
     /// Starts per stop and realisation: whole blocks.
     pub samples: u64,
     /// Starts of the whole run.
-    pub total_samples: u128,
+    pub total_samples: u64,
     /// Whether every block has an azimuth of its own.
     pub averages_azimuth: bool,
     /// Mirror images of each patch that serve as further samples (1: none).
@@ -55,7 +57,7 @@ pub struct Plan {
     /// What is left out, and why.
     pub skipped: Vec<Skip>,
     /// Estimated peak memory.
-    pub memory_bytes: u128,
+    pub memory_bytes: u64,
     /// Estimated time on two cores.
     pub estimated_s: f64,
 }
@@ -78,7 +80,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
         realisations,
         blocks,
         samples: blocks * BLOCK,
-        total_samples: total.iter().product(),
+        total_samples: saturated(total.iter().product()),
         averages_azimuth,
         images,
         folded,
@@ -89,7 +91,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
         grid,
     };
     plan.skipped = skips(campaign, &plan);
-    plan.memory_bytes = memory(campaign, &plan);
+    plan.memory_bytes = saturated(memory(campaign, &plan));
     plan.estimated_s = seconds(campaign, &plan);
     let limit = memory_limit();
     if plan.memory_bytes > limit {
@@ -100,7 +102,20 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
             limit >> 20
         )));
     }
+    if plan.estimated_s > LONGEST_S {
+        return Err(Error::Refused(format!(
+            "{}: would take about {:.0} days on two cores, {:.0} are allowed; take fewer samples, stops or realisations",
+            campaign.name,
+            plan.estimated_s / 86_400.0,
+            LONGEST_S / 86_400.0
+        )));
+    }
     Ok(plan)
+}
+
+/// A count as it is reported: what exceeds 64 bits is refused or takes for ever in any case.
+fn saturated(count: u128) -> u64 {
+    count.try_into().unwrap_or(u64::MAX)
 }
 
 /// For each stop, whether the surface's law is its own mirror image about the plane of incidence and arrivals are
@@ -197,11 +212,11 @@ fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
 }
 
 /// Half of the memory that is available now.
-fn memory_limit() -> u128 {
+fn memory_limit() -> u64 {
     let available = || {
         let text = std::fs::read_to_string("/proc/meminfo").ok()?;
         let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
-        line.split_whitespace().nth(1)?.parse::<u128>().ok()
+        line.split_whitespace().nth(1)?.parse::<u64>().ok()
     };
     available().map_or(DEFAULT_LIMIT, |kib| kib * 1024 / 2)
 }

@@ -102,7 +102,7 @@ pub fn measure(
         synthesis_s,
         tracing_s,
         threads: rayon::current_num_threads(),
-        samples: plan.total_samples.try_into().unwrap_or(u64::MAX),
+        samples: plan.total_samples,
         rays_traced: context.rays.into_inner(),
         rays_skipped: context.skipped.into_inner(),
         peak_bytes: peak_bytes(),
@@ -168,7 +168,7 @@ impl Context<'_> {
                     self.arrive(tally, &arms, work.stop, Arrival { wo, order, light, flux, units })
                 }
                 Ending::Hidden => tally.hidden.add(units),
-                Ending::Cut => tally.cut.add(units),
+                Ending::Cut { .. } => tally.cut.add(units),
                 Ending::LeftMap => tally.left_map.add(units),
                 Ending::Lost => tally.lost += 1,
             }
@@ -241,15 +241,18 @@ struct Rays {
 
 impl Rays {
     fn count(&mut self, ending: &Ending, campaign: &Campaign) {
-        let orders = match ending {
-            Ending::Out { order, .. } => u64::from(*order),
-            Ending::Cut => u64::from(campaign.trace.bounces),
-            _ => 0,
+        let bounces = u64::from(campaign.trace.bounces);
+        // The light's ray, and one after each bounce.
+        let (traced, skipped) = match *ending {
+            Ending::Out { order, .. } => (1 + u64::from(order), 0),
+            Ending::Cut { down } => (1 + bounces - u64::from(down), u64::from(down)),
+            Ending::Hidden | Ending::LeftMap | Ending::Lost => (1, 0),
         };
         if campaign.trace.visibility {
-            self.traced += 1 + orders;
+            self.traced += traced;
+            self.skipped += skipped;
         } else {
-            self.skipped += 1 + orders;
+            self.skipped += traced + skipped;
         }
     }
 }

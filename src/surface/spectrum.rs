@@ -57,7 +57,7 @@ impl SquareFft {
         for (line, spectrum) in field.chunks_exact_mut(n).zip(rows.chunks_exact_mut(half)) {
             // A real field's spectrum is real at k = 0 and at the Nyquist line; rounding leaves a trace.
             spectrum[0].im = 0.0;
-            if n % 2 == 0 {
+            if n.is_multiple_of(2) {
                 spectrum[half - 1].im = 0.0;
             }
             self.inverse_rows.process(spectrum, line).expect("the plan's own sizes");

@@ -16,10 +16,10 @@ use super::slope_law::SlopeLaw;
 use super::spectrum::SquareFft;
 use crate::rng;
 
-/// Rounds of slope and height remapping.
-const ROUNDS: usize = 9;
-/// Further rounds of slope remapping alone, in which the slope law settles.
-const POLISH: usize = 7;
+/// Rounds of slope and height remapping: the slope law stops improving after about 14.
+const ROUNDS: usize = 14;
+/// The round from which the remapping learns what the fit does to its targets.
+const LEARNING: usize = 9;
 
 /// Makes patches of one law and size; holds the plans and tables that they share.
 pub struct Synthesiser {
@@ -44,11 +44,15 @@ impl Synthesiser {
         let mut heights = self.gaussian_heights(rng);
         if self.law == SlopeLaw::Ggx {
             let mut feedback = Feedback::default();
-            for round in 0..ROUNDS + POLISH {
-                if (1..=ROUNDS).contains(&round) {
+            self.remap.observe(&heights, &mut feedback);
+            for round in 0..ROUNDS {
+                if round > 0 {
                     self.remap.heights_half_way(&mut heights);
                 }
-                self.fit_slopes(&mut heights, &mut feedback, round == 0 || round > ROUNDS);
+                self.fit_slopes(&mut heights, &feedback);
+                if (LEARNING..ROUNDS - 1).contains(&round) {
+                    self.remap.observe(&heights, &mut feedback);
+                }
             }
         }
         for height in &mut heights {
@@ -66,8 +70,8 @@ impl Synthesiser {
     /// Replaces the heights by those whose differences fit the remapped slopes best: the Poisson equation
     /// (4 - 2 cos kx - 2 cos ky) h = divergence of the slopes, with the longest waves damped so that the patch
     /// holds many bumps of the correlation length instead of a few large ones.
-    fn fit_slopes(&self, heights: &mut Vec<f64>, feedback: &mut Feedback, learn: bool) {
-        let mut divergence = self.remap.divergence_of_targets(heights, feedback, learn);
+    fn fit_slopes(&self, heights: &mut Vec<f64>, feedback: &Feedback) {
+        let mut divergence = self.remap.divergence_of_targets(heights, feedback);
         let correlation = self.correlation;
         self.fft.filter(&mut divergence, |kx, ky| {
             let k2 = kx * kx + ky * ky;

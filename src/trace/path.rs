@@ -30,7 +30,10 @@ pub enum Ending {
         order: u32,
     },
     /// It goes on beyond the last order.
-    Cut,
+    Cut {
+        /// It goes down: its last ray was not needed.
+        down: bool,
+    },
     /// It leaves an open map by its edge.
     LeftMap,
     /// A fault of the program.
@@ -74,7 +77,7 @@ impl Sample<'_> {
             visit.bounce(back, wo);
             // A path that goes down must hit again: at the last order there is nothing left to find out.
             if order == bounces && wo.z <= 0.0 {
-                return Ending::Cut;
+                return Ending::Cut { down: true };
             }
             match self.walker.walk(&place, self.to_field(wo)) {
                 Outcome::Escaped => return Ending::Out { wo, order },
@@ -84,13 +87,13 @@ impl Sample<'_> {
             }
             back = -wo;
         }
-        Ending::Cut
+        Ending::Cut { down: false }
     }
 
     /// The first bounce with shadowing and masking switched off.
     pub fn trace_unobstructed(&self, start: Place, wi: DVec3, visit: &mut impl Bounce) -> Ending {
         let wo = self.reflected(wi, &start);
         visit.bounce(wi, wo);
-        if wo.z > 0.0 { Ending::Out { wo, order: 1 } } else { Ending::Cut }
+        if wo.z > 0.0 { Ending::Out { wo, order: 1 } } else { Ending::Cut { down: true } }
     }
 }

@@ -192,12 +192,14 @@ impl<'a> Walker<'a> {
     }
 
     /// Largest number of cells that a ray from height `z` along `d` can cross between the highest and the lowest
-    /// height; a level ray is bounded by the largest count that is not absurd.
+    /// height; a level ray is bounded by the field.
     pub fn step_limit(&self, z: f64, d: DVec3) -> u64 {
         let height = if d.z >= 0.0 { self.highest - z } else { z - self.lowest };
         let crossed = height / d.z.abs() * (d.x.abs() + d.y.abs());
-        // Rounding of the last edges: a handful of cells. Casts saturate.
-        if crossed.is_finite() { (crossed as u64).saturating_add(8) } else { 1 << 32 }
+        // Rounding of the last edges: a handful of cells. Casts saturate. A level ray over a periodic field has met
+        // every cell after cells x diagonal steps.
+        let (nx, ny) = (self.field.cells_x() as u64, self.field.cells_y() as u64);
+        if crossed.is_finite() { (crossed as u64).saturating_add(8) } else { nx * ny * (nx + ny) }
     }
 
     /// The point between `entry` (clearance >= 0) and `exit` (< 0) where the clearance is 0.

@@ -102,7 +102,8 @@ impl StopData<'_> {
         let mut out = ColourFigures::default();
         for bin in 0..self.value.len() {
             let (f, m, w) = (f64::from(self.value[bin]), self.model[bin], self.size[bin]);
-            let hit = self.hits[bin] > 0;
+            // A bin that only higher orders reach is empty as well.
+            let hit = self.hits[bin] > 0 && f > 0.0;
             // An empty bin is off by its own mean, not by the 1.5 hits that its error bar allows for.
             let se = if hit { f64::from(self.stderr[bin]) } else { f64::from(self.stderr[bin]).min(m) };
             distance += (f - m).abs() * w;

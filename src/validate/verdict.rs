@@ -31,13 +31,6 @@ pub struct Verdict {
     pub bar: Option<Bar>,
 }
 
-impl Verdict {
-    /// The printable report.
-    pub fn lines(&self) -> Vec<String> {
-        vec![format!("laws and expectations: {}", if self.ok { "met" } else { "not met" })]
-    }
-}
-
 /// Holds a table to the laws and to the models that fit its campaign.
 pub fn examine(table: &BrdfTable, campaign: &Campaign, realisations: Option<&Realisations>) -> Verdict {
     let model = Model::of(campaign);
