@@ -25,7 +25,7 @@ pub struct Grid {
     pub kind: GridKind,
     /// Polar angles of the light stops.
     pub theta_i_deg: Vec<f64>,
-    /// Azimuths of the light stops; [0] when the azimuth is relative.
+    /// Azimuths of the light stops; a single 0 when the azimuth is relative.
     pub phi_i_deg: Vec<f64>,
     /// Whether phi_r counts from the light's azimuth.
     pub phi_r_relative: bool,

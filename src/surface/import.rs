@@ -80,7 +80,7 @@ fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap
         notes.push("heights are half floats of 11 bits: slopes are coarse".into());
     }
     let mean = take_off_mean(&mut file.heights);
-    notes.push(format!("mean height {mean} taken off"));
+    notes.push(format!("mean height {mean:.3e} taken off"));
     match (map.detrend, map.periodic) {
         (Detrend::None, _) => {}
         (Detrend::Plane, true) => {
@@ -88,7 +88,7 @@ fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap
         }
         (Detrend::Plane, false) => {
             let [x, y] = take_off_plane(&mut file.heights, file.columns);
-            notes.push(format!("plane with slopes {} and {} taken off", x * alpha_x, y * alpha_y));
+            notes.push(format!("plane with slopes {:.2e} and {:.2e} taken off", x * alpha_x, y * alpha_y));
         }
     }
     let field = Heightfield::new(cells_x, cells_y, map.periodic, file.heights);

@@ -57,6 +57,9 @@ pub struct StopComparison {
     pub share_outside_95: Option<f64>,
     /// Degrees of freedom of t: realisations - 1.
     pub dof: usize,
+    /// Bins and colours that t was computed for.
+    #[serde(skip)]
+    pub judged: usize,
 }
 
 /// One colour of one stop.

@@ -10,6 +10,7 @@ use super::model::{Model, StopMeans};
 use crate::campaign::Campaign;
 use crate::instrument::{Grid, GridKind, Region};
 use crate::measure::plan::folded_stops;
+use crate::stats;
 use crate::table::{BrdfTable, Realisations};
 
 /// Everything that validation finds.
@@ -121,6 +122,7 @@ fn compare_stop(table: &BrdfTable, campaign: &Campaign, stop: usize, model: &[Ve
         max_t: colours.iter().filter_map(|c| c.max_t).reduce(f64::max),
         share_outside_95: (bins_judged > 0).then(|| outside as f64 / bins_judged as f64),
         dof: realisations.saturating_sub(1),
+        judged: bins_judged,
     }
 }
 
@@ -158,21 +160,33 @@ fn reciprocity_failure(reciprocity: &Reciprocity) -> Option<String> {
         .then(|| format!("reciprocity: a pair differs by {max_t:.1} standard errors, limit {limit:.1}"))
 }
 
-/// A bar counts only where the noise is no larger than it; a bar of 0 means "no more than the noise".
+/// A bar counts only where the noise is no larger than it.
 fn bar_failure(bar: Bar, comparisons: &[Comparison]) -> Option<String> {
     let comparison = comparisons.iter().find(|c| c.masking == bar.masking)?;
+    if bar.l1_model == 0.0 {
+        return exactness_failure(comparison);
+    }
     let (found, noise) = comparison.figures.l1_model.zip(comparison.figures.l1_noise)?;
-    let broken = if bar.l1_model > 0.0 {
-        noise <= bar.l1_model && found > bar.l1_model
-    } else {
-        found > noise.max(1e-6)
-    };
-    broken.then(|| {
-        format!(
-            "{} {}: l1_model {found:.4} (noise {noise:.4}) is above {:.4}",
-            comparison.model, bar.masking, bar.l1_model
-        )
+    (noise <= bar.l1_model && found > bar.l1_model).then(|| {
+        let (model, masking) = (&comparison.model, bar.masking);
+        format!("{model} {masking}: l1_model {found:.4} (noise {noise:.4}) is above {:.4}", bar.l1_model)
     })
+}
+
+/// A bar of 0 says that nothing but noise is there: no bin may differ by more than Sidak's limit, and without error
+/// bars there is no verdict.
+fn exactness_failure(comparison: &Comparison) -> Option<String> {
+    let judged: usize = comparison.stops.iter().map(|stop| stop.judged).sum();
+    let dof = comparison.stops.first().map_or(0, |stop| stop.dof);
+    let max_t = comparison.stops.iter().filter_map(|stop| stop.max_t).reduce(f64::max);
+    if let (Some(max_t), true) = (max_t, dof > 0 && judged > 0) {
+        let limit = stats::student_limit(stats::sidak(0.01, judged), dof);
+        return (max_t > limit).then(|| {
+            let (model, masking) = (&comparison.model, &comparison.masking);
+            format!("{model} {masking}: a bin differs by {max_t:.1} standard errors, limit {limit:.1}")
+        });
+    }
+    None
 }
 
 /// The masking whose figure is smallest.
