@@ -9,8 +9,8 @@ impl Verdict {
         let mut lines = Vec::new();
         if let Some(first) = self.comparisons.first() {
             lines.push(format!(
-                "order 1 against {} D F G2/(4 |n.l||n.v|), flux-weighted L1 of bin means:",
-                first.model
+                "order 1 against {}, flux-weighted L1 of bin means, noise taken off:",
+                formula(&first.model)
             ));
             lines.extend(self.comparison_lines(first));
         }
@@ -35,7 +35,8 @@ impl Verdict {
         for comparison in &self.comparisons {
             head += &format!(" {:>10}", short(&comparison.masking));
         }
-        let mut lines = vec![head + "  nearest (l1_model; noise taken off)"];
+        let several = self.comparisons.len() > 1;
+        let mut lines = vec![head + if several { "  nearest" } else { "" }];
         let number = |value: Option<f64>| value.map_or("n/a".into(), |v| format!("{v:.4}"));
         for (k, stop) in first.stops.iter().enumerate() {
             let mut line =
@@ -45,10 +46,7 @@ impl Verdict {
                 line += &format!(" {:>10}", number(figures.l1_model.or(figures.l1)));
             }
             if self.comparisons.len() > 1 {
-                line += &format!(
-                    "  {}",
-                    nearest(&self.comparisons, |c| c.stops[k].figures.l1).unwrap_or_default()
-                );
+                line += &format!("  {}", self.nearest_at(k));
             }
             lines.push(line);
         }
@@ -64,6 +62,19 @@ impl Verdict {
                 .map_or(String::new(), |m| format!("  {m}")),
         );
         lines
+    }
+
+    /// The nearest masking at a stop; `alike` where they differ by less than a hundredth of the noise.
+    fn nearest_at(&self, stop: usize) -> String {
+        let figures = |c: &Comparison| c.stops[stop].figures;
+        let l1: Vec<f64> = self.comparisons.iter().filter_map(|c| figures(c).l1).collect();
+        let noise = figures(&self.comparisons[0]).l1_noise.unwrap_or(0.0);
+        let spread =
+            l1.iter().copied().fold(0.0, f64::max) - l1.iter().copied().fold(f64::INFINITY, f64::min);
+        if spread <= 0.01 * noise {
+            return "alike".into();
+        }
+        nearest(&self.comparisons, |c| figures(c).l1).unwrap_or_default()
     }
 
     fn energy_line(&self) -> String {
@@ -88,5 +99,13 @@ impl Verdict {
             number(r.max_t),
             number(r.limit)
         ))
+    }
+}
+
+/// The model as a formula where it has one for every pair of directions.
+fn formula(model: &str) -> String {
+    match model {
+        "mirror" | "torrance_sparrow" => format!("the {model} model"),
+        ndf => format!("{ndf} D F G2/(4 |n.l||n.v|)"),
     }
 }
