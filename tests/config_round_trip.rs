@@ -34,6 +34,7 @@ fn the_resolved_campaign_reads_back_as_itself() {
         with("cells = 256\ncorrelation_cells = 8.0", "cells = 9"),
         with_arm(ARM),
         on("[surface.mirror]\n"),
+        on("[surface.smith]\nalpha = [0.1, 0.5]\nndf = \"beckmann\"\nheights = \"independent\"\n"),
         averaged(on("[surface.v_groove]\nslope = 0.5\n")),
         averaged(on(FILE)),
         averaged(on("[surface.file]\npath = 'a \"quoted\" \\ näme.exr'\ndetrend = \"none\"\n")),

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::materials::{MATERIALS, f0_of};
 use super::reader::{Bounds, Item, Slot, Table};
 use super::report::nearest;
-use super::schema::{Campaign, Expect, ExpectedMasking, Optics, Stop, Trace};
+use super::schema::{Campaign, Expect, ExpectedMasking, Optics, Stop, SurfaceKind, Trace};
 use super::{arms, surface};
 
 /// Words for [`ExpectedMasking`].
@@ -38,7 +38,9 @@ pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
         }
     };
     let optics = optics.or(Optics::PerfectMirror, |i| fresnel(i.table()?));
-    let (trace, stop, expect) = (self::trace(&trace), self::stop(&stop), self::expect(&expect));
+    let statistical = surface.as_ref().is_some_and(|s| matches!(s.kind, SurfaceKind::Smith(_)));
+    let trace = self::trace(&trace, statistical);
+    let (stop, expect) = (self::stop(&stop), self::expect(&expect));
     Some(Campaign {
         name: name?.to_string(),
         seed: seed?,
@@ -120,12 +122,15 @@ fn only(item: &Item<'_>, now: &str, later: &[&str]) -> Option<()> {
     }
 }
 
-fn trace(slot: &Slot<'_>) -> Option<Trace> {
+fn trace(slot: &Slot<'_>, statistical: bool) -> Option<Trace> {
     let [bounces, visibility, fold] = slot.table()?.keys(["bounces", "visibility", "fold"]);
     let orders = bounces.or(1, |i| i.count(1..=10_000));
     let visible = visibility.or(true, |i| i.boolean());
     let fold = fold.or(true, |i| i.boolean());
     let (bounces, visible) = (orders?, visible?);
+    if !visible && statistical {
+        return visibility.refuse("must be true: a statistical Smith surface is nothing but its masking");
+    }
     if !visible && bounces > 1 {
         return visibility.refuse(format!(
             "must be true with bounces = {bounces}: light that passes through facets has no second bounce"

@@ -74,6 +74,11 @@ fn surface_table(text: &mut Text, surface: &Surface) {
     match &surface.kind {
         SurfaceKind::Ggx(alphas) => alpha_table(text, "surface.ggx", alphas),
         SurfaceKind::Beckmann(alphas) => alpha_table(text, "surface.beckmann", alphas),
+        SurfaceKind::Smith(smith) => {
+            alpha_table(text, "surface.smith", &smith.alphas);
+            text.line("ndf", word(&surface::SMITH_NDF, &smith.ndf));
+            text.line("heights", word(&surface::SMITH_HEIGHTS, &smith.heights));
+        }
         SurfaceKind::Mirror => text.table("surface.mirror"),
         SurfaceKind::VGroove { slope } => {
             text.table("surface.v_groove");

@@ -53,6 +53,8 @@ pub enum SurfaceKind {
     Ggx(Vec<Alpha>),
     /// Random Gaussian heights: the Beckmann slope law; one table for each roughness.
     Beckmann(Vec<Alpha>),
+    /// A statistical Smith surface: heights and normals independent.
+    Smith(Smith),
     /// A flat mirror.
     Mirror,
     /// Symmetric grooves along y with level ridges.
@@ -71,6 +73,37 @@ pub struct Alpha {
     pub x: f64,
     /// Along y.
     pub y: f64,
+}
+
+/// A statistical Smith surface: `[surface.smith]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Smith {
+    /// Law of the normals.
+    pub ndf: SmithNdf,
+    /// One table for each roughness.
+    pub alphas: Vec<Alpha>,
+    /// Whether a path leaves from the height at which it collided.
+    pub heights: SmithHeights,
+}
+
+/// Laws of the normals of a statistical surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SmithNdf {
+    /// GGX.
+    Ggx,
+    /// Beckmann.
+    Beckmann,
+}
+
+/// The height from which a path leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SmithHeights {
+    /// The one of the collision: height-correlated masking.
+    Correlated,
+    /// Drawn anew: separable masking.
+    Independent,
 }
 
 /// A measured height map: `[surface.file]`.
@@ -231,18 +264,16 @@ pub enum ExpectedMasking {
 impl Campaign {
     /// The roughnesses, one table each; `None` stands for a surface that has no roughness.
     pub fn alphas(&self) -> Vec<Option<Alpha>> {
-        match &self.surface.kind {
-            SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) => {
-                alphas.iter().copied().map(Some).collect()
-            }
-            _ => vec![None],
+        match self.surface.kind.alphas() {
+            Some(alphas) => alphas.iter().copied().map(Some).collect(),
+            None => vec![None],
         }
     }
 
     /// The same campaign for one of its roughnesses: what a table of several stores.
     pub fn with_alpha(&self, alpha: Alpha) -> Campaign {
         let mut one = self.clone();
-        if let SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) = &mut one.surface.kind {
+        if let Some(alphas) = one.surface.kind.alphas_mut() {
             *alphas = vec![alpha];
         }
         one
@@ -258,9 +289,31 @@ impl SurfaceKind {
     /// Whether the law of the surface is the same at every azimuth.
     pub fn is_isotropic(&self) -> bool {
         match self {
-            SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) => alphas.iter().all(|a| a.x == a.y),
             SurfaceKind::Mirror => true,
-            SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => false,
+            kind => kind.alphas().is_some_and(|alphas| alphas.iter().all(|a| a.x == a.y)),
         }
+    }
+
+    /// The roughnesses of a surface that has a law.
+    pub fn alphas(&self) -> Option<&Vec<Alpha>> {
+        match self {
+            SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) => Some(alphas),
+            SurfaceKind::Smith(smith) => Some(&smith.alphas),
+            SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
+        }
+    }
+
+    /// The same, to be narrowed.
+    pub fn alphas_mut(&mut self) -> Option<&mut Vec<Alpha>> {
+        match self {
+            SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) => Some(alphas),
+            SurfaceKind::Smith(smith) => Some(&mut smith.alphas),
+            SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
+        }
+    }
+
+    /// Whether patches of random heights are made for it.
+    pub fn is_random_heights(&self) -> bool {
+        matches!(self, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_))
     }
 }

@@ -4,10 +4,18 @@ use std::path::{Component, Path, PathBuf};
 
 use super::angles::{AZIMUTH, reduced};
 use super::reader::{Bounds, Item, Slot, Table, plain};
-use super::schema::{Alpha, Detrend, HeightMap, Surface, SurfaceKind};
+use super::schema::{Alpha, Detrend, HeightMap, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind};
 
 /// Words for [`Detrend`].
 pub(super) const DETREND: [(&str, Detrend); 2] = [("plane", Detrend::Plane), ("none", Detrend::None)];
+
+/// Words for [`SmithNdf`].
+pub(super) const SMITH_NDF: [(&str, SmithNdf); 2] =
+    [("ggx", SmithNdf::Ggx), ("beckmann", SmithNdf::Beckmann)];
+
+/// Words for [`SmithHeights`].
+pub(super) const SMITH_HEIGHTS: [(&str, SmithHeights); 2] =
+    [("correlated", SmithHeights::Correlated), ("independent", SmithHeights::Independent)];
 
 /// Cells per side where nothing is given.
 const CELLS: u32 = 1024;
@@ -23,8 +31,8 @@ const SLOPE: Bounds = Bounds::closed(1e-4, 10.0).advice("a flat surface is [surf
 /// Pitches and units of height maps, um.
 const LENGTH_UM: Bounds = Bounds::closed(1e-9, 1e9);
 
-const KINDS: &str =
-    "[surface.ggx], [surface.beckmann], [surface.mirror], [surface.v_groove] or [surface.file]";
+const KINDS: &str = "[surface.ggx], [surface.beckmann], [surface.smith], [surface.mirror], [surface.v_groove] or \
+     [surface.file]";
 
 /// Keys of `[surface]` that describe a patch, beside its kind.
 struct PatchKeys<'a> {
@@ -65,7 +73,7 @@ pub(super) fn surface(slot: &Slot<'_>, folder: &Path) -> Option<Surface> {
         )),
     };
     match given[..] {
-        [one] if matches!(one.name(), "mirror" | "v_groove" | "file") => {
+        [one] if matches!(one.name(), "smith" | "mirror" | "v_groove" | "file") => {
             made_or_measured(&keys, one.name() == "file", kind, rotation_deg)
         }
         _ => synthesised(&keys, kind, rotation_deg),
@@ -126,7 +134,9 @@ fn made_or_measured(
         let why = "belongs to a synthesised surface; the groups of a height map are its tiles";
         keys.realisations.absent(why).map(|()| 1)
     } else {
-        keys.realisations.or(1, |i| i.count(1..=4096))
+        // Groups of paths stand for the realisations of a statistical surface.
+        let default = if matches!(kind, Some(SurfaceKind::Smith(_))) { 16 } else { 1 };
+        keys.realisations.or(default, |i| i.count(1..=4096))
     };
     absent.into_iter().collect::<Option<Vec<()>>>()?;
     let (given, kind) = (given?, kind?);
@@ -148,6 +158,7 @@ fn kind(item: &Item<'_>, folder: &Path) -> Option<SurfaceKind> {
     match item.name() {
         "ggx" => alphas(item.table()?).map(SurfaceKind::Ggx),
         "beckmann" => alphas(item.table()?).map(SurfaceKind::Beckmann),
+        "smith" => smith(item.table()?).map(SurfaceKind::Smith),
         "mirror" => {
             let [] = item.table()?.keys([]);
             Some(SurfaceKind::Mirror)
@@ -162,9 +173,20 @@ fn kind(item: &Item<'_>, folder: &Path) -> Option<SurfaceKind> {
     }
 }
 
-/// `alpha` (a number or a list), or `alpha_x` and `alpha_y`.
+fn smith(table: Table<'_>) -> Option<Smith> {
+    let [ndf, heights, slopes @ ..] = table.keys(["ndf", "heights", "alpha", "alpha_x", "alpha_y"]);
+    let ndf = ndf.or(SmithNdf::Ggx, |i| i.choice(&SMITH_NDF));
+    let heights = heights.or(SmithHeights::Correlated, |i| i.choice(&SMITH_HEIGHTS));
+    let alphas = alphas_of(slopes);
+    Some(Smith { ndf: ndf?, alphas: alphas?, heights: heights? })
+}
+
 fn alphas(table: Table<'_>) -> Option<Vec<Alpha>> {
-    let [alpha, alpha_x, alpha_y] = table.keys(["alpha", "alpha_x", "alpha_y"]);
+    alphas_of(table.keys(["alpha", "alpha_x", "alpha_y"]))
+}
+
+/// `alpha` (a number or a list), or `alpha_x` and `alpha_y`.
+fn alphas_of([alpha, alpha_x, alpha_y]: [Slot<'_>; 3]) -> Option<Vec<Alpha>> {
     let equal = alpha.or(None, |i| isotropic_alphas(i).map(Some));
     let x = alpha_x.or(None, |i| i.float(&ALPHA).map(Some));
     let y = alpha_y.or(None, |i| i.float(&ALPHA).map(Some));

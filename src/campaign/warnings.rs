@@ -11,6 +11,7 @@ pub(super) fn note(report: &Report<'_>, campaign: &Campaign) {
     let (key, alphas) = match &campaign.surface.kind {
         SurfaceKind::Ggx(alphas) => ("surface.ggx.alpha", alphas),
         SurfaceKind::Beckmann(alphas) => ("surface.beckmann.alpha", alphas),
+        SurfaceKind::Smith(smith) => ("surface.smith.alpha", &smith.alphas),
         _ => return,
     };
     let say = |key: &str, value: f64, text: String| report.note(key, None, Some(format!("{value}")), text);

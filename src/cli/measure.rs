@@ -9,7 +9,7 @@ use super::output::{self, Output, duration, grouped, json_text, say, warn, with_
 use super::plan_text;
 use super::progress::Progress;
 use super::targets::{self, Target};
-use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
+use crate::campaign::{self, Campaign, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::measure::{self, Cost, Measured, Patches, Plan, StopResult};
@@ -78,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 /// The campaign with the roughnesses of `open` alone. Roughnesses share patches and draws: the tables stay the same.
 fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
     let mut some = campaign.clone();
-    if let SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) = &mut some.surface.kind {
+    if let Some(alphas) = some.surface.kind.alphas_mut() {
         alphas.retain(|alpha| open.iter().any(|target| target.alpha == Some(*alpha)));
     }
     some

@@ -1,7 +1,9 @@
 //! A campaign and its plan in words: what `check` shows and `measure` begins with.
 
 use super::output::{bytes, duration, grouped, wrapped};
-use crate::campaign::{Alpha, Azimuth, BinLayout, Campaign, Optics, Sensor, SurfaceKind};
+use crate::campaign::{
+    Alpha, Azimuth, BinLayout, Campaign, Optics, Sensor, SmithHeights, SmithNdf, SurfaceKind,
+};
 use crate::measure::Plan;
 
 /// Room for the words on the left.
@@ -58,6 +60,12 @@ fn surface(campaign: &Campaign) -> String {
     let what = match &surface.kind {
         SurfaceKind::Ggx(alphas) => random("ggx", alphas),
         SurfaceKind::Beckmann(alphas) => random("beckmann", alphas),
+        SurfaceKind::Smith(smith) => {
+            let ndf = if smith.ndf == SmithNdf::Ggx { "ggx" } else { "beckmann" };
+            let alphas = listed(smith.alphas.iter().map(|alpha| roughness(*alpha)));
+            let rule = if smith.heights == SmithHeights::Correlated { "correlated" } else { "independent" };
+            format!("statistical Smith surface, {ndf}, alpha {alphas}, heights {rule}")
+        }
         SurfaceKind::Mirror => "a flat mirror".into(),
         SurfaceKind::VGroove { slope } => format!("v-grooves along y, slope {slope}"),
         SurfaceKind::File(map) => format!("{}, {} x {} start regions", map.path, map.tiles, map.tiles),

@@ -15,7 +15,7 @@ use super::targets;
 use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files;
-use crate::measure::{self, Patch, Patches};
+use crate::measure::{self, Patch, Patches, Specimen};
 use crate::surface::{Certificate, SlopeCounts, export};
 
 /// Make the patches of a campaign and certify their slopes and heights
@@ -109,6 +109,10 @@ impl<'a> Job<'a> {
         let random = matches!(patches, Patches::Random { .. });
         let alphas = campaign.alphas();
         let alpha = match (&patches, &alphas[..]) {
+            (Patches::Statistical { .. }, _) => {
+                let why = "a statistical Smith surface has no heights: there is no patch to write";
+                return Err(Error::Usage(format!("{}: {why}", campaign.name)));
+            }
             (Patches::Exact { alpha, .. }, _) => [alpha.x, alpha.y],
             (Patches::Map { map, .. }, _) => [map.alpha_x, map.alpha_y],
             (Patches::Random { .. }, [Some(alpha)]) => [alpha.x, alpha.y],
@@ -223,7 +227,9 @@ impl<'a> Job<'a> {
     }
 
     fn make(&self, index: u64) -> Result<(Entry, Option<SlopeCounts>)> {
-        let patch = self.patches.realisation(index);
+        let Specimen::Patch(patch) = self.patches.realisation(index) else {
+            return Err(Error::Internal("a statistical surface reached the writer of patches".into()));
+        };
         let [pitch_x, pitch_y] = self.pitch;
         self.put(index, "exr", &export::encode_exr(&patch.field, pitch_x, pitch_y)?)?;
         if self.npy {

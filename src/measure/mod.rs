@@ -9,6 +9,6 @@ pub mod run;
 pub mod tally;
 
 pub use assemble::{Measured, StopResult};
-pub use patches::{Patch, Patches};
+pub use patches::{Patch, Patches, Specimen};
 pub use plan::{Plan, plan};
 pub use run::{Cost, measure};

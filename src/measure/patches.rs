@@ -3,7 +3,7 @@
 use glam::DVec2;
 use sha2::{Digest, Sha256};
 
-use crate::campaign::{Alpha, Campaign, SurfaceKind};
+use crate::campaign::{Alpha, Campaign, SmithHeights, SmithNdf, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
 use crate::surface::import::{self, ImportedMap};
@@ -26,6 +26,13 @@ pub enum Patches {
         /// World slope per canonical slope.
         alpha: DVec2,
     },
+    /// No heights at all.
+    Statistical {
+        /// Law of the slopes.
+        law: SlopeLaw,
+        /// Whether a path leaves from a height drawn anew.
+        independent_heights: bool,
+    },
     /// One measured map; realisations are its start regions.
     Map {
         /// The map.
@@ -34,6 +41,20 @@ pub enum Patches {
         tiles: usize,
         /// Cells kept free along an open edge.
         margin: usize,
+    },
+}
+
+/// What lies on the stage for one realisation.
+#[derive(Debug, Clone)]
+pub enum Specimen {
+    /// Heights.
+    Patch(Patch),
+    /// Nothing but a law; groups of paths stand for realisations.
+    Statistical {
+        /// Law of the slopes.
+        law: SlopeLaw,
+        /// Whether a path leaves from a height drawn anew.
+        independent_heights: bool,
     },
 }
 
@@ -59,6 +80,10 @@ impl Patches {
         Ok(match &surface.kind {
             SurfaceKind::Ggx(_) => random(SlopeLaw::Ggx),
             SurfaceKind::Beckmann(_) => random(SlopeLaw::Beckmann),
+            SurfaceKind::Smith(smith) => Patches::Statistical {
+                law: if smith.ndf == SmithNdf::Ggx { SlopeLaw::Ggx } else { SlopeLaw::Beckmann },
+                independent_heights: smith.heights == SmithHeights::Independent,
+            },
             SurfaceKind::Mirror => Patches::Exact { field: flat(), alpha: DVec2::ONE },
             SurfaceKind::VGroove { slope } => {
                 Patches::Exact { field: grooves(), alpha: DVec2::splat(*slope) }
@@ -91,9 +116,13 @@ impl Patches {
         })
     }
 
-    /// The patch of one realisation.
-    pub fn realisation(&self, realisation: u64) -> Patch {
-        match self {
+    /// What lies on the stage for one realisation.
+    pub fn realisation(&self, realisation: u64) -> Specimen {
+        let patch = match self {
+            Patches::Statistical { law, independent_heights } => {
+                let (law, independent_heights) = (*law, *independent_heights);
+                return Specimen::Statistical { law, independent_heights };
+            }
             Patches::Random { synthesiser, seed } => {
                 let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop: 0, block: 0 };
                 let field = synthesiser.patch(&mut rng::stream(id));
@@ -107,7 +136,8 @@ impl Patches {
                 own_alpha: Some(DVec2::new(map.alpha_x, map.alpha_y)),
                 field: map.field.clone(),
             },
-        }
+        };
+        Specimen::Patch(patch)
     }
 
     /// The slope law that the patches should follow.
@@ -116,6 +146,16 @@ impl Patches {
             SurfaceKind::Ggx(_) => Some(SlopeLaw::Ggx),
             SurfaceKind::Beckmann(_) => Some(SlopeLaw::Beckmann),
             _ => None,
+        }
+    }
+}
+
+impl Specimen {
+    /// SHA-256 over the heights; `None` where there are none.
+    pub fn digest(&self) -> Option<[u8; 32]> {
+        match self {
+            Specimen::Patch(patch) => Some(patch.digest()),
+            Specimen::Statistical { .. } => None,
         }
     }
 }

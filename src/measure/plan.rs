@@ -42,6 +42,9 @@ pub struct Plan {
     pub realisations: u32,
     /// Blocks per stop and realisation.
     pub blocks: u64,
+    /// Starts in a block: `BLOCK`; only `bench` lowers it.
+    #[serde(skip)]
+    pub block_starts: u64,
     /// Starts per stop and realisation: whole blocks.
     pub samples: u64,
     /// Starts of the whole run.
@@ -68,7 +71,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
     let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
     let tables = campaign.alphas().len();
-    let random = matches!(campaign.surface.kind, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_));
+    let random = campaign.surface.kind.is_random_heights();
     let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
     let folded = folded_stops(campaign, &grid);
     let realisations = campaign.surface.realisations;
@@ -79,6 +82,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
         tables,
         realisations,
         blocks,
+        block_starts: BLOCK,
         samples: blocks * BLOCK,
         total_samples: saturated(total.iter().product()),
         averages_azimuth,
@@ -121,13 +125,13 @@ fn saturated(count: u128) -> u64 {
 /// For each stop, whether the surface's law is its own mirror image about the plane of incidence and arrivals are
 /// therefore counted on both sides.
 pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
-    let random = matches!(campaign.surface.kind, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_));
+    let symmetric = campaign.surface.kind.alphas().is_some();
     let along_an_axis = |stop: usize| {
         let phi = sphere::reduced_deg(grid.stop_deg(stop).1 - campaign.surface.rotation_deg);
         campaign.light.azimuth != Azimuth::Relative && phi % 90.0 == 0.0
     };
     let folds = |stop: usize| campaign.is_isotropic() || along_an_axis(stop);
-    (0..grid.stops()).map(|stop| campaign.trace.fold && random && folds(stop)).collect()
+    (0..grid.stops()).map(|stop| campaign.trace.fold && symmetric && folds(stop)).collect()
 }
 
 fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {
@@ -172,7 +176,7 @@ fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
     let threads = rayon::current_num_threads() as u128;
     let cells = match &campaign.surface.kind {
         SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_) => u128::from(campaign.surface.cells).pow(2),
-        SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64,
+        SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64,
         SurfaceKind::File(map) => {
             std::fs::metadata(&map.resolved_path).map_or(0, |meta| u128::from(meta.len()))
         }

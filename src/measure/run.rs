@@ -3,14 +3,14 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::arms::{BlockArms, starts_stream};
 use super::assemble::{Measured, StopRecord, assemble};
 use super::optics::{Light, f0_of};
-use super::patches::{Patch, Patches};
+use super::patches::{Patch, Patches, Specimen};
 use super::plan::Plan;
 use super::tally::{Shape, Tally, to_units};
 use crate::campaign::{Alpha, Campaign};
@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::Sensor;
 use crate::rng;
-use crate::trace::{BLOCK, Ending, Sample, Starts, Walker};
+use crate::trace::{Ending, Sample, SmithWalk, Starts, Walker};
 
 /// What a run cost.
 #[derive(Debug, Clone, Serialize)]
@@ -81,18 +81,19 @@ pub fn measure(
     // As many patches in memory as there are threads to make them.
     for group in all.chunks(rayon::current_num_threads()) {
         let clock = Instant::now();
-        let made: Vec<Patch> = group.par_iter().map(|&k| patches.realisation(k)).collect();
-        digests.extend(made.par_iter().map(Patch::digest).collect::<Vec<_>>().concat());
+        let made: Vec<Specimen> = group.par_iter().map(|&k| patches.realisation(k)).collect();
+        let digest = |specimen: &Specimen| specimen.digest().map(Vec::from);
+        digests.extend(made.par_iter().filter_map(digest).collect::<Vec<_>>().concat());
         synthesis_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         for (alpha, records) in alphas.iter().zip(&mut records) {
             let measured =
-                group.par_iter().zip(&made).map(|(&k, patch)| context.realisation(patch, *alpha, k));
+                group.par_iter().zip(&made).map(|(&k, specimen)| context.realisation(specimen, *alpha, k));
             records.extend(measured.collect::<Result<Vec<_>>>()?);
         }
         tracing_s += clock.elapsed().as_secs_f64();
     }
-    let patch_digest = files::sha256_hex(&digests);
+    let patch_digest = if digests.is_empty() { String::new() } else { files::sha256_hex(&digests) };
     let results = alphas.iter().zip(records);
     let results =
         results.map(|(alpha, records)| assemble(campaign, plan, *alpha, records, &patch_digest)).collect();
@@ -112,15 +113,29 @@ pub fn measure(
 
 impl Context<'_> {
     /// All stops of one realisation.
-    fn realisation(&self, patch: &Patch, alpha: Option<Alpha>, realisation: u64) -> Result<Vec<StopRecord>> {
-        let walker = Walker::new(&patch.field);
+    fn realisation(
+        &self,
+        specimen: &Specimen,
+        alpha: Option<Alpha>,
+        realisation: u64,
+    ) -> Result<Vec<StopRecord>> {
+        let stage = match specimen {
+            Specimen::Patch(patch) => {
+                Stage::Heights { patch, walker: Walker::new(&patch.field), alpha: patch.alpha(alpha) }
+            }
+            Specimen::Statistical { law, independent_heights } => Stage::Statistical(SmithWalk {
+                law: *law,
+                alpha: alpha.map_or(DVec2::ONE, |alpha| DVec2::new(alpha.x, alpha.y)),
+                independent_heights: *independent_heights,
+            }),
+        };
         let stop = |stop: usize| {
             let tally = (0..self.plan.blocks)
                 .into_par_iter()
                 .fold(
                     || Tally::new(self.shape()),
                     |mut tally, block| {
-                        self.block(Work { patch, walker, alpha, realisation, stop, block }, &mut tally);
+                        self.block(Work { stage: &stage, realisation, stop, block }, &mut tally);
                         tally
                     },
                 )
@@ -149,49 +164,76 @@ impl Context<'_> {
     fn block(&self, work: Work, tally: &mut Tally) {
         let (campaign, plan) = (self.campaign, self.plan);
         let arms = BlockArms::new(campaign, plan, work.stop, work.realisation, work.block);
-        let sample = Sample { walker: work.walker, alpha: work.patch.alpha(work.alpha), image: arms.image };
-        let starts = Starts::new(&work.patch.field, work.patch.window, sample.to_field(arms.wi));
-        let flux = starts.share(BLOCK) / plan.blocks as f64;
-        let units = to_units(flux);
         let mut rng = rng::stream(starts_stream(campaign, plan, work.stop, work.realisation, work.block));
-        let mut rays = Rays::default();
-        starts.each(BLOCK, &mut rng, |start| {
-            let mut light = Light::new(self.f0);
-            let ending = if campaign.trace.visibility {
-                sample.trace(start, arms.wi, campaign.trace.bounces, &mut light)
-            } else {
-                sample.trace_unobstructed(start, arms.wi, &mut light)
-            };
-            rays.count(&ending, campaign);
-            match ending {
-                Ending::Out { wo, order } => {
-                    self.arrive(tally, &arms, work.stop, Arrival { wo, order, light, flux, units })
-                }
-                Ending::Hidden => tally.hidden.add(units),
-                Ending::Cut { .. } => tally.cut.add(units),
-                Ending::LeftMap => tally.left_map.add(units),
-                Ending::Lost => tally.lost += 1,
+        let mut block = Block { context: self, arms, stop: work.stop, tally, rays: Rays::default() };
+        match work.stage {
+            Stage::Heights { patch, walker, alpha } => {
+                let sample = Sample { walker: *walker, alpha: *alpha, image: arms.image };
+                let starts = Starts::new(&patch.field, patch.window, sample.to_field(arms.wi));
+                let flux = starts.share(plan.block_starts) / plan.blocks as f64;
+                starts.each(plan.block_starts, &mut rng, |start| {
+                    let mut light = Light::new(self.f0);
+                    let ending = if campaign.trace.visibility {
+                        sample.trace(start, arms.wi, campaign.trace.bounces, &mut light)
+                    } else {
+                        sample.trace_unobstructed(start, arms.wi, &mut light)
+                    };
+                    block.end(ending, light, flux);
+                });
             }
-        });
-        self.rays.fetch_add(rays.traced, Ordering::Relaxed);
-        self.skipped.fetch_add(rays.skipped, Ordering::Relaxed);
-        (self.progress)(BLOCK);
+            Stage::Statistical(walk) => {
+                let flux = 1.0 / (plan.block_starts as f64 * plan.blocks as f64);
+                for _ in 0..plan.block_starts {
+                    let mut light = Light::new(self.f0);
+                    let ending = walk.trace(arms.wi, campaign.trace.bounces, &mut rng, &mut light);
+                    block.end(ending, light, flux);
+                }
+            }
+        }
+        self.rays.fetch_add(block.rays.traced, Ordering::Relaxed);
+        self.skipped.fetch_add(block.rays.skipped, Ordering::Relaxed);
+        (self.progress)(plan.block_starts);
+    }
+}
+
+/// What the paths of one block add to.
+struct Block<'a> {
+    context: &'a Context<'a>,
+    arms: BlockArms,
+    stop: usize,
+    tally: &'a mut Tally,
+    rays: Rays,
+}
+
+impl Block<'_> {
+    /// Counts a path that carried `flux`.
+    fn end(&mut self, ending: Ending, light: Light, flux: f64) {
+        self.rays.count(&ending, self.context.campaign);
+        let units = to_units(flux);
+        match ending {
+            Ending::Out { wo, order } => self.arrive(Arrival { wo, order, light, flux, units }),
+            Ending::Hidden => self.tally.hidden.add(units),
+            Ending::Cut { .. } => self.tally.cut.add(units),
+            Ending::LeftMap => self.tally.left_map.add(units),
+            Ending::Lost => self.tally.lost += 1,
+        }
     }
 
     /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded.
-    fn arrive(&self, tally: &mut Tally, arms: &BlockArms, stop: usize, arrival: Arrival) {
+    fn arrive(&mut self, arrival: Arrival) {
         let Arrival { wo, order, light, flux, units } = arrival;
+        let (context, tally) = (self.context, &mut *self.tally);
         let out = &mut tally.orders[order as usize - 1];
         out.count += 1;
         out.flux += units;
         for (sum, left) in out.colours.iter_mut().zip(light.throughput) {
-            *sum += if self.f0.is_none() { units } else { to_units(flux * left) };
+            *sum += if context.f0.is_none() { units } else { to_units(flux * left) };
         }
-        let folded = self.plan.folded[stop];
+        let folded = context.plan.folded[self.stop];
         let part = if folded { 0.5 } else { 1.0 };
         let units = to_units(part * flux);
         let mut into_bins = |direction: DVec3| {
-            self.sensor.each_bin(direction, |bin| {
+            context.sensor.each_bin(direction, |bin| {
                 tally.hits[bin] += 1;
                 if order > 1 {
                     for (sums, left) in tally.multiple.iter_mut().zip(light.throughput) {
@@ -205,19 +247,30 @@ impl Context<'_> {
                 }
             });
         };
-        let wo = arms.in_bins(wo);
+        let wo = self.arms.in_bins(wo);
         into_bins(wo);
         if folded {
-            into_bins(arms.mirrored(wo));
+            into_bins(self.arms.mirrored(wo));
         }
     }
 }
 
-/// The address of a block, and the patch that it is measured on.
+/// The surface of one realisation and roughness.
+enum Stage<'a> {
+    /// Heights to walk over.
+    Heights {
+        patch: &'a Patch,
+        walker: Walker<'a>,
+        /// World slope per canonical slope.
+        alpha: DVec2,
+    },
+    /// A law to draw from.
+    Statistical(SmithWalk),
+}
+
+/// The address of a block, and the surface that it is measured on.
 struct Work<'a> {
-    patch: &'a Patch,
-    walker: Walker<'a>,
-    alpha: Option<Alpha>,
+    stage: &'a Stage<'a>,
     realisation: u64,
     stop: usize,
     block: u64,

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::campaign::{Campaign, ExpectedMasking, SurfaceKind};
+use crate::campaign::{Campaign, ExpectedMasking, SmithHeights, SurfaceKind};
 use crate::instrument::Grid;
 
 /// Room for the spread of patches above the known discrepancy.
@@ -32,9 +32,11 @@ pub struct Bar {
 
 /// The bar that the campaign sets, or that its surface is known to keep; `None` where nothing is known.
 pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
-    let exact = match campaign.surface.kind {
+    let exact = match &campaign.surface.kind {
         SurfaceKind::Mirror => Some("none"),
         SurfaceKind::VGroove { .. } => Some("v_cavity"),
+        SurfaceKind::Smith(smith) if smith.heights == SmithHeights::Correlated => Some("height_correlated"),
+        SurfaceKind::Smith(_) => Some("separable"),
         SurfaceKind::File(_) => return None,
         _ if !campaign.trace.visibility => Some("none"),
         _ => None,

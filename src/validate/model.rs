@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::bin_mean::{BinMeans, source_nodes};
-use crate::campaign::{Azimuth, Campaign, Optics, SurfaceKind};
+use crate::campaign::{Azimuth, Campaign, Optics, SmithNdf, SurfaceKind};
 use crate::instrument::{Grid, Sensor};
 use crate::optics::fresnel::schlick_weight;
 use crate::sphere;
@@ -57,16 +57,19 @@ impl Model {
             let maskings = if campaign.trace.visibility { shadowed } else { vec![Masking::None] };
             Some(Model::Microfacet { surface, maskings })
         };
-        match campaign.surface.kind {
+        match &campaign.surface.kind {
             SurfaceKind::Ggx(_) => microfacet(Ndf::Ggx),
             SurfaceKind::Beckmann(_) => microfacet(Ndf::Beckmann),
+            SurfaceKind::Smith(smith) => {
+                microfacet(if smith.ndf == SmithNdf::Ggx { Ndf::Ggx } else { Ndf::Beckmann })
+            }
             SurfaceKind::Mirror => {
                 Some(Model::Lobes { name: "mirror", masking: "none", slope: None, rotation })
             }
             SurfaceKind::VGroove { slope } => Some(Model::Lobes {
                 name: "torrance_sparrow",
                 masking: "v_cavity",
-                slope: Some(slope),
+                slope: Some(*slope),
                 rotation,
             }),
             SurfaceKind::File(_) => None,
