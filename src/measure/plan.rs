@@ -42,6 +42,9 @@ pub struct Plan {
     pub realisations: u32,
     /// Blocks per stop and realisation.
     pub blocks: u64,
+    /// Starts in a block: `BLOCK`; only `bench` lowers it.
+    #[serde(skip)]
+    pub block_starts: u64,
     /// Starts per stop and realisation: whole blocks.
     pub samples: u64,
     /// Starts of the whole run.
@@ -79,6 +82,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
         tables,
         realisations,
         blocks,
+        block_starts: BLOCK,
         samples: blocks * BLOCK,
         total_samples: saturated(total.iter().product()),
         averages_azimuth,

@@ -18,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::Sensor;
 use crate::rng;
-use crate::trace::{BLOCK, Ending, Sample, Starts, Walker};
+use crate::trace::{Ending, Sample, Starts, Walker};
 
 /// What a run cost.
 #[derive(Debug, Clone, Serialize)]
@@ -151,11 +151,11 @@ impl Context<'_> {
         let arms = BlockArms::new(campaign, plan, work.stop, work.realisation, work.block);
         let sample = Sample { walker: work.walker, alpha: work.patch.alpha(work.alpha), image: arms.image };
         let starts = Starts::new(&work.patch.field, work.patch.window, sample.to_field(arms.wi));
-        let flux = starts.share(BLOCK) / plan.blocks as f64;
+        let flux = starts.share(plan.block_starts) / plan.blocks as f64;
         let units = to_units(flux);
         let mut rng = rng::stream(starts_stream(campaign, plan, work.stop, work.realisation, work.block));
         let mut rays = Rays::default();
-        starts.each(BLOCK, &mut rng, |start| {
+        starts.each(plan.block_starts, &mut rng, |start| {
             let mut light = Light::new(self.f0);
             let ending = if campaign.trace.visibility {
                 sample.trace(start, arms.wi, campaign.trace.bounces, &mut light)
@@ -175,7 +175,7 @@ impl Context<'_> {
         });
         self.rays.fetch_add(rays.traced, Ordering::Relaxed);
         self.skipped.fetch_add(rays.skipped, Ordering::Relaxed);
-        (self.progress)(BLOCK);
+        (self.progress)(plan.block_starts);
     }
 
     /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded.
