@@ -43,4 +43,6 @@ pub mod validate;
 
 pub mod report;
 
+pub mod bench;
+
 pub mod cli;

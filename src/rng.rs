@@ -19,6 +19,8 @@ pub enum Purpose {
     Arms = 3,
     /// Draws of tests.
     Test = 4,
+    /// The seeds of the runs of a ladder.
+    Bench = 5,
 }
 
 /// The address of a stream.

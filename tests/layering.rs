@@ -26,7 +26,10 @@ const NARROW: [(&str, &[&str]); 6] = [
     ("optics", &["sphere"]),
 ];
 
-const OTHER_SIDE: [&str; 4] = ["theory", "validate", "study", "fit"];
+const OTHER_SIDE: [&str; 5] = ["theory", "validate", "study", "fit", "bench"];
+
+/// What the ladders of run time against error are built of.
+const UNDER_BENCH: [&str; 7] = ["error", "rng", "stats", "campaign", "measure", "table", "validate"];
 
 fn rank(module: &str) -> Option<usize> {
     LAYERS.iter().position(|layer| layer.contains(&module))
@@ -136,6 +139,20 @@ fn the_theory_never_sees_a_measurement() {
                 "{}: {import}",
                 path.display()
             );
+        }
+    }
+}
+
+#[test]
+fn the_ladders_rest_on_the_measurement_and_its_validation_alone() {
+    let files = sources("bench");
+    assert!(!files.is_empty());
+    for path in files {
+        let code = code(&path);
+        let program = code.split("#[cfg(test)]").next().unwrap_or_default();
+        for import in imports(program) {
+            let allowed = import == "bench" || UNDER_BENCH.contains(&import.as_str());
+            assert!(allowed, "{} imports {import}", path.display());
         }
     }
 }

@@ -10,6 +10,7 @@ use clap::{ColorChoice, Parser, Subcommand};
 
 use crate::error::{Error, Result};
 
+mod bench;
 mod certificate_text;
 mod check;
 mod measure;
@@ -44,6 +45,7 @@ enum Verb {
     Surface(surface::Arguments),
     Measure(measure::Arguments),
     Validate(validate::Arguments),
+    Bench(bench::Arguments),
 }
 
 impl Verb {
@@ -52,6 +54,7 @@ impl Verb {
         match self {
             Verb::Surface(arguments) => arguments.threads,
             Verb::Measure(arguments) => arguments.threads,
+            Verb::Bench(arguments) => arguments.threads,
             Verb::Check(_) | Verb::Validate(_) => 0,
         }
     }
@@ -62,6 +65,7 @@ impl Verb {
             Verb::Surface(arguments) => surface::run(arguments),
             Verb::Measure(arguments) => measure::run(arguments),
             Verb::Validate(arguments) => validate::run(arguments),
+            Verb::Bench(arguments) => bench::run(arguments),
         }
     }
 }

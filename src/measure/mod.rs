@@ -2,6 +2,7 @@
 
 pub mod arms;
 pub mod assemble;
+pub mod cost;
 pub mod optics;
 pub mod patches;
 pub mod plan;
@@ -9,6 +10,7 @@ pub mod run;
 pub mod tally;
 
 pub use assemble::{Measured, StopResult};
+pub use cost::Cost;
 pub use patches::{Patch, Patches, Specimen};
 pub use plan::{Plan, plan};
-pub use run::{Cost, measure};
+pub use run::measure;

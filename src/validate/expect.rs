@@ -30,24 +30,34 @@ pub struct Bar {
     pub l1_model: f64,
 }
 
-/// The bar that the campaign sets, or that its surface is known to keep; `None` where nothing is known.
-pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
-    let exact = match &campaign.surface.kind {
+/// The masking that is exact on the campaign's surface; `None` for heights, where none is.
+fn exact_masking(campaign: &Campaign) -> Option<&'static str> {
+    match &campaign.surface.kind {
         SurfaceKind::Mirror => Some("none"),
         SurfaceKind::VGroove { .. } => Some("v_cavity"),
         SurfaceKind::Smith(smith) if smith.heights == SmithHeights::Correlated => Some("height_correlated"),
         SurfaceKind::Smith(_) => Some("separable"),
-        SurfaceKind::File(_) => return None,
         _ if !campaign.trace.visibility => Some("none"),
         _ => None,
-    };
-    let masking = exact.unwrap_or(match campaign.expect.masking {
+    }
+}
+
+/// The masking that a campaign is held to: the exact one, else the one that it names, else the height-correlated.
+pub fn masking(campaign: &Campaign) -> &'static str {
+    exact_masking(campaign).unwrap_or(match campaign.expect.masking {
         Some(ExpectedMasking::Separable) => "separable",
         Some(ExpectedMasking::DirectionCorrelated) => "direction_correlated",
         Some(ExpectedMasking::HeightCorrelated) | None => "height_correlated",
-    });
-    let known = if exact.is_some() { Some(0.0) } else { known(campaign, grid) };
-    campaign.expect.l1_model.or(known).map(|l1_model| Bar { masking, l1_model })
+    })
+}
+
+/// The bar that the campaign sets, or that its surface is known to keep; `None` where nothing is known.
+pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
+    if matches!(campaign.surface.kind, SurfaceKind::File(_)) {
+        return None;
+    }
+    let known = if exact_masking(campaign).is_some() { Some(0.0) } else { known(campaign, grid) };
+    campaign.expect.l1_model.or(known).map(|l1_model| Bar { masking: masking(campaign), l1_model })
 }
 
 /// MARGIN times the mean of the known discrepancy over the stops, at the larger of the two roughnesses; `None`

@@ -1,0 +1,22 @@
+//! 8. Run time against error: ladders of sample counts, and what their errors say of noise and bias.
+//!
+//! Every rung is measured several times with seeds of its own (replicates), so that no two errors share a draw or a
+//! patch. The error of a run is the flux-weighted L1 distance of its order-1 table from the truth, averaged over
+//! stops and colours. err^2 = a/N + b^2 is then fitted: a is noise, b what no further sample removes.
+//!
+//! A random surface has two noises: rays and patches. One ladder adds samples to a fixed number of patches (its b
+//! holds the patches' spread and the bias), the other adds patches of fixed samples (its b is the bias alone).
+
+pub mod fit;
+pub mod ladder;
+pub mod plot;
+pub mod run;
+pub mod truth;
+
+pub use fit::{Fit, Point, fit};
+pub use ladder::{Ladders, Range, Varies, planned};
+pub use run::{Bench, Ladder, Row, bench};
+pub use truth::{Truth, TruthKind};
+
+/// The error measure by its name in tables, JSON and plot.
+pub const ERROR_MEASURE: &str = "flux-weighted L1 of order 1, mean over stops";

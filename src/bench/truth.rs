@@ -1,0 +1,100 @@
+//! What the errors of a ladder are counted from, and the error itself.
+
+use std::fmt;
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::campaign::Campaign;
+use crate::error::{Error, Result};
+use crate::measure::{Measured, Plan};
+use crate::table::BrdfTable;
+use crate::validate::expect;
+use crate::validate::model::Model;
+
+/// The kinds of truth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TruthKind {
+    /// The bin means of the microfacet model.
+    Model,
+    /// A run of the same campaign with another seed and four times the largest number of samples.
+    Reference,
+}
+
+/// The true BRDF of every stop, colour and bin.
+pub struct Truth {
+    /// Its name, with the masking where it is a model.
+    pub name: String,
+    /// [stop][colour][bin], 1/sr.
+    values: Vec<Vec<Vec<f64>>>,
+    /// [stop][bin]: projected solid angles.
+    sizes: Vec<Vec<f64>>,
+}
+
+impl fmt::Display for TruthKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            TruthKind::Model => "model",
+            TruthKind::Reference => "reference",
+        })
+    }
+}
+
+impl Truth {
+    /// The model of the campaign's surface with the masking that it is held to.
+    pub fn model(campaign: &Campaign, plan: &Plan) -> Result<Self> {
+        let model = Model::of(campaign)
+            .ok_or_else(|| Error::Usage(format!("{}: no model speaks of this surface", campaign.name)))?;
+        let wanted = expect::masking(campaign);
+        let maskings = model.maskings();
+        // A surface with one masking of its own has no choice.
+        let index = maskings.iter().position(|masking| *masking == wanted).unwrap_or(0);
+        let means = |stop: usize| model.means(campaign, &plan.grid, stop).values.swap_remove(index);
+        Ok(Truth {
+            name: format!("{} {}", model.name(), maskings[index]),
+            values: (0..plan.stops).into_par_iter().map(means).collect(),
+            sizes: sizes(plan),
+        })
+    }
+
+    /// A long run.
+    pub fn reference(measured: &Measured, plan: &Plan, samples: u64) -> Self {
+        let of = |stop: usize| {
+            let colours = measured.table.colours.iter();
+            colours.map(|c| bins_of(&c.single, stop, plan.bins).map(f64::from).collect()).collect()
+        };
+        Truth {
+            name: format!("reference run of {samples} samples"),
+            values: (0..plan.stops).map(of).collect(),
+            sizes: sizes(plan),
+        }
+    }
+
+    /// Mean over stops and colours of sum |f - m| w / sum m w: f the table's order 1, m the truth, w projected solid
+    /// angle. Held by: `the_error_is_the_flux_weighted_distance`.
+    pub fn error_of(&self, table: &BrdfTable) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (stop, (colours, size)) in self.values.iter().zip(&self.sizes).enumerate() {
+            for (channels, truth) in table.colours.iter().zip(colours) {
+                let (mut distance, mut flux) = (0.0, 0.0);
+                for ((f, m), w) in bins_of(&channels.single, stop, size.len()).zip(truth).zip(size) {
+                    distance += (f64::from(f) - m).abs() * w;
+                    flux += m * w;
+                }
+                sum += distance / flux;
+                count += 1.0;
+            }
+        }
+        sum / count
+    }
+}
+
+fn bins_of(values: &[f32], stop: usize, bins: usize) -> impl Iterator<Item = f32> + '_ {
+    values[stop * bins..(stop + 1) * bins].iter().copied()
+}
+
+fn sizes(plan: &Plan) -> Vec<Vec<f64>> {
+    let of = |stop| plan.grid.regions(stop).iter().map(|region| region.projected_solid_angle()).collect();
+    (0..plan.stops).map(of).collect()
+}

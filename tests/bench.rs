@@ -1,0 +1,143 @@
+//! Promise: `gonio bench` measures its ladders, says what it found as a table, JSON and picture, one roughness at a
+//! time.
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+const TINY: &str = "\
+name = \"tiny\"
+seed = 5
+[surface]
+realisations = 4
+cells = 32
+correlation_cells = 4.0
+[surface.ggx]
+alpha = 0.3
+[light]
+theta_i_deg = [40]
+[sensor.hemisphere]
+theta_r_bins = 6
+phi_r_bins = 12
+[stop]
+samples = 65_536
+";
+const RUNGS: [&str; 6] = ["--from", "2^8", "--to", "2^14", "--replicates", "2"];
+
+fn bench(folder: &Path, words: &[&str]) -> Output {
+    let words = [&["bench", "tiny.toml"], words].concat();
+    Command::cargo_bin("gonio").expect("built").current_dir(folder).args(words).output().expect("runs")
+}
+
+fn folder(text: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    fs::write(folder.path().join("tiny.toml"), text).expect("campaign");
+    folder
+}
+
+#[track_caller]
+fn exits(output: &Output, code: i32) {
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{said}");
+}
+
+/// Elements of a well-formed document: every tag is closed in its turn, attributes are quoted, `&` starts an entity.
+fn elements(text: &str) -> Vec<String> {
+    let (mut open, mut found) = (Vec::new(), Vec::new());
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once('<') {
+        assert!(open.is_empty() && before.trim().is_empty() || !open.is_empty(), "text outside: {before}");
+        assert!(before.split('&').skip(1).all(|e| ["amp;", "lt;", "gt;"].iter().any(|k| e.starts_with(k))));
+        let (tag, tail) = after.split_once('>').expect("a tag ends");
+        assert!(tag.matches('"').count() % 2 == 0 && !tag.contains('<'), "{tag}");
+        let name = tag.trim_matches('/').split_whitespace().next().expect("a name").to_string();
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else {
+            if !tag.ends_with('/') {
+                open.push(name.clone());
+            }
+            found.push(name);
+        }
+        rest = tail;
+    }
+    assert!(open.is_empty() && rest.trim().is_empty(), "{open:?} left open");
+    found
+}
+
+#[test]
+fn a_tiny_campaign_gives_rows_fits_and_a_picture_with_a_point_for_each_row() {
+    let folder = folder(TINY);
+    for (truth, ladders) in [("model", 2), ("reference", 2)] {
+        let words = [&RUNGS[..], &["--truth", truth, "--json", "-o", truth]].concat();
+        let output = bench(folder.path(), &words);
+        exits(&output, 0);
+        let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(answer["truth"], truth);
+        assert!(answer["error_measure"].is_string());
+        let rows = answer["rows"].as_array().expect("rows");
+        // 2^8, 2^10, 2^12, 2^14 samples; 1, 4, 16 realisations.
+        assert_eq!(rows.len(), 7);
+        for row in rows {
+            for key in ["samples", "realisations", "seconds", "rays_per_s", "error", "efficiency"] {
+                assert!(row[key].as_f64().is_some_and(|value| value > 0.0), "{key}: {row}");
+            }
+            assert_eq!(row["errors"].as_array().map(Vec::len), Some(2));
+        }
+        let fits = answer["ladders"].as_array().expect("ladders");
+        assert_eq!(fits.len(), ladders);
+        assert_eq!(fits[1]["fit"], answer["fit"]);
+        for key in ["a", "b", "b_low", "b_high", "slope", "slope_se"] {
+            assert!(answer["fit"][key].is_number(), "{key}: {}", answer["fit"]);
+        }
+        let svg = fs::read_to_string(folder.path().join(truth).join("bench.svg")).expect("a picture");
+        let points = elements(&svg).iter().filter(|name| *name == "circle").count();
+        assert_eq!(points, rows.len());
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+    }
+}
+
+#[test]
+fn the_same_campaign_has_the_same_errors_for_any_number_of_threads() {
+    let folder = folder(TINY);
+    let errors = |threads: &str| {
+        let words = [&RUNGS[..], &["--json", "--threads", threads]].concat();
+        let output = bench(folder.path(), &words);
+        exits(&output, 0);
+        let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let rows = answer["rows"].as_array().expect("rows").clone();
+        rows.iter().map(|row| row["errors"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(errors("1"), errors("3"));
+}
+
+#[test]
+fn the_table_fits_a_terminal_and_another_campaigns_bench_is_kept() {
+    let folder = folder(TINY);
+    let output = bench(folder.path(), &RUNGS);
+    exits(&output, 0);
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    assert!(text.contains("slope") && text.contains("bench.svg"), "{text}");
+    let document = folder.path().join("out/tiny/bench.json");
+    let before = fs::read(&document).expect("readable");
+    fs::write(folder.path().join("tiny.toml"), TINY.replace("seed = 5", "seed = 6")).expect("campaign");
+    exits(&bench(folder.path(), &RUNGS), 3);
+    assert_eq!(fs::read(&document).expect("readable"), before);
+    exits(&bench(folder.path(), &[&RUNGS[..], &["--force"]].concat()), 0);
+}
+
+#[test]
+fn several_roughnesses_are_a_fault_and_short_ladders_a_mistake() {
+    let several = folder(&TINY.replace("alpha = 0.3", "alpha = [0.1, 0.3]"));
+    let output = bench(several.path(), &RUNGS);
+    exits(&output, 2);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("surface.ggx.alpha"));
+    let short = folder(TINY);
+    exits(&bench(short.path(), &["--from", "2^12", "--to", "2^14"]), 2);
+    exits(&bench(short.path(), &["--from", "many"]), 2);
+    assert!(!short.path().join("out").exists());
+}
