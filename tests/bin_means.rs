@@ -75,9 +75,9 @@ fn bins_add_up_to_the_reference_albedo() {
 fn albedo_matches_the_reference() {
     for (model, wi, expected) in reference_albedos() {
         for k in 0..2 {
-            // Orders that agree to 1e-8; the reference has 13 digits.
+            // Orders that agree to 1e-8, and the higher one is far closer; the reference has 13 digits.
             let (unit, schlick) = albedo(&model, wi, SMOOTH[k]);
-            assert!((unit - expected[k]).abs() < 1e-9, "{model:?} {wi}: {unit} {expected:?}");
+            assert!((unit - expected[k]).abs() < 1e-10, "{model:?} {wi}: {unit} {expected:?}");
             assert!(schlick > 0.0 && schlick < unit);
         }
     }
@@ -211,10 +211,11 @@ fn no_masked_model_reflects_more_than_it_gets() {
         for alpha in [1e-4, 0.01, 0.3, 1.0, 2.0, 10.0] {
             for theta_i_deg in [0.0, 45.0, 80.0, 89.0, 89.99] {
                 let model = Microfacet { ndf, alpha_x: alpha, alpha_y: 0.5 * alpha, rotation: 0.2 };
-                for masking in [Masking::Separable, Masking::HeightCorrelated] {
-                    let (unit, _) = albedo(&model, direction_deg(theta_i_deg, 30.0), masking);
-                    // The cubature's own precision on top of the inequality.
-                    assert!(unit <= 1.0 + 1e-9, "{model:?} {theta_i_deg} {masking:?}: {unit}");
+                for masking in &Masking::ALL[1..] {
+                    let (unit, _) = albedo(&model, direction_deg(theta_i_deg, 30.0), *masking);
+                    // The cubature's own precision on top of the inequality: kinks cost the last masking some.
+                    let room = if *masking == Masking::DirectionCorrelated { 1e-6 } else { 1e-9 };
+                    assert!(unit <= 1.0 + room, "{model:?} {theta_i_deg} {masking:?}: {unit}");
                 }
             }
         }

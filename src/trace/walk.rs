@@ -132,6 +132,14 @@ impl<'a> Walker<'a> {
     ///
     /// Held by: `tests/watertight.rs` against a loop over all facets.
     pub fn walk(&self, start: &Place, d: DVec3) -> Outcome {
+        self.walk_counted(start, d, &mut 0)
+    }
+
+    /// As `walk`, and adds the cells that the ray meets, the first one included, to `cells`.
+    ///
+    /// Held by: `a_ray_crosses_as_many_cells_as_its_rise_over_the_patch_says`.
+    #[inline]
+    pub fn walk_counted(&self, start: &Place, d: DVec3, cells: &mut u64) -> Outcome {
         let mut cell = (start.facet.x, start.facet.y);
         let (mut x, mut y) = (Axis::new(d.x, start.u), Axis::new(d.y, start.v));
         let clear_at = self.clear_at(start.z, d.z);
@@ -140,6 +148,7 @@ impl<'a> Walker<'a> {
         let mut upper = start.facet.upper;
         let mut own = true;
         for _ in 0..self.step_limit(start.z, d) {
+            *cells += 1;
             let (tx, ty) = (x.next(), y.next());
             let along_x = tx < ty;
             let t = if along_x { tx } else { ty };
