@@ -203,7 +203,8 @@ fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
     let alphas: Vec<f64> = campaign.alphas().iter().map(|a| a.map_or(0.3, |a| a.x.max(a.y))).collect();
     let per_stop = |stop: usize, alpha: f64| {
         let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
-        let crossed = 6.0 + height * alpha * (sin / cos + 1.5);
+        // However flat a ray, most of them hit something within a hundred cells.
+        let crossed = (6.0 + height * alpha * (sin / cos + 1.5)).min(110.0);
         plan.blocks as f64 * (BLOCK as f64 * 2.0 * crossed * NS_PER_CELL + 2.0 * cells * NS_PER_FACET)
     };
     let tracing: f64 = (0..plan.stops).flat_map(|stop| alphas.iter().map(move |&a| per_stop(stop, a))).sum();
