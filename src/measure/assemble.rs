@@ -1,6 +1,6 @@
 //! From the sums of every realisation to the table: values, error bars, albedos.
 
-use super::optics::f0_of;
+use super::optics::colours_of;
 use super::plan::Plan;
 use super::tally::{Tally, from_units};
 use crate::campaign::{self, Alpha, Campaign};
@@ -107,21 +107,17 @@ pub fn assemble(
     patch_digest: &str,
 ) -> Measured {
     let campaign = alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
-    let f0 = f0_of(&campaign.optics);
     let sizes: Vec<Vec<f64>> = (0..plan.stops)
         .map(|stop| plan.grid.regions(stop).iter().map(|region| region.projected_solid_angle()).collect())
         .collect();
-    let colour_f0: Vec<Option<f64>> = match f0 {
-        None => vec![None],
-        Some(f0) => f0.iter().map(|&f0| Some(f0)).collect(),
-    };
+    let colour_f0 = colours_of(&campaign.optics);
     let parts: Vec<RealisationPart> =
         records.iter().map(|stops| realisation_part(stops, &sizes, &colour_f0)).collect();
     let hits = total_hits(plan, &records);
     let empty = empty_bin_errors(plan, &records, &sizes);
     let colours = (0..colour_f0.len()).map(|colour| channels(&parts, colour, &hits, &empty)).collect();
-    let schlick =
-        (f0.is_some() && campaign.trace.bounces == 1).then(|| schlick_channel(plan, &records, &sizes));
+    let schlick = (colour_f0[0].is_some() && campaign.trace.bounces == 1)
+        .then(|| schlick_channel(plan, &records, &sizes));
     let table = BrdfTable {
         grid: plan.grid.clone(),
         campaign: campaign::to_toml(&campaign),

@@ -14,6 +14,11 @@ pub fn f0_of(optics: &Optics) -> Option<[f64; 3]> {
     }
 }
 
+/// F0 of each colour of the table: one `None` for F = 1.
+pub fn colours_of(optics: &Optics) -> Vec<Option<f64>> {
+    f0_of(optics).map_or_else(|| vec![None], |f0| f0.map(Some).to_vec())
+}
+
 /// The light of one path.
 pub struct Light {
     f0: Option<[f64; 3]>,

@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::bin_mean::{BinMeans, source_nodes};
-use crate::campaign::{Azimuth, Campaign, Optics, SmithNdf, SurfaceKind};
+use crate::campaign::{Azimuth, Campaign, SmithNdf, SurfaceKind};
 use crate::instrument::{Grid, Sensor};
+use crate::measure::optics::colours_of;
 use crate::optics::fresnel::schlick_weight;
 use crate::sphere;
 use crate::theory::v_cavity::v_groove_lobes;
@@ -96,10 +97,7 @@ impl Model {
     pub fn means(&self, campaign: &Campaign, grid: &Grid, stop: usize) -> StopMeans {
         let half_angle = campaign.light.aperture_deg.to_radians();
         let source = source_nodes(grid.wi(stop), half_angle, APERTURE_ORDER);
-        let f0: Vec<Option<f64>> = match campaign.optics {
-            Optics::PerfectMirror => vec![None],
-            Optics::Schlick { f0, .. } => f0.iter().map(|&f0| Some(f0)).collect(),
-        };
+        let f0 = colours_of(&campaign.optics);
         let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
         let turns = if averaged { AZIMUTHS } else { 1 };
         let rotations = (0..turns).map(|k| PI * k as f64 / turns as f64);

@@ -73,9 +73,10 @@ fn realisations_of(campaign: &Campaign) -> usize {
 
 fn compare(table: &BrdfTable, campaign: &Campaign, model: &Model, means: &[StopMeans]) -> Vec<Comparison> {
     let names = model.maskings();
+    let folded = folded_stops(campaign, &table.grid);
     let of = |(index, masking): (usize, &&str)| {
         let stops: Vec<StopComparison> = (0..table.grid.stops())
-            .map(|stop| compare_stop(table, campaign, stop, &means[stop].values[index]))
+            .map(|stop| compare_stop(table, campaign, (stop, folded[stop]), &means[stop].values[index]))
             .collect();
         Comparison {
             model: model.name().into(),
@@ -88,12 +89,18 @@ fn compare(table: &BrdfTable, campaign: &Campaign, model: &Model, means: &[StopM
     names.iter().enumerate().map(of).collect()
 }
 
-fn compare_stop(table: &BrdfTable, campaign: &Campaign, stop: usize, model: &[Vec<f64>]) -> StopComparison {
+/// One stop (and whether it is folded) against the model's means by colour.
+fn compare_stop(
+    table: &BrdfTable,
+    campaign: &Campaign,
+    (stop, folded): (usize, bool),
+    model: &[Vec<f64>],
+) -> StopComparison {
     let grid = &table.grid;
     let bins = grid.bins();
     let here = stop * bins..(stop + 1) * bins;
     let size: Vec<f64> = grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
-    let counted = counted_bins(grid, stop, folded_stops(campaign, grid)[stop]);
+    let counted = counted_bins(grid, stop, folded);
     let realisations = realisations_of(campaign);
     let figures = |(colour, model): (usize, &Vec<f64>)| {
         let channels = &table.colours[colour];
