@@ -13,7 +13,7 @@ const DEFAULT_LIMIT: u64 = 4 << 30;
 /// Measured time of one cell step and of one facet summed, on one core of about 4 GHz; only for the estimate.
 const NS_PER_CELL: f64 = 6.0;
 const NS_PER_FACET: f64 = 2.5;
-const NS_PER_SYNTHESISED_CELL: f64 = 5500.0;
+const NS_PER_SYNTHESISED_CELL: f64 = 1600.0;
 /// A run that would take longer is refused: 31 days.
 const LONGEST_S: f64 = 31.0 * 86_400.0;
 

@@ -2,100 +2,117 @@
 //! target, has the wanted slope law.
 //!
 //! The fit moves every slope a little off its target, and in the mean always to the same side: median lengths by about
-//! 0.4 per cent, azimuths towards the grid's diagonal (the two slopes of a facet share a corner). Two corrections
-//! take that back: a gain on the wanted length by rank, and a turn of the slope's direction that restores the
-//! azimuth harmonics of the Gaussian field that the patch started from, apart for short and for steep slopes. Those
-//! have mean 0 and are not flattened further: patches stay independent draws of one law. Of the length error half is
-//! taken back: the distance from the wanted law is then 4e-4 to 1.2e-3 (Kolmogorov-Smirnov) at correlations of 16 and 8
-//! cells.
+//! 0.4 per cent, azimuths towards the grid's diagonal (the two slopes of a facet share a corner), most of all for the
+//! steepest. Two corrections take that back: a gain on the wanted length by rank, and a turn of the slope's direction
+//! that restores the azimuth harmonics of the Gaussian field that the patch started from, by rank too. Those have
+//! mean 0 and are not flattened further: patches stay independent draws of one law.
+//! Ranks are divided into octaves of the share above, so that the few steep slopes, which carry much of the light at
+//! grazing angles, have length gains of their own. Of the length error half is taken back: all of it would leave the
+//! law closer and the light further from Smith's (L1 at alpha 0.1 and 75 degrees 0.017 instead of 0.016).
 
-use glam::DVec2;
+use glam::Vec2;
 
 use super::slope_law::SlopeLaw;
 
-/// Rank intervals of the length gain.
-const KNOTS: usize = 64;
-/// Classes of slope length that have an azimuth correction of their own.
-const LENGTH_CLASSES: usize = 8;
+/// Octaves of the share above a rank: 1 to 2^-16, half a facet of a class of 2^15.
+const OCTAVES: usize = 16;
+/// Knots of the length gain in each octave.
+const KNOTS_PER_OCTAVE: usize = 8;
+const KNOTS: usize = OCTAVES * KNOTS_PER_OCTAVE;
+/// Classes of slope length with an azimuth correction of their own, two in each of the first three octaves and one for
+/// the steepest eighth: turning the few steepest by classes of their own aligns needles, and makes the surface shadow
+/// itself unlike Smith's (L1 at alpha 0.5 and 75 degrees 0.057 instead of 0.050).
+const CLASSES_PER_OCTAVE: usize = 2;
+const LENGTH_CLASSES: usize = 7;
 /// Highest azimuth harmonic that is flattened.
 const HARMONICS: usize = 4;
 
 /// Mean of (cos k psi, sin k psi), k = 1, 2, ..., for each length class.
-type Harmonics = [[DVec2; HARMONICS]; LENGTH_CLASSES];
+type Harmonics = [[Vec2; HARMONICS]; LENGTH_CLASSES];
 
-/// The corrections, and what is being observed for the next ones.
+/// The corrections.
 pub struct Feedback {
-    log_gain: [f64; KNOTS],
-    log_length: [Mean; KNOTS],
+    /// Length gains at the knots and their logarithms.
+    gain: [f32; KNOTS],
+    log_gain: [f32; KNOTS],
     turn: Harmonics,
     /// Remembered part of `turn`: the drift that the fit adds in every round.
     drift: Harmonics,
     /// The harmonics of the Gaussian field that the patch started from.
     wanted_azimuth: Option<Harmonics>,
-    azimuth: Harmonics,
-    observed: [f64; LENGTH_CLASSES],
     rounds: usize,
 }
 
 impl Default for Feedback {
     fn default() -> Self {
         Feedback {
+            gain: [1.0; KNOTS],
             log_gain: [0.0; KNOTS],
-            log_length: [Mean::default(); KNOTS],
             turn: Default::default(),
             drift: Default::default(),
             wanted_azimuth: None,
-            azimuth: Default::default(),
-            observed: Default::default(),
             rounds: 0,
         }
     }
 }
 
-#[derive(Default, Clone, Copy)]
-struct Mean {
-    sum: f64,
-    count: f64,
+/// What a field has.
+pub struct Observed {
+    /// Squared slope lengths at the knots.
+    squared_lengths: Vec<f64>,
+    azimuth: Harmonics,
+    counts: [f32; LENGTH_CLASSES],
 }
 
-impl Feedback {
-    /// Notes one facet's slope before remapping; `u` in (0, 1) is the rank of its length.
-    pub fn observe(&mut self, slope: DVec2, u: f64) {
-        let length = slope.length();
-        if length == 0.0 {
-            return;
-        }
-        let knot = &mut self.log_length[(u * KNOTS as f64) as usize];
-        knot.sum += length.ln();
-        knot.count += 1.0;
-        let class = (u * LENGTH_CLASSES as f64) as usize;
-        let unit = slope / length;
+impl Observed {
+    /// A field's lengths, `squared_quantiles(shares)`, and no facet's azimuth yet.
+    pub fn new(squared_quantiles: impl FnOnce(&[f64]) -> Vec<f64>) -> Self {
+        let knots: Vec<f64> = (0..KNOTS).map(knot_share).collect();
+        let squared_lengths = squared_quantiles(&knots);
+        Observed { squared_lengths, azimuth: Default::default(), counts: [0.0; LENGTH_CLASSES] }
+    }
+
+    /// Notes one facet's slope; `u` in (0, 1) is the rank of its length.
+    #[inline]
+    pub fn add(&mut self, slope: Vec2, u: f32) {
+        let unit = slope.normalize_or_zero();
+        let class = length_class(u);
         let mut power = unit;
         for harmonic in &mut self.azimuth[class] {
             *harmonic += power;
             power = unit.rotate(power);
         }
-        self.observed[class] += 1.0;
+        self.counts[class] += 1.0;
     }
 
-    /// Turns what was observed into the next corrections; the first time, keeps it as what is to be restored.
-    pub fn learn(&mut self, law: SlopeLaw) {
-        let azimuth = std::mem::take(&mut self.azimuth);
-        let observed = std::mem::take(&mut self.observed);
-        let log_length = std::mem::replace(&mut self.log_length, [Mean::default(); KNOTS]);
-        let mean = |class: usize, k: usize| azimuth[class][k] / observed[class].max(1.0);
-        let Some(wanted) = self.wanted_azimuth else {
-            self.wanted_azimuth = Some(std::array::from_fn(|class| std::array::from_fn(|k| mean(class, k))));
+    fn means(&self) -> Harmonics {
+        let mean = |class: usize, k: usize| self.azimuth[class][k] / self.counts[class].max(1.0);
+        std::array::from_fn(|class| std::array::from_fn(|k| mean(class, k)))
+    }
+}
+
+impl Feedback {
+    /// Turns what was observed into the next corrections; the first time, keeps the azimuths as what is to be
+    /// restored.
+    pub fn learn(&mut self, law: SlopeLaw, observed: &Observed) {
+        let means = observed.means();
+        let Some(wanted) = &self.wanted_azimuth else {
+            self.wanted_azimuth = Some(means);
             return;
         };
-        for (knot, length) in log_length.iter().enumerate().filter(|(_, length)| length.count > 0.0) {
-            let error = mean_log_length(law, knot) - length.sum / length.count;
-            self.log_gain[knot] = 0.5 * (self.log_gain[knot] + error);
+        for (knot, gain) in self.log_gain.iter_mut().enumerate() {
+            let squared = observed.squared_lengths[knot];
+            let wanted = law.length_quantile(knot_share(knot));
+            if squared > 0.0 && wanted > 0.0 {
+                let error = (wanted.ln() - 0.5 * squared.ln()) as f32;
+                *gain = 0.5 * (*gain + error);
+            }
         }
+        self.gain = self.log_gain.map(f32::exp);
         // The first harmonic is left alone: the mean slope of a torus is 0, and the fit resists.
         for (class, wanted) in wanted.iter().enumerate() {
             for (k, wanted) in wanted.iter().enumerate().skip(1) {
-                let error = mean(class, k) - wanted;
+                let error = means[class][k] - wanted;
                 // The first error is what gathered over many rounds; the later ones are what one fit adds.
                 if self.rounds > 0 {
                     self.drift[class][k] += 0.4 * error;
@@ -107,41 +124,56 @@ impl Feedback {
         self.rounds += 1;
     }
 
-    /// The slope that a facet should get: of length `wanted` (corrected), nearly in its own direction.
+    /// The slope that a facet should get: of the law's length at rank `u` (corrected), nearly in its own direction.
     ///
     /// A surplus density of azimuths 2 sum (c_k cos k psi + s_k sin k psi) vanishes, to first order, under
     /// psi -> psi + sum 2/k (c_k sin k psi - s_k cos k psi).
-    pub fn target(&self, slope: DVec2, u: f64, wanted: f64) -> DVec2 {
-        let length = slope.length();
-        if length == 0.0 {
+    #[inline]
+    pub fn target(&self, law: SlopeLaw, slope: Vec2, u: f32) -> Vec2 {
+        let squared = slope.length_squared();
+        if squared == 0.0 {
             return slope; // a level facet has no direction to keep
         }
+        let scaled = slope * (law.squared_quantile(u) / squared).sqrt();
         if self.rounds == 0 {
-            return slope * (wanted / length);
+            return scaled;
         }
-        let unit = slope / length;
+        let unit = slope / squared.sqrt();
         let mut power = unit;
         let mut angle = 0.0;
-        for (k, c) in self.turn[(u * LENGTH_CLASSES as f64) as usize].iter().enumerate() {
-            angle += 2.0 / (k + 1) as f64 * (c.x * power.y - c.y * power.x);
+        for (k, c) in self.turn[length_class(u)].iter().enumerate() {
+            angle += 2.0 / (k + 1) as f32 * c.perp_dot(power);
             power = unit.rotate(power);
         }
-        DVec2::from_angle(angle).rotate(unit) * (wanted * self.gain(u).exp())
+        // The tangent for the angle: they differ by its cube, and it is a few hundredths.
+        let turned = scaled + angle * scaled.perp();
+        turned * (self.gain_at(u) / (1.0 + angle * angle).sqrt())
     }
 
-    /// The logarithm of the length gain at rank `u`, linear between the middles of the intervals.
-    fn gain(&self, u: f64) -> f64 {
-        let place = (u * KNOTS as f64 - 0.5).clamp(0.0, (KNOTS - 1) as f64);
+    /// The length gain at rank `u`, linear between the knots.
+    #[inline]
+    fn gain_at(&self, u: f32) -> f32 {
+        let place = octave(u) * KNOTS_PER_OCTAVE as f32;
         let low = (place as usize).min(KNOTS - 2);
-        let share = place - low as f64;
-        self.log_gain[low] * (1.0 - share) + self.log_gain[low + 1] * share
+        let share = (place - low as f32).min(1.0);
+        self.gain[low] + share * (self.gain[low + 1] - self.gain[low])
     }
 }
 
-/// Mean of the logarithm of the wanted length over rank interval `knot`: the middle of 16 sub-intervals each.
-fn mean_log_length(law: SlopeLaw, knot: usize) -> f64 {
-    let parts = 16;
-    let at =
-        |j: usize| law.length_quantile((knot as f64 + (j as f64 + 0.5) / parts as f64) / KNOTS as f64).ln();
-    (0..parts).map(at).sum::<f64>() / parts as f64
+/// -log2(1 - u), linear inside each octave: the float's own exponent and mantissa.
+#[inline]
+fn octave(u: f32) -> f32 {
+    let one = 1.0f32.to_bits();
+    one.saturating_sub((1.0 - u).to_bits()) as f32 / (1 << 23) as f32
+}
+
+#[inline]
+fn length_class(u: f32) -> usize {
+    ((octave(u) * CLASSES_PER_OCTAVE as f32) as usize).min(LENGTH_CLASSES - 1)
+}
+
+/// The rank at a knot of the length gain: `octave` inverted.
+fn knot_share(knot: usize) -> f64 {
+    let octave = (knot << 23) / KNOTS_PER_OCTAVE;
+    1.0 - f64::from(f32::from_bits(1.0f32.to_bits() - octave as u32))
 }

@@ -6,6 +6,7 @@ mod feedback;
 pub mod heightfield;
 pub mod import;
 pub mod map_file;
+mod ranks;
 mod remap;
 pub mod slope_law;
 mod spectrum;

@@ -5,169 +5,177 @@
 //! independent. Directions are kept, but for a small turn that evens out their azimuths (`feedback`).
 //! Heights: moved half way to z = (1 - exp(-0.3 g))/0.3 of their normal rank.
 
-use glam::DVec2;
+use glam::Vec2;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::feedback::Feedback;
+use super::feedback::{Feedback, Observed};
+use super::ranks::{HeightRanks, LengthRanks};
 use super::slope_law::SlopeLaw;
 
-/// Classes of equal size by mean height.
+/// Classes of equal size by mean height, for each of the two facet families.
 const CLASSES: usize = 32;
 /// Skewness parameter of the height law. The fit that follows drives the skewness up by about as much, so that the
 /// finished heights are nearly symmetric.
 const SKEW: f64 = -0.3;
-
-/// One facet in a sort: 12 bytes, so that a family of a million facets sorts inside the cache's reach.
-#[derive(Clone, Copy)]
-struct Ranked {
-    class: u8,
-    key: f32,
-    index: u32,
-}
-
-/// One facet family: its slopes, and its facets ordered by height class, then by slope length.
-struct Family {
-    slopes: Vec<DVec2>,
-    order: Vec<Ranked>,
-}
+/// The share of heights whose distance from 0 sets the scale: one standard deviation of a normal law.
+const SCALE_SHARE: f64 = 0.68;
 
 /// Remaps fields of one size to one law.
 pub struct Remap {
     side: usize,
     law: SlopeLaw,
-    /// Wanted height of each rank, lowest first, scaled to a 68 % quantile of |z| of 1.
-    height_law: Vec<f64>,
+    normal: Normal,
+    /// Distance from 0 within which `SCALE_SHARE` of the height law lies.
+    law_scale: f64,
+}
+
+/// The remapped slopes of the lower and of the upper facets, cell by cell: room that every round uses again.
+pub struct Targets {
+    slopes: [Vec<Vec2>; 2],
+}
+
+/// One facet: its family (0 lower, 1 upper), its slope and its mean height.
+struct Facet {
+    family: usize,
+    slope: Vec2,
+    mean: f32,
+}
+
+/// The ranks of one field's facets.
+struct Ranking {
+    heights: HeightRanks,
+    lengths: LengthRanks,
 }
 
 impl Remap {
-    /// Tables for `side` x `side` fields; none are needed (nor made) where no remapping happens.
+    /// For `side` x `side` fields.
     pub fn new(law: SlopeLaw, side: usize) -> Self {
-        let height_law = if law == SlopeLaw::Ggx { height_law(side * side) } else { Vec::new() };
-        Remap { side, law, height_law }
+        let normal = Normal::standard();
+        Remap { side, law, normal, law_scale: law_scale(&normal) }
+    }
+
+    /// Room for `divergence_of_targets`.
+    pub fn targets(&self) -> Targets {
+        let slopes = vec![Vec2::ZERO; self.side * self.side];
+        Targets { slopes: [slopes.clone(), slopes] }
     }
 
     /// Divergence, at each grid point, of the remapped slopes averaged over the two facets of each edge.
-    pub fn divergence_of_targets(&self, heights: &[f64], feedback: &Feedback) -> Vec<f64> {
-        let [lower, upper] = self.families(heights).map(|mut family| {
-            family.change(|slope, u| feedback.target(slope, u, self.law.length_quantile(u)));
-            family.slopes
+    pub fn divergence_of_targets(
+        &self,
+        heights: &[f32],
+        feedback: &Feedback,
+        room: &mut Targets,
+    ) -> Vec<f32> {
+        let ranking = self.ranking(heights);
+        let [lower, upper] = &mut room.slopes;
+        self.each_cell(heights, |cell, facets| {
+            let [low, up] = facets.map(|facet| feedback.target(self.law, facet.slope, ranking.share(&facet)));
+            (lower[cell], upper[cell]) = (low, up);
         });
-        divergence(self.side, &lower, &upper)
+        divergence(self.side, lower, upper)
     }
 
     /// Lets `feedback` learn from what the field has now.
-    pub fn observe(&self, heights: &[f64], feedback: &mut Feedback) {
-        for family in self.families(heights) {
-            family.each(|slope, u| feedback.observe(*slope, u));
-        }
-        feedback.learn(self.law);
-    }
-
-    /// The lower and the upper facets.
-    fn families(&self, heights: &[f64]) -> [Family; 2] {
-        let n = self.side;
-        let next = |i: usize| if i + 1 == n { 0 } else { i + 1 };
-        let lower = self.family(|x, y| {
-            let (h00, h10, h01) = (heights[y * n + x], heights[y * n + next(x)], heights[next(y) * n + x]);
-            (DVec2::new(h10 - h00, h01 - h00), h00 + h10 + h01)
+    pub fn observe(&self, heights: &[f32], feedback: &mut Feedback) {
+        let ranking = self.ranking(heights);
+        let mut observed = Observed::new(|shares| ranking.lengths.quantiles(shares));
+        self.each_cell(heights, |_, facets| {
+            for facet in facets {
+                observed.add(facet.slope, ranking.share(&facet));
+            }
         });
-        let upper = self.family(|x, y| {
-            let (x1, y1) = (next(x), next(y));
-            let (h11, h01, h10) = (heights[y1 * n + x1], heights[y1 * n + x], heights[y * n + x1]);
-            (DVec2::new(h11 - h01, h11 - h10), h11 + h01 + h10)
-        });
-        [lower, upper]
-    }
-
-    /// The slopes and the order of one family from `facet(x, y)` = (slope, a measure of the mean height).
-    fn family(&self, facet: impl Fn(usize, usize) -> (DVec2, f64)) -> Family {
-        let n = self.side;
-        let (slopes, means): (Vec<DVec2>, Vec<f32>) = (0..n * n)
-            .map(|i| {
-                let (slope, height) = facet(i % n, i / n);
-                (slope, height as f32)
-            })
-            .unzip();
-        let bounds = class_bounds(&means);
-        let mut order: Vec<Ranked> = (0..n * n)
-            .map(|i| Ranked {
-                class: bounds.partition_point(|&b| b <= means[i]) as u8,
-                key: slopes[i].length_squared() as f32,
-                index: i as u32,
-            })
-            .collect();
-        radsort::sort_by_key(&mut order, |r| (r.class, r.key));
-        Family { slopes, order }
+        feedback.learn(self.law, &observed);
     }
 
     /// Moves every height half way to the wanted height of its rank.
-    pub fn heights_half_way(&self, heights: &mut [f64]) {
-        let mut order: Vec<Ranked> = heights
-            .iter()
-            .enumerate()
-            .map(|(i, &h)| Ranked { class: 0, key: h as f32, index: i as u32 })
-            .collect();
-        radsort::sort_by_key(&mut order, |r| r.key);
-        let scale = quantile_68(heights.iter().map(|h| h.abs() as f32).collect());
-        for (rank, ranked) in order.iter().enumerate() {
-            let height = &mut heights[ranked.index as usize];
-            *height = 0.5 * (*height + scale * self.height_law[rank]);
+    pub fn heights_half_way(&self, heights: &mut [f32]) {
+        let ranks = HeightRanks::of(heights);
+        let scale = f64::from(ranks.quantile_of_distance(SCALE_SHARE as f32)) / self.law_scale;
+        let wanted = ranks.table(|u| scale * wanted_height(&self.normal, u));
+        for height in heights {
+            *height = 0.5 * (*height + ranks.look_up(&wanted, *height));
         }
+    }
+
+    fn ranking(&self, heights: &[f32]) -> Ranking {
+        let mut ranking =
+            Ranking { heights: HeightRanks::of(heights), lengths: LengthRanks::new(2 * CLASSES) };
+        self.each_cell(heights, |_, facets| {
+            for facet in facets {
+                ranking.lengths.count(ranking.class(&facet), facet.slope.length_squared());
+            }
+        });
+        ranking.lengths.finish();
+        ranking
+    }
+
+    /// Visits all cells, row by row, with their lower and upper facets.
+    #[inline(always)]
+    fn each_cell(&self, heights: &[f32], mut visit: impl FnMut(usize, [Facet; 2])) {
+        let n = self.side;
+        let third = 1.0 / 3.0;
+        for y in 0..n {
+            let near = &heights[y * n..][..n];
+            let far = &heights[self.next(y) * n..][..n];
+            for x in 0..n {
+                let x1 = self.next(x);
+                let (h00, h10, h01, h11) = (near[x], near[x1], far[x], far[x1]);
+                let lower = Vec2::new(h10 - h00, h01 - h00);
+                let upper = Vec2::new(h11 - h01, h11 - h10);
+                let lower = Facet { family: 0, slope: lower, mean: third * (h00 + h10 + h01) };
+                let upper = Facet { family: 1, slope: upper, mean: third * (h11 + h10 + h01) };
+                visit(y * n + x, [lower, upper]);
+            }
+        }
+    }
+
+    fn next(&self, i: usize) -> usize {
+        if i + 1 == self.side { 0 } else { i + 1 }
     }
 }
 
-impl Family {
-    /// Visits every facet with `u`, the place of its slope length in its height class, in (0, 1).
-    fn each(&self, mut visit: impl FnMut(&DVec2, f64)) {
-        for class in self.order.chunk_by(|a, b| a.class == b.class) {
-            let step = 1.0 / class.len() as f64;
-            for (rank, ranked) in class.iter().enumerate() {
-                visit(&self.slopes[ranked.index as usize], (rank as f64 + 0.5) * step);
-            }
-        }
+impl Ranking {
+    /// The facet's class: by the share of *grid points* below its mean height, which parts facets nearly evenly.
+    #[inline(always)]
+    fn class(&self, facet: &Facet) -> usize {
+        let class = (self.heights.share(facet.mean) * CLASSES as f32) as usize;
+        facet.family * CLASSES + class.min(CLASSES - 1)
     }
 
-    /// Replaces every slope by `target(slope, u)`.
-    fn change(&mut self, target: impl Fn(DVec2, f64) -> DVec2) {
-        for class in self.order.chunk_by(|a, b| a.class == b.class) {
-            let step = 1.0 / class.len() as f64;
-            for (rank, ranked) in class.iter().enumerate() {
-                let slope = &mut self.slopes[ranked.index as usize];
-                *slope = target(*slope, (rank as f64 + 0.5) * step);
-            }
-        }
+    /// The share of the facet's class with shorter slopes, in (0, 1).
+    #[inline(always)]
+    fn share(&self, facet: &Facet) -> f32 {
+        self.lengths.share(self.class(facet), facet.slope.length_squared())
     }
 }
 
 /// The edge from (x, y) along x belongs to the lower facet of cell (x, y) and to the upper facet of (x, y-1).
-fn divergence(n: usize, lower: &[DVec2], upper: &[DVec2]) -> Vec<f64> {
+fn divergence(n: usize, lower: &[Vec2], upper: &[Vec2]) -> Vec<f32> {
     let previous = |i: usize| if i == 0 { n - 1 } else { i - 1 };
-    let along_x = |x: usize, y: usize| 0.5 * (lower[y * n + x].x + upper[previous(y) * n + x].x);
-    let along_y = |x: usize, y: usize| 0.5 * (lower[y * n + x].y + upper[y * n + previous(x)].y);
-    let at = |i: usize| {
-        let (x, y) = (i % n, i / n);
-        along_x(previous(x), y) - along_x(x, y) + along_y(x, previous(y)) - along_y(x, y)
+    let row = |y: usize| {
+        let (low, up) = (&lower[y * n..][..n], &upper[y * n..][..n]);
+        let (low_before, up_before) = (&lower[previous(y) * n..][..n], &upper[previous(y) * n..][..n]);
+        (0..n).map(move |x| {
+            let before = previous(x);
+            let along_x = low[before].x + up_before[before].x - low[x].x - up_before[x].x;
+            let along_y = low_before[x].y + up_before[before].y - low[x].y - up[before].y;
+            0.5 * (along_x + along_y)
+        })
     };
-    (0..n * n).map(at).collect()
+    (0..n).flat_map(row).collect()
 }
 
-/// The CLASSES - 1 heights that part the facets into classes of equal size.
-fn class_bounds(means: &[f32]) -> Vec<f32> {
-    let mut sorted = means.to_vec();
-    radsort::sort(&mut sorted);
-    (1..CLASSES).map(|k| sorted[k * sorted.len() / CLASSES]).collect()
+/// The height law at rank `u`, not scaled.
+fn wanted_height(normal: &Normal, u: f64) -> f64 {
+    (SKEW * normal.inverse_cdf(u)).exp_m1() / SKEW
 }
 
-fn height_law(count: usize) -> Vec<f64> {
-    let normal = Normal::standard();
-    let quantile = |rank: usize| normal.inverse_cdf((rank as f64 + 0.5) / count as f64);
-    let law: Vec<f64> = (0..count).map(|rank| (SKEW * quantile(rank)).exp_m1() / SKEW).collect();
-    let scale = quantile_68(law.iter().map(|z| z.abs() as f32).collect());
-    law.into_iter().map(|z| z / scale).collect()
-}
-
-/// The 68 % quantile of `values`.
-fn quantile_68(mut values: Vec<f32>) -> f64 {
-    radsort::sort(&mut values);
-    f64::from(values[(values.len() - 1) * 68 / 100])
+/// The height law's own distance within which `SCALE_SHARE` of it lies: at the middle of many equal steps.
+fn law_scale(normal: &Normal) -> f64 {
+    let steps = 10_000;
+    let mut distances: Vec<f64> =
+        (0..steps).map(|i| wanted_height(normal, (f64::from(i) + 0.5) / f64::from(steps)).abs()).collect();
+    distances.sort_by(f64::total_cmp);
+    distances[(SCALE_SHARE * f64::from(steps)) as usize]
 }

@@ -13,7 +13,7 @@ use super::feedback::Feedback;
 use super::heightfield::Heightfield;
 use super::remap::Remap;
 use super::slope_law::SlopeLaw;
-use super::spectrum::SquareFft;
+use super::spectrum::{Filter, Spectra, SquareFft};
 use crate::rng;
 
 /// Rounds of slope and height remapping: the slope law stops improving after about 14.
@@ -25,9 +25,9 @@ const LEARNING: usize = 9;
 pub struct Synthesiser {
     law: SlopeLaw,
     cells: usize,
-    correlation: f64,
     fft: SquareFft,
-    gaussian: GaussianSpectrum,
+    gaussian: Filter,
+    fit: Filter,
     remap: Remap,
 }
 
@@ -35,52 +35,49 @@ impl Synthesiser {
     /// Plans patches of `cells` x `cells` with heights correlated over about `correlation` cells.
     pub fn new(law: SlopeLaw, cells: usize, correlation: f64) -> Self {
         let fft = SquareFft::new(cells);
-        let gaussian = GaussianSpectrum::new(&fft, correlation);
-        Synthesiser { law, cells, correlation, fft, gaussian, remap: Remap::new(law, cells) }
+        let spectrum = GaussianSpectrum::new(&fft, correlation);
+        let gaussian = fft.filter(|kx, ky| spectrum.amplitude(kx, ky));
+        let fit = fft.filter(|kx, ky| fit_gain(correlation, kx, ky));
+        Synthesiser { law, cells, fft, gaussian, fit, remap: Remap::new(law, cells) }
     }
 
     /// One patch. All randomness comes from `rng`.
     pub fn patch(&self, rng: &mut Pcg64Dxsm) -> Heightfield {
-        let mut heights = self.gaussian_heights(rng);
+        let mut room = self.fft.spectra();
+        let mut heights = white_noise(self.cells * self.cells, rng);
+        self.fft.apply(&self.gaussian, &mut heights, &mut room);
         if self.law == SlopeLaw::Ggx {
-            let mut feedback = Feedback::default();
-            self.remap.observe(&heights, &mut feedback);
-            for round in 0..ROUNDS {
-                if round > 0 {
-                    self.remap.heights_half_way(&mut heights);
-                }
-                self.fit_slopes(&mut heights, &feedback);
-                if (LEARNING..ROUNDS - 1).contains(&round) {
-                    self.remap.observe(&heights, &mut feedback);
-                }
+            self.remap_to_law(&mut heights, &mut room);
+        }
+        Heightfield::new(self.cells, self.cells, true, heights.into_iter().map(f64::from).collect())
+    }
+
+    /// Rounds of remapped slopes, and of the heights whose differences fit them best.
+    fn remap_to_law(&self, heights: &mut Vec<f32>, room: &mut Spectra) {
+        let mut feedback = Feedback::default();
+        let mut targets = self.remap.targets();
+        self.remap.observe(heights, &mut feedback);
+        for round in 0..ROUNDS {
+            if round > 0 {
+                self.remap.heights_half_way(heights);
+            }
+            *heights = self.remap.divergence_of_targets(heights, &feedback, &mut targets);
+            self.fft.apply(&self.fit, heights, room);
+            if (LEARNING..ROUNDS - 1).contains(&round) {
+                self.remap.observe(heights, &mut feedback);
             }
         }
-        for height in &mut heights {
-            *height = f64::from(*height as f32);
-        }
-        Heightfield::new(self.cells, self.cells, true, heights)
     }
+}
 
-    fn gaussian_heights(&self, rng: &mut Pcg64Dxsm) -> Vec<f64> {
-        let mut heights = white_noise(self.cells * self.cells, rng);
-        self.fft.filter(&mut heights, |kx, ky| self.gaussian.amplitude(kx, ky));
-        heights
-    }
-
-    /// Replaces the heights by those whose differences fit the remapped slopes best: the Poisson equation
-    /// (4 - 2 cos kx - 2 cos ky) h = divergence of the slopes, with the longest waves damped so that the patch
-    /// holds many bumps of the correlation length instead of a few large ones.
-    fn fit_slopes(&self, heights: &mut Vec<f64>, feedback: &Feedback) {
-        let mut divergence = self.remap.divergence_of_targets(heights, feedback);
-        let correlation = self.correlation;
-        self.fft.filter(&mut divergence, |kx, ky| {
-            let k2 = kx * kx + ky * ky;
-            let laplacian = 4.0 * ((0.5 * kx).sin().powi(2) + (0.5 * ky).sin().powi(2));
-            let scaled = k2 * (correlation / 0.7).powi(2);
-            if k2 == 0.0 { 0.0 } else { -(-scaled * scaled).exp_m1() / laplacian }
-        });
-        *heights = divergence;
-    }
+/// From the divergence of the wanted slopes to the heights whose differences fit them best: the Poisson equation
+/// (2 cos kx + 2 cos ky - 4) h = divergence, with the longest waves damped so that the patch holds many bumps of the
+/// correlation length instead of a few large ones.
+fn fit_gain(correlation: f64, kx: f64, ky: f64) -> f64 {
+    let k2 = kx * kx + ky * ky;
+    let laplacian = 4.0 * ((0.5 * kx).sin().powi(2) + (0.5 * ky).sin().powi(2));
+    let scaled = k2 * (correlation / 0.7).powi(2);
+    if k2 == 0.0 { 0.0 } else { -(-scaled * scaled).exp_m1() / laplacian }
 }
 
 /// Amplitudes of a Gaussian field with covariance exp(-r^2/L^2), scaled to a facet slope variance of 1/2 per axis.
@@ -121,14 +118,14 @@ impl GaussianSpectrum {
 }
 
 /// Independent normal numbers of variance 1 (Box and Muller).
-fn white_noise(count: usize, rng: &mut Pcg64Dxsm) -> Vec<f64> {
+fn white_noise(count: usize, rng: &mut Pcg64Dxsm) -> Vec<f32> {
     let mut noise = Vec::with_capacity(count + 1);
     while noise.len() < count {
         // 1 - u lies in (0, 1]: the logarithm is finite.
         let radius = (-2.0 * (1.0 - rng::uniform(rng)).ln()).sqrt();
         let (sin, cos) = (std::f64::consts::TAU * rng::uniform(rng)).sin_cos();
-        noise.push(radius * cos);
-        noise.push(radius * sin);
+        noise.push((radius * cos) as f32);
+        noise.push((radius * sin) as f32);
     }
     noise.truncate(count);
     noise
