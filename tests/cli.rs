@@ -316,6 +316,27 @@ fn surface_writes_patches_that_can_be_read_back() {
 }
 
 #[test]
+fn patches_from_a_folder_give_the_same_bytes() {
+    let folder = folder(SMALL);
+    let measure = |words: &[&str]| gonio(folder.path(), &[&["measure", "small.toml"], words].concat());
+    exits(&gonio(folder.path(), &["surface", "small.toml", "-o", "patches"]), 0);
+    exits(&measure(&["-o", "made"]), 0);
+    exits(&measure(&["-o", "read", "--patches", "patches"]), 0);
+    let of = |name: &str| digests(&folder.path().join(name));
+    assert_eq!(of("made")["small.exr"], of("read")["small.exr"]);
+    // A patch that is missing is named before anything is measured, one of another size when it is read.
+    fs::remove_file(folder.path().join("patches/patch_002.exr")).expect("was there");
+    let missing = measure(&["-o", "none", "--patches", "patches"]);
+    exits(&missing, 3);
+    assert!(stderr(&missing).contains("patch_002.exr"), "{}", stderr(&missing));
+    fs::write(folder.path().join("large.toml"), SMALL.replace("cells = 32", "cells = 48")).expect("campaign");
+    exits(&gonio(folder.path(), &["surface", "large.toml", "-o", "patches", "--force"]), 0);
+    let large = measure(&["-o", "none", "--patches", "patches"]);
+    exits(&large, 3);
+    assert!(stderr(&large).contains("has 48 x 48 cells, surface.cells is 32"), "{}", stderr(&large));
+}
+
+#[test]
 fn exact_surfaces_are_patches_too() {
     let random = "realisations = 4\ncells = 32\ncorrelation_cells = 4.0\n[surface.ggx]\nalpha = 0.3\n";
     let grooves = SMALL.replace(random, "[surface.v_groove]\nslope = 0.5\n");

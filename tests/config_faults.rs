@@ -475,6 +475,20 @@ fn a_statistical_surface_is_checked_like_the_others() {
 }
 
 #[test]
+fn stopping_rules_outside_their_ranges_are_refused() {
+    let samples = "samples = 1_000_000";
+    for rule in ["relative_error = 0", "relative_error = 1.5"] {
+        let text = with(samples, &format!("{samples}\n{rule}"));
+        one_fault(&text, rule, "stop.relative_error", "must lie in [");
+    }
+    let text = with(samples, &format!("{samples}\nseconds = 0.5"));
+    one_fault(&text, "seconds", "stop.seconds", "must lie in [1, ");
+    let text = with(samples, &format!("{samples}\nrelative_error = 0.01"));
+    let one = text.replace("realisations = 4", "realisations = 1");
+    one_fault(&one, "relative_error", "stop.relative_error", "at least 2 realisations");
+}
+
+#[test]
 fn what_is_not_there_yet_says_so() {
     let alpha = "[surface.ggx]\nalpha = 0.2\n";
     for kind in ["artist", "student_t", "blinn_phong"] {
@@ -482,11 +496,6 @@ fn what_is_not_there_yet_says_so() {
         let text = with(alpha, &format!("{heading}\nalpha = 0.2\n"));
         one_fault(&text, &heading, &format!("surface.{kind}"), "not yet: ");
     }
-    let samples = "samples = 1_000_000";
-    let text = with(samples, "samples = 1_000_000\nrelative_error = 0.01");
-    one_fault(&text, "relative_error", "stop.relative_error", "not yet: ");
-    let text = with(samples, "samples = 1_000_000\nseconds = 60");
-    one_fault(&text, "seconds", "stop.seconds", "not yet: ");
     let light = &GOOD[GOOD.find("[light]").unwrap()..GOOD.find("[optics]").unwrap()];
     let text = with(light, "[preset]\nname = \"utia\"\n");
     one_fault(&text, "[preset]", "preset", "not yet: ");

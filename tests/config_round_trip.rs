@@ -58,6 +58,7 @@ proptest! {
     fn any_campaign_within_its_ranges_round_trips(
         seed: u64,
         samples in 1u64..=1 << 40,
+        rules in (proptest::option::of(1e-4f64..=1.0), proptest::option::of(1.0f64..=86_400.0)),
         alpha in (1e-4f64..=10.0, 1e-4f64..=10.0),
         f0 in prop::array::uniform3(0.0f64..=1.0),
         thetas in prop::collection::btree_set(0u32..900_000, 1..40),
@@ -67,6 +68,7 @@ proptest! {
         let mut campaign = accepted(GOOD).campaign;
         campaign.seed = seed;
         campaign.stop.samples = samples;
+        (campaign.stop.relative_error, campaign.stop.seconds) = rules;
         campaign.surface.kind = SurfaceKind::Beckmann(vec![Alpha { x: alpha.0, y: alpha.1 }]);
         campaign.surface.rotation_deg = rotation_deg;
         campaign.optics = Optics::Schlick { material: None, f0 };

@@ -19,6 +19,9 @@ pub(super) const MASKINGS: [(&str, ExpectedMasking); 3] = [
 const LONGEST_NAME: usize = 100;
 
 const REFLECTANCE: Bounds = Bounds::closed(0.0, 1.0);
+const RELATIVE_ERROR: Bounds = Bounds::closed(1e-4, 1.0);
+/// Up to eleven days.
+const SECONDS: Bounds = Bounds::closed(1.0, 1e6);
 
 /// Reads a whole file; height maps are looked for in `folder`.
 pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
@@ -40,7 +43,8 @@ pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
     let optics = optics.or(Optics::PerfectMirror, |i| fresnel(i.table()?));
     let statistical = surface.as_ref().is_some_and(|s| matches!(s.kind, SurfaceKind::Smith(_)));
     let trace = self::trace(&trace, statistical);
-    let (stop, expect) = (self::stop(&stop), self::expect(&expect));
+    let realisations = surface.as_ref().map_or(u32::MAX, |s| s.realisations);
+    let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
     Some(Campaign {
         name: name?.to_string(),
         seed: seed?,
@@ -139,15 +143,20 @@ fn trace(slot: &Slot<'_>, statistical: bool) -> Option<Trace> {
     Some(Trace { bounces, visibility: visible, fold: fold? })
 }
 
-fn stop(slot: &Slot<'_>) -> Option<Stop> {
+fn stop(slot: &Slot<'_>, realisations: u32) -> Option<Stop> {
     let [samples, relative_error, seconds] = slot.table()?.keys(["samples", "relative_error", "seconds"]);
     let samples = samples
         .required("start points per stop and realisation, such as 1_000_000")
         .and_then(|i| i.whole(1..=1 << 40));
-    let later = [&relative_error, &seconds]
-        .map(|slot| slot.absent("not yet: the run ends by samples alone; leave it out"));
-    later.into_iter().collect::<Option<Vec<()>>>()?;
-    Some(Stop { samples: samples? })
+    let relative_error = relative_error.or(None, |item| {
+        let wanted = item.float(&RELATIVE_ERROR)?;
+        if realisations < 2 {
+            return item.refuse("needs at least 2 realisations: errors come from their spread");
+        }
+        Some(Some(wanted))
+    });
+    let seconds = seconds.or(None, |i| i.float(&SECONDS).map(Some));
+    Some(Stop { samples: samples?, relative_error: relative_error?, seconds: seconds? })
 }
 
 fn expect(slot: &Slot<'_>) -> Option<Expect> {

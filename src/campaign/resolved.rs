@@ -26,6 +26,12 @@ pub fn to_toml(campaign: &Campaign) -> String {
     text.line("fold", campaign.trace.fold);
     text.table("stop");
     text.line("samples", campaign.stop.samples);
+    let rules = [("relative_error", campaign.stop.relative_error), ("seconds", campaign.stop.seconds)];
+    for (key, rule) in rules {
+        if let Some(rule) = rule {
+            text.floats(key, rule);
+        }
+    }
     expect_table(&mut text, &campaign.expect);
     text.0
 }

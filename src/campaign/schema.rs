@@ -236,8 +236,14 @@ pub struct Trace {
 /// When the measurement ends.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stop {
-    /// Start points per stop and realisation, at least 1; rounded up to whole blocks.
+    /// Start points per stop and realisation, at least 1; rounded up to whole blocks. With another rule beside it: a
+    /// maximum.
     pub samples: u64,
+    /// A stop ends when the median standard error of its bins above 1 % of its peak is at most this share of the
+    /// bin, 1e-4 to 1; at least two realisations.
+    pub relative_error: Option<f64>,
+    /// The run ends at the first block boundary after so many seconds, 1 to 1e6.
+    pub seconds: Option<f64>,
 }
 
 /// What `validate` holds the table to.

@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Worker threads, 0 for one a core; results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
+    /// Take the patches that `gonio surface` wrote to this folder instead of making them
+    #[arg(long, value_name = "DIR")]
+    patches: Option<PathBuf>,
     /// Replace results that are there
     #[arg(long)]
     force: bool,
@@ -64,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         if arguments.json { say(text) } else { out.line(text)? }
     }
     if !open.is_empty() {
-        measure_all(&of_targets(&campaign, &open), &open, arguments.json, &mut out)?;
+        measure_all(&of_targets(&campaign, &open), &open, arguments, &mut out)?;
     }
     if arguments.json {
         let mut summaries =
@@ -85,10 +88,14 @@ fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
 }
 
 /// Measures the open tables and writes each with its summary, data first.
-fn measure_all(campaign: &Campaign, open: &[&Target], json: bool, out: &mut Output) -> Result<()> {
+fn measure_all(campaign: &Campaign, open: &[&Target], arguments: &Arguments, out: &mut Output) -> Result<()> {
+    let json = arguments.json;
     let plan = measure::plan(campaign)?;
     let mut notes = Vec::new();
-    let patches = Patches::prepare(campaign, &mut notes)?;
+    let patches = match &arguments.patches {
+        Some(folder) => Patches::from_folder(campaign, folder)?,
+        None => Patches::prepare(campaign, &mut notes)?,
+    };
     notes.iter().for_each(warn);
     if !json {
         out.lines(plan_text::facts(campaign, &plan))?;

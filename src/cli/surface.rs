@@ -15,7 +15,7 @@ use super::targets;
 use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files;
-use crate::measure::{self, Patch, Patches, Specimen};
+use crate::measure::{self, Patch, Patches, Specimen, patches::patch_name};
 use crate::surface::{Certificate, SlopeCounts, export};
 
 /// Make the patches of a campaign and certify their slopes and heights
@@ -115,8 +115,8 @@ impl<'a> Job<'a> {
             }
             (Patches::Exact { alpha, .. }, _) => [alpha.x, alpha.y],
             (Patches::Map { map, .. }, _) => [map.alpha_x, map.alpha_y],
-            (Patches::Random { .. }, [Some(alpha)]) => [alpha.x, alpha.y],
-            (Patches::Random { .. }, _) => {
+            (Patches::Random { .. } | Patches::Files { .. }, [Some(alpha)]) => [alpha.x, alpha.y],
+            (Patches::Random { .. } | Patches::Files { .. }, _) => {
                 notes.push(
                     "several roughnesses share these patches: written with pitch 1, as alpha = 1".into(),
                 );
@@ -137,7 +137,7 @@ impl<'a> Job<'a> {
     }
 
     fn name(&self, index: u64, end: &str) -> String {
-        format!("patch_{index:03}.{end}")
+        patch_name(index, end)
     }
 
     fn certificate(&self) -> PathBuf {
@@ -227,7 +227,7 @@ impl<'a> Job<'a> {
     }
 
     fn make(&self, index: u64) -> Result<(Entry, Option<SlopeCounts>)> {
-        let Specimen::Patch(patch) = self.patches.realisation(index) else {
+        let Specimen::Patch(patch) = self.patches.realisation(index)? else {
             return Err(Error::Internal("a statistical surface reached the writer of patches".into()));
         };
         let [pitch_x, pitch_y] = self.pitch;

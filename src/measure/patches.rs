@@ -1,5 +1,7 @@
 //! The patches of a campaign: made, built or loaded, by realisation.
 
+use std::path::{Path, PathBuf};
+
 use glam::DVec2;
 use sha2::{Digest, Sha256};
 
@@ -18,6 +20,13 @@ pub enum Patches {
         synthesiser: Box<Synthesiser>,
         /// The campaign's seed.
         seed: u64,
+    },
+    /// Those that `gonio surface` wrote, one file for each realisation.
+    Files {
+        /// Where `patch_000.exr` and the following ones are.
+        folder: PathBuf,
+        /// Cells along a side.
+        cells: usize,
     },
     /// One exact shape for all realisations.
     Exact {
@@ -116,16 +125,38 @@ impl Patches {
         })
     }
 
+    /// The patches of a random surface from a folder that `gonio surface` wrote, instead of making them: the same
+    /// heights, so the same tables. Every file must be there; each is read when its realisation is measured.
+    ///
+    /// Errors: `Usage` where the surface is not random; `Io` for the first file that is missing.
+    /// Held by: `patches_from_a_folder_give_the_same_bytes` in `tests/cli.rs`.
+    pub fn from_folder(campaign: &Campaign, folder: &Path) -> Result<Self> {
+        let surface = &campaign.surface;
+        if !surface.kind.is_random_heights() {
+            let why = "--patches is for random surfaces (ggx, beckmann): this one is not made of patches";
+            return Err(Error::Usage(format!("{}: {why}", campaign.name)));
+        }
+        for realisation in 0..u64::from(surface.realisations) {
+            let path = folder.join(patch_name(realisation, "exr"));
+            std::fs::metadata(&path).map_err(|e| Error::io(&path, e))?;
+        }
+        Ok(Patches::Files { folder: folder.into(), cells: surface.cells as usize })
+    }
+
     /// What lies on the stage for one realisation.
-    pub fn realisation(&self, realisation: u64) -> Specimen {
+    pub fn realisation(&self, realisation: u64) -> Result<Specimen> {
         let patch = match self {
             Patches::Statistical { law, independent_heights } => {
                 let (law, independent_heights) = (*law, *independent_heights);
-                return Specimen::Statistical { law, independent_heights };
+                return Ok(Specimen::Statistical { law, independent_heights });
             }
             Patches::Random { synthesiser, seed } => {
                 let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop: 0, block: 0 };
                 let field = synthesiser.patch(&mut rng::stream(id));
+                Patch { window: Window::all(&field), own_alpha: None, field }
+            }
+            Patches::Files { folder, cells } => {
+                let field = load(&folder.join(patch_name(realisation, "exr")), *cells)?;
                 Patch { window: Window::all(&field), own_alpha: None, field }
             }
             Patches::Exact { field, alpha } => {
@@ -137,7 +168,7 @@ impl Patches {
                 field: map.field.clone(),
             },
         };
-        Specimen::Patch(patch)
+        Ok(Specimen::Patch(patch))
     }
 
     /// The slope law that the patches should follow.
@@ -174,6 +205,21 @@ impl Patch {
         }
         hash.finalize().into()
     }
+}
+
+/// The file of one realisation's patch.
+pub fn patch_name(realisation: u64, end: &str) -> String {
+    format!("patch_{realisation:03}.{end}")
+}
+
+/// A patch from its file: `cells` x `cells`, any pitch, for one canonical patch serves every roughness.
+fn load(path: &Path, cells: usize) -> Result<Heightfield> {
+    let field = import::load_patch(path)?.field;
+    let (x, y) = (field.cells_x(), field.cells_y());
+    if (x, y) != (cells, cells) {
+        return Err(Error::format(path, format!("has {x} x {y} cells, surface.cells is {cells}")));
+    }
+    Ok(field)
 }
 
 fn flat() -> Heightfield {

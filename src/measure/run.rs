@@ -33,7 +33,7 @@ struct Context<'a> {
 
 /// Measures a campaign: one result for each roughness. `progress` is called with the starts of every finished block.
 ///
-/// Errors: those of loading a height map; `Internal` if a ray is lost.
+/// Errors: those of loading patches; `Internal` if a ray is lost.
 pub fn measure(
     campaign: &Campaign,
     plan: &Plan,
@@ -58,7 +58,7 @@ pub fn measure(
     // As many patches in memory as there are threads to make them.
     for group in all.chunks(rayon::current_num_threads()) {
         let clock = Instant::now();
-        let made: Vec<Specimen> = group.par_iter().map(|&k| patches.realisation(k)).collect();
+        let made = group.par_iter().map(|&k| patches.realisation(k)).collect::<Result<Vec<Specimen>>>()?;
         let digest = |specimen: &Specimen| specimen.digest().map(Vec::from);
         digests.extend(made.par_iter().filter_map(digest).collect::<Vec<_>>().concat());
         synthesis_s += clock.elapsed().as_secs_f64();
