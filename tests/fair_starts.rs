@@ -5,10 +5,10 @@ mod measuring;
 
 use glam::{DVec2, DVec3};
 use gonio::sphere;
-use gonio::stats::{mean, sidak};
+use gonio::stats::{chi_square_p, mean, sidak};
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::trace::{Place, Starts, Window};
-use measuring::{chi_square_p, test_rng};
+use measuring::test_rng;
 
 const CELLS: usize = 16;
 const FACETS: usize = 2 * CELLS * CELLS;

@@ -9,9 +9,10 @@ use gonio::instrument::Sensor;
 use gonio::measure::Measured;
 use gonio::rng::{self, Purpose, StreamId};
 use gonio::sphere;
+use gonio::stats::chi_square_p;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser, export};
 use gonio::theory::v_cavity::v_groove_lobes;
-use measuring::{chi_square_p, hits_of, measured_in, measured_one, turned_bin};
+use measuring::{hits_of, measured_in, measured_one, turned_bin};
 
 const COLUMNS: usize = 36;
 
