@@ -77,7 +77,13 @@ fn realisations_of(campaign: &Campaign) -> usize {
     campaign.surface.realisations as usize
 }
 
-fn compare(table: &BrdfTable, campaign: &Campaign, model: &Model, means: &[StopMeans]) -> Vec<Comparison> {
+/// A table against every masking of a model; `means` are those of its stops.
+pub fn compare(
+    table: &BrdfTable,
+    campaign: &Campaign,
+    model: &Model,
+    means: &[StopMeans],
+) -> Vec<Comparison> {
     let names = model.maskings();
     let folded = folded_stops(campaign, &table.grid);
     let of = |(index, masking): (usize, &&str)| {
