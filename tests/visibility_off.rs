@@ -97,8 +97,11 @@ fn delivered(path: &str, optics: &str) -> Vec<Measured> {
     measured(&format!("{}\n{optics}", std::fs::read_to_string(path).expect("the campaign")))
 }
 
-/// (l1_model, l1_noise): of every stop, and their means over stops and colours, which is what a bar speaks of.
-fn figures(measured: &Measured) -> (Vec<(f64, f64, f64, f64)>, (f64, f64)) {
+/// theta_i, phi_i, l1_model, l1_noise.
+type Stop = (f64, f64, f64, f64);
+
+/// Every stop, and (l1_model, l1_noise) as means over stops and colours, which is what a bar speaks of.
+fn figures(measured: &Measured) -> (Vec<Stop>, (f64, f64)) {
     let verdict = verdict(measured);
     let [comparison] = verdict.comparisons.as_slice() else { panic!("one model") };
     let of = |f: &Figures| f.l1_model.zip(f.l1_noise).expect("16 realisations");
