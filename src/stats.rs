@@ -1,7 +1,7 @@
-//! Statistics over realisations: mean, standard error, Student t, Sidak. Imports nothing of the crate.
+//! Statistics over realisations: mean, standard error, Student t, chi-square, Sidak. Imports nothing of the crate.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
-use statrs::function::gamma::ln_gamma;
+use statrs::function::gamma::{gamma_ur, ln_gamma};
 
 /// Mean and the standard error of the mean of independent values; the error is `None` for fewer than two.
 ///
@@ -36,6 +36,11 @@ pub fn sidak(level: f64, tests: usize) -> f64 {
 /// Mean of a slice, 0 if it is empty.
 pub fn mean(values: &[f64]) -> f64 {
     if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
+}
+
+/// Probability that chi-square of `dof` degrees of freedom exceeds `chi_square`: the upper tail Q(dof/2, x/2) itself.
+pub fn chi_square_p(chi_square: f64, dof: usize) -> f64 {
+    if chi_square <= 0.0 { 1.0 } else { gamma_ur(0.5 * dof as f64, 0.5 * chi_square) }
 }
 
 #[cfg(test)]

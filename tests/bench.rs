@@ -131,6 +131,47 @@ fn the_table_fits_a_terminal_and_another_campaigns_bench_is_kept() {
 }
 
 #[test]
+fn a_statistical_surface_sends_all_its_light_back() {
+    let smith = "[surface.smith]\nndf = \"ggx\"\nheights = \"correlated\"";
+    let text = TINY.replace("cells = 32\ncorrelation_cells = 4.0\n[surface.ggx]", smith);
+    let folder = folder(&text.replace("[stop]", "[trace]\nbounces = 4\n[stop]"));
+    let output = bench(folder.path(), &[&RUNGS[..], &["--json"]].concat());
+    exits(&output, 0);
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    for row in answer["rows"].as_array().expect("rows") {
+        // Shares of 1/2^k counted as integers: only the sum of the orders is rounded, to f64.
+        assert!(row["closure"].as_f64().is_some_and(|off| off < 1e-14), "{row}");
+    }
+}
+
+#[test]
+fn cells_and_correlation_length_are_varied_in_one_table() {
+    let folder = folder(&format!(
+        "{}\n[bench]\ncells = [32, 64]\ncorrelation_cells = [2, 4]\n",
+        TINY.replace("realisations = 4", "realisations = 6")
+    ));
+    let output = bench(folder.path(), &["--json"]);
+    exits(&output, 0);
+    let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let rows = answer["rows"].as_array().expect("rows");
+    let settings: Vec<(u64, f64)> = rows
+        .iter()
+        .map(|row| (row["cells"].as_u64().unwrap_or(0), row["correlation_cells"].as_f64().unwrap_or(0.0)))
+        .collect();
+    assert_eq!(settings, [(32, 2.0), (32, 4.0), (64, 2.0), (64, 4.0)]);
+    for row in rows {
+        for key in ["samples", "realisations", "seconds", "rays_per_s", "error", "error_se", "noise", "ks"] {
+            assert!(row[key].as_f64().is_some_and(|value| value >= 0.0), "{key}: {row}");
+        }
+    }
+    // Patches of so few bumps: noise is larger than what is looked for, so chance alone decides p.
+    assert!(answer["fit"].is_null() && answer.get("flatness").is_some(), "{answer}");
+    let text = String::from_utf8(bench(folder.path(), &[]).stdout).expect("UTF-8");
+    assert!(text.contains("flat?") && text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    exits(&bench(folder.path(), &["--from", "2^8"]), 2);
+}
+
+#[test]
 fn several_roughnesses_are_a_fault_and_short_ladders_a_mistake() {
     let several = folder(&TINY.replace("alpha = 0.3", "alpha = [0.1, 0.3]"));
     let output = bench(several.path(), &RUNGS);

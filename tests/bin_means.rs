@@ -64,8 +64,8 @@ fn bins_add_up_to_the_reference_albedo() {
         for (model, wi, expected) in &rows {
             let found = total(model, *wi, &SMOOTH, &regions);
             for k in 0..2 {
-                // The orders agree to 1e-6 of a bin or to 1e-9, and order 15 is far closer: 5e-11 at worst.
-                assert!((found[k] - expected[k]).abs() < 1e-9, "{model:?} {wi}: {found:?} {expected:?}");
+                // The orders agree to 1e-6 of a bin or to 1e-9, and order 15 is far closer: 5e-11 at worst, measured.
+                assert!((found[k] - expected[k]).abs() < 1e-10, "{model:?} {wi}: {found:?} {expected:?}");
             }
         }
     }

@@ -337,6 +337,27 @@ fn patches_from_a_folder_give_the_same_bytes() {
 }
 
 #[test]
+fn the_bound_on_cells_per_ray_is_printed() {
+    let folder = folder(&SMALL.replace("alpha = 0.3", "alpha = [0.3, 2]"));
+    let output = gonio(folder.path(), &["surface", "small.toml", "--json"]);
+    exits(&output, 0);
+    let document = json(&output);
+    let ranges = document["patches"].as_array().expect("patches").iter();
+    let range = ranges.map(|patch| patch["height_range"].as_f64().expect("a range")).fold(0.0, f64::max);
+    let bounds = document["ray_bounds"].as_array().expect("bounds");
+    assert_eq!(bounds.len(), 2);
+    for (bound, alpha) in bounds.iter().zip([0.3, 2.0]) {
+        let edges = range * alpha * 2f64.sqrt() * 50f64.to_radians().tan() + 2.0;
+        assert_eq!((bound["alpha_x"].as_f64(), bound["theta_i_deg"].as_f64()), (Some(alpha), Some(50.0)));
+        // A whole number of cells, the next one above.
+        let cells = bound["cells"].as_f64().expect("a number");
+        assert!(cells >= edges - 1e-9 && cells < edges + 1.0, "{cells} {edges}");
+    }
+    let text = stdout(&gonio(folder.path(), &["surface", "small.toml"]));
+    assert!(text.contains("tan(theta) + 2") && text.contains("light at 50: at most"), "{text}");
+}
+
+#[test]
 fn exact_surfaces_are_patches_too() {
     let random = "realisations = 4\ncells = 32\ncorrelation_cells = 4.0\n[surface.ggx]\nalpha = 0.3\n";
     let grooves = SMALL.replace(random, "[surface.v_groove]\nslope = 0.5\n");

@@ -339,6 +339,29 @@ fn the_surface_has_exactly_one_kind() {
 }
 
 #[test]
+fn a_bench_varies_only_what_a_patch_can_have() {
+    let bench = |text: &str| format!("{GOOD}\n[bench]\n{text}\n");
+    let accepted = accepted(&bench("correlation_cells = [4, 32]")).campaign.bench.expect("a bench");
+    assert_eq!((accepted.cells, accepted.correlation_cells), (vec![256], vec![4.0, 32.0]));
+    for (list, key, phrase) in [
+        ("cells = []", "bench.cells", "at least one number"),
+        ("cells = [4]", "bench.cells", "whole number in [8, 16384]"),
+        (
+            "cells = [64, 256]\ncorrelation_cells = [16]",
+            "bench.correlation_cells",
+            "an eighth of the smallest patch",
+        ),
+        ("correlation_cells = [nan]", "bench.correlation_cells", "must be finite"),
+    ] {
+        let found = faults(bench(list));
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].key == key && found[0].allowed.contains(phrase), "{found:?}");
+    }
+    let mirror = format!("{}\n[bench]\n", on("[surface.mirror]\n"));
+    assert!(faults(mirror)[0].allowed.contains("synthesised surface"));
+}
+
+#[test]
 fn surfaces_without_random_heights_refuse_the_keys_of_a_patch() {
     let groove = "[surface.v_groove]\nslope = 0.5\n";
     let averaged = |text: String| text.replace("[light]", "[light]\naverage_azimuth = true");

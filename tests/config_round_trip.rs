@@ -33,6 +33,8 @@ fn the_resolved_campaign_reads_back_as_itself() {
         with("[expect]\nmasking = \"direction_correlated\"\nl1_model = 0.04\n", ""),
         with("cells = 256\ncorrelation_cells = 8.0", "cells = 9"),
         with_arm(ARM),
+        format!("{GOOD}\n[bench]\ncells = [128, 256]\ncorrelation_cells = [4, 8.5]\n"),
+        format!("{GOOD}\n[bench]\n"),
         on("[surface.mirror]\n"),
         on("[surface.smith]\nalpha = [0.1, 0.5]\nndf = \"beckmann\"\nheights = \"independent\"\n"),
         averaged(on("[surface.v_groove]\nslope = 0.5\n")),

@@ -26,6 +26,7 @@ fn own_bins(bins: usize) -> impl Iterator<Item = usize> {
 
 /// The mean of the other seeds has an error of its own, 1/sqrt(39) of the interval's: 5.2 % expected. A share over
 /// bins of 40 tables, dependent within a table: bounds of 4 and 7 %.
+/// Power: bars too small by a tenth would miss in 7.4 %, too large by a tenth in 3.7 % (Student t, 7 degrees): both fail.
 #[test]
 fn an_interval_misses_what_other_seeds_find_in_one_bin_of_twenty() {
     let tables: Vec<Measured> = (1..=SEEDS).map(table).collect();

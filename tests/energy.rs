@@ -40,10 +40,14 @@ fn starts(campaign: &Campaign) -> u64 {
     campaign.stop.samples.div_ceil(BLOCK) * BLOCK * u64::from(campaign.surface.realisations)
 }
 
+/// The ends of the range: mirror-like, where a bin holds all the light and its error bar is 0, to alpha 2.
+static FROM_MIRROR_TO_STEEP: LazyLock<Vec<Measured>> =
+    LazyLock::new(|| furnace("ggx]\nalpha = [1e-4, 1e-3, 0.01, 0.1, 2]", "", ""));
+
 #[test]
 fn every_start_has_one_fate_and_the_light_sums_to_one() {
     let mut closures = Vec::new();
-    for measured in FURNACES.iter() {
+    for measured in FURNACES.iter().chain(FROM_MIRROR_TO_STEEP.iter()) {
         for stop in &measured.stops {
             // Integers: each start is hidden, leaves in one order, or goes on beyond the last; a lost ray is an
             // error of `measure`. A torus has no edge.
@@ -53,15 +57,21 @@ fn every_start_has_one_fate_and_the_light_sums_to_one() {
             assert_eq!(stop.orders.len(), 32);
             closures.push(mean_and_se(stop.closure.iter().copied()));
             for order in &stop.albedo_by_order {
-                assert!(order.iter().all(|&albedo| (0.0..=1.0).contains(&albedo)), "{order:?}");
+                // Rounding of a sum of 65,536 shares to f64.
+                assert!(order.iter().all(|&albedo| (0.0..=1.0 + 1e-12).contains(&albedo)), "{order:?}");
             }
         }
     }
     // The projected area that a torus shows is cos(theta) to the last facet, so each realisation's expectation is
-    // exactly 1. All stops together: fails by chance with probability 0.01; a bias as large as the largest of the
-    // standard errors (printed) would be seen in most stops.
+    // exactly 1. All stops together: fails by chance with probability 0.01. Where nothing is hidden the closure is 1 but
+    // for the rounding of 32 shares of 2^-90 and their sum to f64: 1e-13, and its scatter says nothing.
+    // Power: light lost or made is seen at one stop with probability 0.99 from (limit + 3) of its standard errors on,
+    // and in the mean of all stops, below, from 5 of that one's: both are printed.
     let limit = student_limit(sidak(0.01, closures.len()), REALISATIONS - 1);
-    let t = |&(mean, se): &(f64, Option<f64>)| (mean - 1.0) / se.expect("several realisations");
+    let t = |&(mean, se): &(f64, Option<f64>)| {
+        let rounding = 1e-13;
+        (mean - 1.0) / se.expect("several realisations").max(rounding)
+    };
     let worst = closures.iter().map(|c| t(c).abs()).fold(0.0, f64::max);
     let largest_se = closures.iter().filter_map(|c| c.1).fold(0.0, f64::max);
     println!(

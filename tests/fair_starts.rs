@@ -5,10 +5,10 @@ mod measuring;
 
 use glam::{DVec2, DVec3};
 use gonio::sphere;
-use gonio::stats::{mean, sidak};
+use gonio::stats::{chi_square_p, mean, sidak};
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::trace::{Place, Starts, Window};
-use measuring::{chi_square_p, test_rng};
+use measuring::test_rng;
 
 const CELLS: usize = 16;
 const FACETS: usize = 2 * CELLS * CELLS;
@@ -65,6 +65,8 @@ fn every_facet_gets_its_share_of_a_block_rounded_down_or_up() {
 
 /// Over blocks of 5 starts the offset decides who gets the odd start: a facet's count is Bernoulli of its expected
 /// number's fractional part. Largest |z| at a family level of 1 %; mean square of z near 1.
+/// Power: with some 350 lit facets a share is 0.014 of a start, z = 1 is 37 of 100,000 blocks. One facet is seen to be
+/// wrong by a fifth of its share (limit 4.2 and three more), all of them by 3 %: 1400 0.03^2 = 1.3 more in the mean.
 #[test]
 fn over_blocks_every_facet_gets_exactly_its_share() {
     let field = patch();
@@ -100,7 +102,8 @@ fn over_blocks_every_facet_gets_exactly_its_share() {
 }
 
 /// Chi-square over the 64 small triangles that lines at multiples of 1/8 cut a facet into, lower and upper facets
-/// apart; level 0.001 in both tails.
+/// apart; level 0.001 in both tails. Power: half a million starts in 64 triangles that are uneven by d (root mean
+/// square) add n d^2 to chi-square: d = 1.4 % adds 100 and is seen with probability 0.999.
 #[test]
 fn starts_are_even_within_a_facet() {
     let field = patch();

@@ -29,7 +29,8 @@ const NARROW: [(&str, &[&str]); 6] = [
 const OTHER_SIDE: [&str; 5] = ["theory", "validate", "study", "fit", "bench"];
 
 /// What the ladders of run time against error are built of.
-const UNDER_BENCH: [&str; 7] = ["error", "rng", "stats", "campaign", "measure", "table", "validate"];
+const UNDER_BENCH: [&str; 8] =
+    ["error", "rng", "stats", "campaign", "surface", "measure", "table", "validate"];
 
 fn rank(module: &str) -> Option<usize> {
     LAYERS.iter().position(|layer| layer.contains(&module))

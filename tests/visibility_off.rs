@@ -7,9 +7,9 @@ use std::sync::LazyLock;
 
 use gonio::campaign::{Alpha, SurfaceKind};
 use gonio::measure::Measured;
-use gonio::validate::compare::StopComparison;
+use gonio::validate::compare::{Figures, StopComparison};
 use gonio::validate::{Verdict, examine};
-use measuring::measured_one;
+use measuring::{measured, measured_one};
 
 /// A table measured without shadowing and masking. `light` may give azimuths, `optics` a material.
 fn unobstructed(surface: &str, light: &str, optics: &str) -> Measured {
@@ -89,5 +89,71 @@ fn the_material_does_not_change_the_figures() {
         println!("{material}: {found:.4}, F = 1: {mirror:.4}, noise {noise:.4}");
         // The same starts: only the weights of the bins change, and those by less than what they weigh.
         assert!((found - mirror).abs() < noise, "{material}: {found} {mirror} {noise}");
+    }
+}
+
+/// A campaign as it is delivered, at its full size; `optics` is added to it.
+fn delivered(path: &str, optics: &str) -> Vec<Measured> {
+    measured(&format!("{}\n{optics}", std::fs::read_to_string(path).expect("the campaign")))
+}
+
+/// theta_i, phi_i, l1_model, l1_noise.
+type Stop = (f64, f64, f64, f64);
+
+/// Every stop, and (l1_model, l1_noise) as means over stops and colours, which is what a bar speaks of.
+fn figures(measured: &Measured) -> (Vec<Stop>, (f64, f64)) {
+    let verdict = verdict(measured);
+    let [comparison] = verdict.comparisons.as_slice() else { panic!("one model") };
+    let of = |f: &Figures| f.l1_model.zip(f.l1_noise).expect("16 realisations");
+    let stops = comparison.stops.iter().map(|stop| {
+        let (model, noise) = of(&stop.figures);
+        println!(
+            "{:?} {} {}: {model:.4}, noise {noise:.4}",
+            measured.campaign.alphas()[0],
+            stop.theta_i_deg,
+            stop.phi_i_deg
+        );
+        (stop.theta_i_deg, stop.phi_i_deg, model, noise)
+    });
+    (stops.collect(), of(&comparison.figures))
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test --release --test visibility_off -- --ignored --nocapture"]
+fn isotropic_normals_keep_their_bar_whatever_the_material() {
+    let bar = 0.002;
+    let mut white = Vec::new();
+    for (material, optics) in [
+        ("F = 1", ""),
+        ("gold", "[optics]\nmaterial = \"gold\""),
+        ("water", "[optics]\nmaterial = \"water\""),
+    ] {
+        let tables = delivered("configs/visibility_off.toml", optics);
+        let found: Vec<(f64, f64)> = tables.iter().map(|table| figures(table).1).collect();
+        println!("{material}: {found:.4?}");
+        // A bar counts only where the noise is no larger.
+        assert!(found.iter().all(|&(model, noise)| noise <= bar && model <= bar), "{material}: {found:?}");
+        assert!(tables.iter().all(|table| verdict(table).ok), "{material}");
+        if white.is_empty() {
+            white = found;
+            continue;
+        }
+        for (&(with, noise), &(without, _)) in found.iter().zip(&white) {
+            // The same starts: what can be told from 0 at all is half of the noise.
+            assert!((with - without).abs() < 0.5 * noise, "{material}: {with} {without}");
+        }
+    }
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test --release --test visibility_off -- --ignored --nocapture"]
+fn brushed_normals_keep_their_bars_at_every_azimuth() {
+    for table in delivered("configs/visibility_off_anisotropic.toml", "") {
+        let (stops, _) = figures(&table);
+        assert_eq!(stops.len(), 12);
+        for (theta_i, phi_i, model, noise) in stops {
+            let bar = if theta_i <= 60.0 { 0.006 } else { 0.012 };
+            assert!(noise <= bar && model <= bar, "{theta_i} {phi_i}: {model} {noise}");
+        }
     }
 }

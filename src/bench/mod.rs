@@ -6,15 +6,18 @@
 //!
 //! A random surface has two noises: rays and patches. One ladder adds samples to a fixed number of patches (its b
 //! holds the patches' spread and the bias), the other adds patches of fixed samples (its b is the bias alone).
+//! A campaign with a `[bench]` table varies cells and correlation length instead.
 
 pub mod fit;
 pub mod ladder;
 pub mod plot;
+pub mod resolution;
 pub mod run;
 pub mod truth;
 
 pub use fit::{Fit, Point, fit};
 pub use ladder::{Ladders, Range, Varies, planned};
+pub use resolution::{Flatness, ResolutionRow, flatness, resolution};
 pub use run::{Bench, Ladder, Row, bench};
 pub use truth::{Truth, TruthKind};
 

@@ -31,6 +31,8 @@ pub struct Row {
     pub efficiency: f64,
     /// The error of each replicate.
     pub errors: Vec<f64>,
+    /// Largest |all orders + cut paths - 1| over stops, realisations and replicates, F = 1; null without visibility.
+    pub closure: Option<f64>,
 }
 
 /// One ladder, measured.
@@ -111,10 +113,12 @@ fn row(
     patches: &mut Patches,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Row> {
-    let (mut errors, mut seconds, mut rays) = (Vec::new(), 0.0, 0.0);
+    let (mut errors, mut seconds, mut rays, mut closure) = (Vec::new(), 0.0, 0.0, 0.0f64);
     for &seed in seeds {
         let (measured, cost) = rung.run(patches, seed, progress)?;
         errors.push(truth.error_of(&measured.table));
+        let closures = measured.stops.iter().flat_map(|stop| &stop.closure);
+        closure = closures.fold(closure, |most, light| most.max((light - 1.0).abs()));
         seconds += cost.wall_s;
         rays += cost.rays_traced as f64;
     }
@@ -130,6 +134,7 @@ fn row(
         error: squared.sqrt(),
         efficiency: 1.0 / (squared * seconds),
         errors,
+        closure: rung.campaign.trace.visibility.then_some(closure),
     })
 }
 

@@ -1,11 +1,14 @@
-//! The whole file, and its small tables: `name`, `seed`, `[optics]`, `[trace]`, `[stop]`, `[expect]`.
+//! The whole file, and its small tables: `name`, `seed`, `[optics]`, `[trace]`, `[stop]`, `[expect]`,
+//! `[bench]`.
 
 use std::path::Path;
 
 use super::materials::{MATERIALS, f0_of};
 use super::reader::{Bounds, Item, Slot, Table};
 use super::report::nearest;
-use super::schema::{Campaign, Expect, ExpectedMasking, Optics, Stop, SurfaceKind, Trace};
+use super::schema::{
+    Campaign, Expect, ExpectedMasking, Optics, Resolution, Stop, Surface, SurfaceKind, Trace,
+};
 use super::{arms, surface};
 
 /// Words for [`ExpectedMasking`].
@@ -25,8 +28,9 @@ const SECONDS: Bounds = Bounds::closed(1.0, 1e6);
 
 /// Reads a whole file; height maps are looked for in `folder`.
 pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
-    let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect] = root
-        .keys(["name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect"]);
+    let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect, bench] = root.keys([
+        "name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect", "bench",
+    ]);
     let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
     let seed = seed.or(1, |i| i.whole(0..=u64::MAX));
     let surface = surface::surface(&surface, folder);
@@ -45,6 +49,7 @@ pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
     let trace = self::trace(&trace, statistical);
     let realisations = surface.as_ref().map_or(u32::MAX, |s| s.realisations);
     let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
+    let bench = bench.or(None, |i| resolution(i, surface.as_ref()).map(Some));
     Some(Campaign {
         name: name?.to_string(),
         seed: seed?,
@@ -55,6 +60,7 @@ pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
         trace: trace?,
         stop: stop?,
         expect: expect?,
+        bench: bench?,
     })
 }
 
@@ -164,4 +170,28 @@ fn expect(slot: &Slot<'_>) -> Option<Expect> {
     let masking = masking.or(None, |i| i.choice(&MASKINGS).map(Some));
     let l1_model = l1_model.or(None, |i| i.float(&Bounds::closed(0.0, 10.0).low_open()).map(Some));
     Some(Expect { masking: masking?, l1_model: l1_model? })
+}
+
+/// Patch sizes and correlation lengths, the surface's own where one list is left out.
+fn resolution(item: &Item<'_>, surface: Option<&Surface>) -> Option<Resolution> {
+    let [cells, lengths] = item.table()?.keys(["cells", "correlation_cells"]);
+    let surface = surface?;
+    if !surface.kind.is_random_heights() {
+        return item.refuse("varies the cells of a synthesised surface; leave it out here");
+    }
+    let cells = cells.or(vec![surface.cells], |i| all(i, |i| i.count(8..=16384)));
+    let longest = cells.iter().flatten().min().map_or(2048.0, |&cells| f64::from(cells) / 8.0);
+    let bounds = Bounds::closed(longest.min(2.0), longest).advice(
+        "a shorter correlation is not resolved by the cells",
+        "an eighth of the smallest patch at most",
+    );
+    let own = vec![surface.correlation_cells];
+    let correlation_cells = lengths.or(own, |i| all(i, |i| i.float(&bounds)));
+    Some(Resolution { cells: cells?, correlation_cells: correlation_cells? })
+}
+
+/// Every element of a list that is not empty; faults of all of them are told.
+fn all<T>(item: &Item<'_>, read: impl Fn(&Item<'_>) -> Option<T>) -> Option<Vec<T>> {
+    let read: Vec<Option<T>> = item.list()?.iter().map(read).collect();
+    if read.is_empty() { item.refuse("at least one number") } else { read.into_iter().collect() }
 }

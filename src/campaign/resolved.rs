@@ -33,6 +33,11 @@ pub fn to_toml(campaign: &Campaign) -> String {
         }
     }
     expect_table(&mut text, &campaign.expect);
+    if let Some(bench) = &campaign.bench {
+        text.table("bench");
+        text.floats("cells", &bench.cells);
+        text.floats("correlation_cells", &bench.correlation_cells);
+    }
     text.0
 }
 

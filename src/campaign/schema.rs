@@ -25,6 +25,8 @@ pub struct Campaign {
     pub stop: Stop,
     /// What `validate` holds the table to, where the defaults do not fit.
     pub expect: Expect,
+    /// What `bench` varies in place of sample counts. `None`: those.
+    pub bench: Option<Resolution>,
 }
 
 /// The sample on the stage.
@@ -253,6 +255,15 @@ pub struct Expect {
     pub masking: Option<ExpectedMasking>,
     /// Largest allowed `l1_model` of the campaign. `None`: 1.3 times the known discrepancy of the surface.
     pub l1_model: Option<f64>,
+}
+
+/// What `bench` varies on random heights: every patch size with every correlation length.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Resolution {
+    /// Cells per side, at least one number.
+    pub cells: Vec<u32>,
+    /// Correlation lengths in cells, at least one; none beyond an eighth of the smallest patch.
+    pub correlation_cells: Vec<f64>,
 }
 
 /// The maskings by the names of the summary.

@@ -7,9 +7,10 @@ use serde_json::{Value, json};
 
 use super::output::{Output, columns, duration, grouped, json_text, say, to_json, warn};
 use super::progress::Progress;
+use super::resolution_text;
 use super::targets;
 use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, Range, Row, TruthKind, Varies, plot};
-use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
+use crate::campaign::{self, Campaign, Parsed, Resolution, SurfaceKind};
 use crate::error::{Error, Fault, Result};
 use crate::files;
 use crate::measure::Patches;
@@ -19,7 +20,8 @@ use crate::validate::model::Model;
 #[derive(Args)]
 #[command(
     after_help = "Writes bench.svg and bench.json to the folder. A random surface gets a second ladder, over\n\
-    realisations: its b is free of the patches' spread. N: samples of a stop, all realisations.\n\n\
+    realisations: its b is free of the patches' spread. N: samples of a stop, all realisations.\n\
+    With a [bench] table in the campaign it varies cells and correlation length instead.\n\n\
     Example: gonio bench configs/bench.toml --from 2^12 --to 2^20"
 )]
 pub struct Arguments {
@@ -79,6 +81,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         None if Model::of(&campaign).is_some() => TruthKind::Model,
         None => TruthKind::Reference,
     };
+    if let Some(lists) = &campaign.bench {
+        return resolution(arguments, &campaign, lists);
+    }
     let range = Range {
         from: arguments.from,
         to: arguments.to,
@@ -86,13 +91,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         replicates: arguments.replicates,
     };
     let ladders = bench::planned(&campaign, &range, kind)?;
-    let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
-    let [document, picture] = ["bench.json", "bench.svg"].map(|name| folder.join(name));
-    targets::spare_inputs(&[&document, &picture], &arguments.campaign, &campaign)?;
     let resolved = campaign::to_toml(&campaign);
-    if !arguments.force {
-        spare_another(&document, &resolved)?;
-    }
+    let [document, picture] = outputs(arguments, &campaign, &resolved)?;
     let mut notes = Vec::new();
     let mut patches = Patches::prepare(&campaign, &mut notes)?;
     notes.iter().for_each(warn);
@@ -109,6 +109,41 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     out.lines(lines(&bench, arguments.replicates))?;
     out.line(format_args!("plot          {}", picture.display()))?;
+    out.line(format_args!("figures       {}", document.display()))?;
+    Ok(0)
+}
+
+/// The files that will be written; what is there must be of the same campaign.
+fn outputs(arguments: &Arguments, campaign: &Campaign, resolved: &str) -> Result<[PathBuf; 2]> {
+    let folder = targets::open_folder(arguments.output.as_deref(), campaign)?;
+    let [document, picture] = ["bench.json", "bench.svg"].map(|name| folder.join(name));
+    targets::spare_inputs(&[&document, &picture], &arguments.campaign, campaign)?;
+    if !arguments.force {
+        spare_another(&document, resolved)?;
+    }
+    Ok([document, picture])
+}
+
+/// A campaign with `[bench]`: every patch size with every correlation length, in place of ladders.
+fn resolution(arguments: &Arguments, campaign: &Campaign, lists: &Resolution) -> Result<u8> {
+    if arguments.from.or(arguments.to).is_some() || arguments.realisations_to.is_some() {
+        let why = "--from, --to and --realisations-to are of ladders; [bench] varies cells and correlation";
+        return Err(Error::Usage(why.into()));
+    }
+    let settings = bench::resolution::settings(campaign, lists)?;
+    let resolved = campaign::to_toml(campaign);
+    let [document, _] = outputs(arguments, campaign, &resolved)?;
+    let progress = Progress::new(settings.iter().map(|(_, plan)| plan.total_samples).sum(), "samples");
+    let rows = bench::resolution(&settings, &|starts| progress.add(starts))?;
+    progress.finish();
+    let answer = resolution_text::answer(campaign, resolved, &rows)?;
+    files::write_atomically(&document, format!("{}\n", json_text(&answer)?).as_bytes())?;
+    let mut out = Output::default();
+    if arguments.json {
+        out.json(&answer)?;
+        return Ok(0);
+    }
+    out.lines(resolution_text::lines(campaign, &rows))?;
     out.line(format_args!("figures       {}", document.display()))?;
     Ok(0)
 }
@@ -182,6 +217,10 @@ fn lines(bench: &Bench, replicates: u32) -> Vec<String> {
         });
         const HEADINGS: [&str; 6] = ["samples", "realisations", "seconds", "Mrays/s", "error", "1/(err^2 s)"];
         lines.extend(columns(&HEADINGS, &ladder.rows.iter().map(cells).collect::<Vec<_>>()));
+        // Fewer starts on heights are an uneven choice of facets: the last row says what is left of that.
+        if let Some(most) = ladder.rows.last().and_then(|row| row.closure) {
+            lines.push(format!("orders + cut: within {most:.1e} of 1 in the last row (every stop and run)"));
+        }
         lines.push(match &ladder.fit {
             None => "no fit: an error is 0".into(),
             Some(f) => format!(

@@ -49,6 +49,49 @@ impl Pooled {
     }
 }
 
+/// How many cells a ray of the light can cross before it is above the patch.
+#[derive(Serialize)]
+pub struct RayBound {
+    alpha_x: f64,
+    alpha_y: f64,
+    theta_i_deg: f64,
+    /// At most so many.
+    cells: f64,
+}
+
+impl RayBound {
+    /// For each roughness the steepest stop: range x alpha tan(theta) + 2 edges along an axis.
+    ///
+    /// In canonical cells a ray that climbs by 1 runs (alpha_x tan cos phi, alpha_y tan sin phi); along each axis it
+    /// crosses one edge a cell, so the two add up to at most tan hypot(alpha_x, alpha_y) at the worst azimuth, and to
+    /// alpha tan along an axis. `range`: of the highest patch; `alphas`: world slope per canonical slope.
+    /// Held by: `the_bound_on_cells_per_ray_is_printed` (tests/cli.rs).
+    pub fn of(range: f64, alphas: &[[f64; 2]], theta_i_deg: &[f64]) -> Vec<Self> {
+        let steepest = theta_i_deg.iter().copied().fold(0.0, f64::max);
+        let tan = steepest.to_radians().tan();
+        let bound = |&[alpha_x, alpha_y]: &[f64; 2]| RayBound {
+            alpha_x,
+            alpha_y,
+            theta_i_deg: steepest,
+            cells: (range * alpha_x.hypot(alpha_y) * tan + 2.0).ceil(),
+        };
+        alphas.iter().map(bound).collect()
+    }
+
+    /// A line for each roughness.
+    pub fn lines(bounds: &[Self]) -> Vec<String> {
+        let line = |bound: &RayBound| {
+            let RayBound { alpha_x, alpha_y, theta_i_deg, cells } = bound;
+            let alpha =
+                if alpha_x == alpha_y { alpha_x.to_string() } else { format!("{alpha_x} x {alpha_y}") };
+            format!("rays    alpha {alpha}, light at {theta_i_deg}: at most {cells} cells")
+        };
+        let formula =
+            "rays    range x hypot(alpha_x, alpha_y) tan(theta) + 2 cells to climb over the highest patch";
+        [formula.to_string()].into_iter().chain(bounds.iter().map(line)).collect()
+    }
+}
+
 /// The printable certificate.
 pub fn lines(entries: &[Entry], pooled: &Pooled) -> Vec<String> {
     const HEADINGS: [&str; 12] = [

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::certificate_text::{self, Pooled};
+use super::certificate_text::{self, Pooled, RayBound};
 use super::output::{Output, json_text, to_json, warn};
 use super::progress::Progress;
 use super::targets;
@@ -57,7 +57,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let (entries, slopes) = job.make_all(&progress)?;
     progress.finish();
     let pooled = Pooled::of(&entries, slopes.and_then(|slopes| slopes.ks()));
-    let document = job.document(&entries, &pooled, &notes)?;
+    let bounds = job.ray_bounds(&entries);
+    let document = job.document(&entries, &pooled, &bounds, &notes)?;
     files::write_atomically(&job.certificate(), format!("{}\n", json_text(&document)?).as_bytes())?;
     let mut out = Output::default();
     if arguments.json {
@@ -67,6 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         let npy = if job.npy { " and .npy" } else { "" };
         let (last, pitch) = (job.name(job.count - 1, "exr"), job.pitch);
         out.line("")?;
+        out.lines(RayBound::lines(&bounds))?;
         out.line(format_args!(
             "files   {} to {last}{npy}, certificate.json in {}",
             job.name(0, "exr"),
@@ -256,7 +258,22 @@ impl<'a> Job<'a> {
         files::write_atomically(&path, bytes)
     }
 
-    fn document(&self, entries: &[Entry], pooled: &Pooled, notes: &[String]) -> Result<Value> {
+    /// What a ray of the campaign's light costs at most, for each of its roughnesses.
+    fn ray_bounds(&self, entries: &[Entry]) -> Vec<RayBound> {
+        let range = entries.iter().map(|entry| entry.certificate.height_range).fold(0.0, f64::max);
+        let own = self.pitch.map(|pitch| 1.0 / pitch);
+        let alphas = self.campaign.alphas();
+        let alphas: Vec<[f64; 2]> = alphas.iter().map(|a| a.map_or(own, |a| [a.x, a.y])).collect();
+        RayBound::of(range, &alphas, &self.campaign.light.theta_i_deg)
+    }
+
+    fn document(
+        &self,
+        entries: &[Entry],
+        pooled: &Pooled,
+        bounds: &[RayBound],
+        notes: &[String],
+    ) -> Result<Value> {
         Ok(json!({
             "schema": 1,
             "name": self.campaign.name,
@@ -266,6 +283,7 @@ impl<'a> Job<'a> {
             "pitch": self.pitch,
             "patches": to_json(&entries)?,
             "all": to_json(pooled)?,
+            "ray_bounds": to_json(&bounds)?,
             "notes": notes,
         }))
     }

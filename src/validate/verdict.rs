@@ -13,6 +13,10 @@ use crate::measure::plan::folded_stops;
 use crate::stats;
 use crate::table::{BrdfTable, Realisations};
 
+/// Why a table of random heights without shadowing and masking misses its bar, and where to look.
+const OWN_SLOPES: &str = "; without shadowing and masking only the patches' own slopes differ from the model's: \
+                          `gonio surface` prints how far they are off, `expect.l1_model` sets another bar";
+
 /// Everything that validation finds.
 #[derive(Debug, Clone, Serialize)]
 pub struct Verdict {
@@ -54,7 +58,9 @@ pub fn examine(table: &BrdfTable, campaign: &Campaign, realisations: Option<&Rea
     let mut failures = Vec::new();
     failures.extend(energy_failure(&energy));
     failures.extend(reciprocity.as_ref().and_then(reciprocity_failure));
-    failures.extend(bar.and_then(|bar| bar_failure(bar, &comparisons)));
+    let cause =
+        if campaign.trace.visibility || !campaign.surface.kind.is_random_heights() { "" } else { OWN_SLOPES };
+    failures.extend(bar.and_then(|bar| bar_failure(bar, &comparisons)).map(|failure| failure + cause));
     Verdict {
         ok: failures.is_empty(),
         failures,
@@ -71,7 +77,13 @@ fn realisations_of(campaign: &Campaign) -> usize {
     campaign.surface.realisations as usize
 }
 
-fn compare(table: &BrdfTable, campaign: &Campaign, model: &Model, means: &[StopMeans]) -> Vec<Comparison> {
+/// A table against every masking of a model; `means` are those of its stops.
+pub fn compare(
+    table: &BrdfTable,
+    campaign: &Campaign,
+    model: &Model,
+    means: &[StopMeans],
+) -> Vec<Comparison> {
     let names = model.maskings();
     let folded = folded_stops(campaign, &table.grid);
     let of = |(index, masking): (usize, &&str)| {

@@ -9,7 +9,6 @@ use gonio::campaign;
 use gonio::measure::{self, Measured, Patches};
 use gonio::rng::{self, Purpose, StreamId};
 use rand_pcg::Pcg64Dxsm;
-use statrs::function::gamma::gamma_ur;
 
 /// All tables of a campaign; its height maps lie in `folder`.
 pub fn measured_in(folder: &Path, text: &str) -> Vec<Measured> {
@@ -38,11 +37,6 @@ pub fn test_rng(seed: u64) -> Pcg64Dxsm {
 /// A whole number in [low, high).
 pub fn whole(rng: &mut Pcg64Dxsm, low: i64, high: i64) -> i64 {
     low + (rng::uniform(rng) * (high - low) as f64) as i64
-}
-
-/// Probability that chi-square of `dof` degrees of freedom exceeds `chi2`.
-pub fn chi_square_p(chi2: f64, dof: usize) -> f64 {
-    if chi2 <= 0.0 { 1.0 } else { gamma_ur(0.5 * dof as f64, 0.5 * chi2) }
 }
 
 /// The columns of a table's row of hits for one stop.

@@ -1,0 +1,241 @@
+//! Cells and correlation length varied: the discrepancy belongs to the law of the heights, not to the grid.
+//!
+//! Enters: a campaign of one roughness and its `[bench]` table. Leaves: a row for each patch size and correlation
+//! length, and a test whether all of them show the same discrepancy.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::campaign::{Campaign, Resolution};
+use crate::error::{Error, Result};
+use crate::measure::{self, Measured, Patches, Plan, Specimen};
+use crate::stats;
+use crate::surface::SlopeCounts;
+use crate::validate::model::{Model, StopMeans};
+use crate::validate::{expect, verdict};
+
+/// Patches of each row whose slopes are counted.
+const COUNTED_PATCHES: u64 = 4;
+
+/// One patch size with one correlation length.
+#[derive(Debug, Clone, Serialize)]
+pub struct ResolutionRow {
+    /// Cells per side.
+    pub cells: u32,
+    /// Correlation length in cells.
+    pub correlation_cells: f64,
+    /// Samples of one stop, all realisations together.
+    pub samples: u64,
+    /// Realisations among them.
+    pub realisations: u32,
+    /// Wall time, making the patches included.
+    pub seconds: f64,
+    /// Rays followed in a second of it.
+    pub rays_per_s: f64,
+    /// Kolmogorov-Smirnov distance of the slopes of the first four patches together.
+    pub ks: Option<f64>,
+    /// The discrepancy `l1_model`: distance from the model with the noise taken off, mean over stops.
+    pub error: f64,
+    /// Its standard error, by the jackknife over realisations.
+    pub error_se: f64,
+    /// `l1_noise`, what was taken off.
+    pub noise: f64,
+    /// 1/(error^2 seconds).
+    pub efficiency: f64,
+}
+
+/// Whether the rows differ by more than their errors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Flatness {
+    /// Weighted mean of the discrepancy.
+    pub mean: f64,
+    /// Its standard error.
+    pub mean_se: f64,
+    /// Sum of the squared deviations from it in standard errors.
+    pub chi_square: f64,
+    /// Its degrees of freedom.
+    pub dof: usize,
+    /// Probability of a larger one by chance.
+    pub p_value: f64,
+    /// Change for each doubling of the correlation length; null for one length.
+    pub per_doubling: Option<f64>,
+    /// Its standard error.
+    pub per_doubling_se: Option<f64>,
+}
+
+/// The campaigns and plans of all rows. Errors: those of planning any of them.
+pub fn settings(campaign: &Campaign, resolution: &Resolution) -> Result<Vec<(Campaign, Plan)>> {
+    let pairs =
+        resolution.cells.iter().flat_map(|&c| resolution.correlation_cells.iter().map(move |&l| (c, l)));
+    let setting = |(cells, correlation_cells)| {
+        let mut campaign = campaign.clone();
+        campaign.surface.cells = cells;
+        campaign.surface.correlation_cells = correlation_cells;
+        measure::plan(&campaign).map(|plan| (campaign, plan))
+    };
+    pairs.map(setting).collect()
+}
+
+/// Measures every setting against the masking that the campaign is held to. Errors: `Usage` with fewer than four
+/// realisations, where the noise cannot be taken off.
+pub fn resolution(
+    settings: &[(Campaign, Plan)],
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<Vec<ResolutionRow>> {
+    let Some((campaign, plan)) = settings.first() else { return Ok(Vec::new()) };
+    let few =
+        || Error::Usage(format!("{}: at least 5 realisations, to tell noise from the rest", campaign.name));
+    if campaign.surface.realisations < 5 {
+        return Err(few());
+    }
+    let model = Model::of(campaign).ok_or_else(few)?;
+    // Cells do not enter the model.
+    let means: Vec<StopMeans> =
+        (0..plan.stops).into_par_iter().map(|stop| model.means(campaign, &plan.grid, stop)).collect();
+    settings.iter().map(|(campaign, plan)| row(campaign, plan, (&model, &means), progress)).collect()
+}
+
+fn row(
+    campaign: &Campaign,
+    plan: &Plan,
+    truth: (&Model, &[StopMeans]),
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<ResolutionRow> {
+    let patches = Patches::prepare(campaign, &mut Vec::new())?;
+    let (mut measured, cost) = measure::measure(campaign, plan, &patches, progress)?;
+    let measured = measured.pop().ok_or_else(|| Error::Internal("a row without a table".into()))?;
+    let missing = || Error::Internal("a comparison without a figure".into());
+    let (error, noise) = discrepancy(&measured, truth).ok_or_else(missing)?;
+    let error_se = jackknife(&measured, truth).ok_or_else(missing)?;
+    Ok(ResolutionRow {
+        cells: campaign.surface.cells,
+        correlation_cells: campaign.surface.correlation_cells,
+        samples: plan.samples * u64::from(plan.realisations),
+        realisations: plan.realisations,
+        seconds: cost.wall_s,
+        rays_per_s: cost.rays_traced as f64 / cost.wall_s,
+        ks: ks(campaign, &patches),
+        error,
+        error_se,
+        noise,
+        efficiency: 1.0 / (error * error * cost.wall_s),
+    })
+}
+
+/// (l1_model, l1_noise) against the masking that the campaign is held to.
+fn discrepancy(measured: &Measured, (model, means): (&Model, &[StopMeans])) -> Option<(f64, f64)> {
+    let comparisons = verdict::compare(&measured.table, &measured.campaign, model, means);
+    let wanted = expect::masking(&measured.campaign);
+    let figures = comparisons.iter().find(|comparison| comparison.masking == wanted)?.figures;
+    figures.l1_model.zip(figures.l1_noise)
+}
+
+/// Standard error of `l1_model`: se^2 = (R-1)/R sum (x_k - mean)^2 over the figures x_k without realisation k.
+fn jackknife(measured: &Measured, truth: (&Model, &[StopMeans])) -> Option<f64> {
+    let count = measured.realisations.parts.len();
+    let without = |left_out: usize| discrepancy(&without(measured, left_out), truth).map(|figures| figures.0);
+    let figures = (0..count).into_par_iter().map(without).collect::<Option<Vec<f64>>>()?;
+    let mean = stats::mean(&figures);
+    let squares: f64 = figures.iter().map(|x| (x - mean).powi(2)).sum();
+    Some((squares * (count as f64 - 1.0) / count as f64).sqrt())
+}
+
+/// Order 1 of the other realisations, with the error bars that they give.
+fn without(measured: &Measured, left_out: usize) -> Measured {
+    let mut rest = measured.clone();
+    rest.realisations.parts.remove(left_out);
+    rest.campaign.surface.realisations -= 1;
+    for (colour, channels) in rest.table.colours.iter_mut().enumerate() {
+        for bin in 0..channels.single.len() {
+            let values = rest.realisations.parts.iter().map(|part| f64::from(part.single[colour][bin]));
+            let (mean, se) = stats::mean_and_se(values);
+            channels.single[bin] = mean as f32;
+            // An empty bin keeps what it says of itself.
+            if let Some(se) = se.filter(|_| mean > 0.0) {
+                channels.stderr_single[bin] = se as f32;
+            }
+        }
+    }
+    rest
+}
+
+fn ks(campaign: &Campaign, patches: &Patches) -> Option<f64> {
+    let mut counts = SlopeCounts::new(Patches::law(campaign)?);
+    let first = 0..COUNTED_PATCHES.min(campaign.surface.realisations.into());
+    for specimen in first.into_par_iter().map(|k| patches.realisation(k)).collect::<Vec<_>>() {
+        if let Specimen::Patch(patch) = specimen {
+            counts.add(&patch.field);
+        }
+    }
+    counts.ks()
+}
+
+/// Weighted mean, chi-square about it, and weighted least squares on log2 of the correlation length. `None` with one
+/// row, or where an error is 0.
+///
+/// Held by: `rows_that_differ_by_their_errors_are_flat_and_a_trend_is_found`.
+pub fn flatness(rows: &[ResolutionRow]) -> Option<Flatness> {
+    if rows.len() < 2 || !rows.iter().all(|row| row.error_se > 0.0) {
+        return None;
+    }
+    let weights: Vec<f64> = rows.iter().map(|row| row.error_se.powi(-2)).collect();
+    let all: f64 = weights.iter().sum();
+    let mean_of = |of: &dyn Fn(&ResolutionRow) -> f64| {
+        rows.iter().zip(&weights).map(|(row, weight)| weight * of(row)).sum::<f64>() / all
+    };
+    let mean = mean_of(&|row| row.error);
+    let chi_square = all * mean_of(&|row| (row.error - mean).powi(2));
+    let log = |row: &ResolutionRow| row.correlation_cells.log2();
+    let middle = mean_of(&log);
+    let spread = all * mean_of(&|row| (log(row) - middle).powi(2));
+    let slope = all * mean_of(&|row| (log(row) - middle) * row.error) / spread;
+    let dof = rows.len() - 1;
+    Some(Flatness {
+        mean,
+        mean_se: all.powf(-0.5),
+        chi_square,
+        dof,
+        p_value: stats::chi_square_p(chi_square, dof),
+        per_doubling: (spread > 0.0).then_some(slope),
+        per_doubling_se: (spread > 0.0).then(|| spread.powf(-0.5)),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(errors: [f64; 4]) -> Vec<ResolutionRow> {
+        let row = |(k, error): (usize, f64)| ResolutionRow {
+            cells: 512,
+            correlation_cells: 4.0 * f64::from(1 << k),
+            samples: 1,
+            realisations: 16,
+            seconds: 1.0,
+            rays_per_s: 1.0,
+            ks: None,
+            error,
+            error_se: 0.001,
+            noise: 0.001,
+            efficiency: 1.0,
+        };
+        errors.into_iter().enumerate().map(row).collect()
+    }
+
+    #[test]
+    fn rows_that_differ_by_their_errors_are_flat_and_a_trend_is_found() {
+        // Deviations of one error each: 4 of 3 degrees, p = 0.2615 (tables).
+        let flat = flatness(&rows([0.021, 0.019, 0.021, 0.019])).expect("four rows");
+        assert!((flat.mean - 0.02).abs() < 1e-15 && (flat.mean_se - 0.0005).abs() < 1e-15);
+        assert!(
+            (flat.chi_square - 4.0).abs() < 1e-9 && flat.dof == 3 && (flat.p_value - 0.2615).abs() < 1e-4
+        );
+        // 0.002 a doubling at 0, 1, 2, 3: spread 5, error 0.001/sqrt 5.
+        let trend = flatness(&rows([0.020, 0.022, 0.024, 0.026])).expect("four rows");
+        let (slope, se) =
+            (trend.per_doubling.expect("four lengths"), trend.per_doubling_se.expect("four lengths"));
+        assert!((slope - 0.002).abs() < 1e-12 && (se - 0.001 / 5f64.sqrt()).abs() < 1e-12);
+        assert!(trend.p_value < 1e-3);
+        assert_eq!(flatness(&rows([0.0; 4])[..1]), None);
+    }
+}
