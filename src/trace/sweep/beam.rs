@@ -1,5 +1,7 @@
 //! One light of a sweep, and the loops over lines that carry depth and turned measure through a strip.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use super::strip::{MOST, Segment, Strip};
 
 /// Lines that go through a pass together: their state stays in the first cache.
@@ -27,6 +29,8 @@ impl Carried {
 
 /// One light.
 pub(super) struct Beam {
+    /// What the processor offers.
+    arch: Arch,
     /// Component along the lines' axis.
     pub reach: f64,
     /// Component upwards.
@@ -43,7 +47,7 @@ impl Beam {
     /// A light of which nothing is summed yet.
     pub fn new(reach: f64, rise: f64, height_range: f64) -> Self {
         let run_in = (height_range * reach / rise).ceil() as i64;
-        Beam { reach, rise, run_in, turned: Vec::new(), before: vec![0.0] }
+        Beam { arch: Arch::new(), reach, rise, run_in, turned: Vec::new(), before: vec![0.0] }
     }
 
     /// Appends the sums of further lines.
@@ -61,35 +65,21 @@ impl Beam {
 
     /// The lines' depths after the strip.
     pub fn sink(&self, strip: &Strip, heights: &Heights, depths: &mut Lanes) {
-        let rises = self.rises(strip);
-        match strip.segments().len() {
-            1 => sink::<1>(self.reach, &rises, heights, depths),
-            2 => sink::<2>(self.reach, &rises, heights, depths),
-            3 => sink::<3>(self.reach, &rises, heights, depths),
-            _ => sink::<4>(self.reach, &rises, heights, depths),
-        }
+        self.arch.dispatch(Sink { way: self.way(strip, heights), depths });
     }
 
     /// Adds the measure that the lines turn to the light in the strip.
     pub fn sum(&self, strip: &Strip, heights: &Heights, sums: &mut Lanes) {
-        let rises = self.rises(strip);
-        match strip.segments().len() {
-            1 => sum::<1>(self.reach, &rises, heights, sums),
-            2 => sum::<2>(self.reach, &rises, heights, sums),
-            3 => sum::<3>(self.reach, &rises, heights, sums),
-            _ => sum::<4>(self.reach, &rises, heights, sums),
-        }
+        self.arch.dispatch(Sum { way: self.way(strip, heights), sums });
     }
 
     /// Both at once, from `before` into `after`.
     pub fn carry(&self, strip: &Strip, heights: &Heights, before: &Carried, after: &mut Carried) {
-        let rises = self.rises(strip);
-        match strip.segments().len() {
-            1 => carry::<1>(self.reach, &rises, heights, before, after),
-            2 => carry::<2>(self.reach, &rises, heights, before, after),
-            3 => carry::<3>(self.reach, &rises, heights, before, after),
-            _ => carry::<4>(self.reach, &rises, heights, before, after),
-        }
+        self.arch.dispatch(Carry { way: self.way(strip, heights), before, after });
+    }
+
+    fn way<'s>(&self, strip: &Strip, heights: &'s Heights) -> Way<'s> {
+        Way { reach: self.reach, rises: self.rises(strip), segments: strip.segments().len(), heights }
     }
 
     fn rises(&self, strip: &Strip) -> [f64; MOST] {
@@ -101,40 +91,98 @@ impl Beam {
     }
 }
 
-fn sink<const N: usize>(reach: f64, rises: &[f64; MOST], heights: &Heights, depths: &mut Lanes) {
-    for (lane, depth) in depths.iter_mut().enumerate() {
-        for k in 0..N {
-            let change = reach * (heights[k + 1][lane] - heights[k][lane]) + rises[k];
-            *depth = positive(*depth - change);
-        }
-    }
-}
-
-fn sum<const N: usize>(reach: f64, rises: &[f64; MOST], heights: &Heights, sums: &mut Lanes) {
-    for (lane, sum) in sums.iter_mut().enumerate() {
-        for k in 0..N {
-            let change = reach * (heights[k + 1][lane] - heights[k][lane]) + rises[k];
-            *sum += positive(change);
-        }
-    }
-}
-
-fn carry<const N: usize>(
+/// A light's lines on their way through a strip.
+struct Way<'s> {
     reach: f64,
-    rises: &[f64; MOST],
-    heights: &Heights,
-    before: &Carried,
-    after: &mut Carried,
-) {
-    for (lane, (depth, sum)) in after.depths.iter_mut().zip(&mut after.sums).enumerate() {
-        (*depth, *sum) = (before.depths[lane], before.sums[lane]);
-        for k in 0..N {
-            let change = reach * (heights[k + 1][lane] - heights[k][lane]) + rises[k];
-            *sum += positive(change);
-            *depth = positive(*depth - change);
+    rises: [f64; MOST],
+    segments: usize,
+    heights: &'s Heights,
+}
+
+impl Way<'_> {
+    /// Change of sheared height of line `lane` over segment `k`.
+    #[inline(always)]
+    fn change(&self, k: usize, lane: usize) -> f64 {
+        self.reach * (self.heights[k + 1][lane] - self.heights[k][lane]) + self.rises[k]
+    }
+}
+
+// The loops are compiled for each kind of processor, and the one that runs is chosen by `pulp`: structs, because
+// closures are not inlined there. No operation is contracted, so results are the same on all of them.
+
+struct Sink<'s> {
+    way: Way<'s>,
+    depths: &'s mut Lanes,
+}
+
+impl Sink<'_> {
+    #[inline(always)]
+    fn run<const N: usize>(self) {
+        for (lane, depth) in self.depths.iter_mut().enumerate() {
+            for k in 0..N {
+                *depth = positive(*depth - self.way.change(k, lane));
+            }
         }
     }
 }
+
+struct Sum<'s> {
+    way: Way<'s>,
+    sums: &'s mut Lanes,
+}
+
+impl Sum<'_> {
+    #[inline(always)]
+    fn run<const N: usize>(self) {
+        for (lane, sum) in self.sums.iter_mut().enumerate() {
+            for k in 0..N {
+                *sum += positive(self.way.change(k, lane));
+            }
+        }
+    }
+}
+
+struct Carry<'s> {
+    way: Way<'s>,
+    before: &'s Carried,
+    after: &'s mut Carried,
+}
+
+impl Carry<'_> {
+    #[inline(always)]
+    fn run<const N: usize>(self) {
+        let Carried { depths, sums } = self.after;
+        for (lane, (depth, sum)) in depths.iter_mut().zip(sums).enumerate() {
+            let (mut deep, mut turned) = (self.before.depths[lane], self.before.sums[lane]);
+            for k in 0..N {
+                let change = self.way.change(k, lane);
+                turned += positive(change);
+                deep = positive(deep - change);
+            }
+            (*depth, *sum) = (deep, turned);
+        }
+    }
+}
+
+macro_rules! by_segments {
+    ($($name:ident)*) => {$(
+        impl NullaryFnOnce for $name<'_> {
+            type Output = ();
+
+            #[inline(always)]
+            fn call(self) {
+                match self.way.segments {
+                    1 => self.run::<1>(),
+                    2 => self.run::<2>(),
+                    3 => self.run::<3>(),
+                    _ => self.run::<4>(),
+                }
+            }
+        }
+    )*};
+}
+
+by_segments!(Sink Sum Carry);
 
 /// max(0, x) as one instruction: `f64::max` also looks for NaN.
 #[inline(always)]

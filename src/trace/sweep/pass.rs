@@ -1,9 +1,11 @@
 //! A group of lines carried through the strips: heights at the crossings, and the starts found there.
 
-use super::beam::{Carried, Heights, LINES, Lanes, positive};
+use pulp::{Arch, NullaryFnOnce};
+
+use super::beam::{Carried, Heights, LINES, positive};
 use super::lines::Sweep;
 use super::steps::{Due, Steps};
-use super::strip::{Crossing, MARGIN, MOST, Strip};
+use super::strip::{MARGIN, MOST, Segment, Strip};
 use crate::trace::walk::{Facet, Place};
 
 /// Lines that are looked at together for a start that is due.
@@ -12,6 +14,7 @@ const GROUP: usize = 16;
 /// A group of neighbouring lines on their way.
 pub(super) struct Pass<'s> {
     sweep: &'s Sweep<'s>,
+    arch: Arch,
     first: usize,
     /// Heights along the two edges of the present column.
     edges: [[f64; LINES + MARGIN]; 2],
@@ -24,7 +27,7 @@ impl<'s> Pass<'s> {
     /// before, as in a pass that comes from further away: rounding must not tell the two apart.
     pub fn new(sweep: &'s Sweep<'s>, first: usize, index: i64) -> Self {
         let edges = [[0.0; LINES + MARGIN]; 2];
-        let mut pass = Pass { sweep, first, edges, heights: [[0.0; LINES]; MOST + 1] };
+        let mut pass = Pass { sweep, arch: Arch::new(), first, edges, heights: [[0.0; LINES]; MOST + 1] };
         let strip = pass.enter(index - 1);
         pass.leave(&strip);
         pass
@@ -40,9 +43,8 @@ impl<'s> Pass<'s> {
         for (edge, column) in self.edges.iter_mut().zip([strip.column, (strip.column + 1) % columns]) {
             copy_wrapped(self.sweep.layout.column(column, across, self.sweep.along_x), left, edge);
         }
-        for (segment, heights) in strip.segments().iter().zip(&mut self.heights[1..]) {
-            interpolate(&self.edges, &segment.end, heights);
-        }
+        let (edges, heights) = (&self.edges, &mut self.heights);
+        self.arch.dispatch(Interpolate { edges, strip: &strip, heights });
         strip
     }
 
@@ -114,11 +116,25 @@ impl<'s> Pass<'s> {
     }
 }
 
-fn interpolate(edges: &[[f64; LINES + MARGIN]; 2], crossing: &Crossing, heights: &mut Lanes) {
-    let near = &edges[crossing.near.0][crossing.near.1..][..LINES];
-    let far = &edges[crossing.far.0][crossing.far.1..][..LINES];
-    for ((height, near), far) in heights.iter_mut().zip(near).zip(far) {
-        *height = near + crossing.weight * (far - near);
+/// The heights at the ends of a strip's segments.
+struct Interpolate<'s> {
+    edges: &'s [[f64; LINES + MARGIN]; 2],
+    strip: &'s Strip,
+    heights: &'s mut Heights,
+}
+
+impl NullaryFnOnce for Interpolate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (Segment { end, .. }, heights) in self.strip.segments().iter().zip(&mut self.heights[1..]) {
+            let near = &self.edges[end.near.0][end.near.1..][..LINES];
+            let far = &self.edges[end.far.0][end.far.1..][..LINES];
+            for ((height, near), far) in heights.iter_mut().zip(near).zip(far) {
+                *height = near + end.weight * (far - near);
+            }
+        }
     }
 }
 
