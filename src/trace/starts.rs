@@ -3,7 +3,7 @@
 //! A block is one systematic pass over the patch: equal steps along the running sum of max(0, wi.m) A over all
 //! facets, one offset, a uniform point in the facet. All starts of a block carry the same flux.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rand_pcg::Pcg64Dxsm;
 
 use super::walk::{Facet, Place};
@@ -34,28 +34,39 @@ impl Window {
     }
 }
 
-/// The areas that the facets of a window turn to one light direction, summed by rows of cells: what a block steps
-/// along.
+/// Cells whose turned areas are summed together: a start evaluates one such group.
+const GROUP: usize = 4;
+
+/// The areas that the facets of a window turn to one light direction, summed by groups of cells: what a block steps
+/// along. Serves any number of blocks.
 pub struct Starts<'a> {
     field: &'a Heightfield,
     window: Window,
     /// Canonical light direction in field coordinates.
     light: DVec3,
-    /// `rows[k]` = area of the window's rows before row k; one entry more than rows.
-    rows: Vec<f64>,
+    /// `before[k]` = area of the groups before group k, row by row; one entry more than groups.
+    before: Vec<f64>,
 }
 
 impl<'a> Starts<'a> {
     /// Sums the areas that `field`'s facets in `window` turn to `light` (canonical, field coordinates): a facet of
     /// slope (p, q) turns max(0, light.z - light.x p - light.y q)/2 of a cell's area to it.
     pub fn new(field: &'a Heightfield, window: Window, light: DVec3) -> Self {
+        let mut starts = Starts { field, window, light, before: vec![0.0] };
+        let mut areas = vec![[0.0; 2]; window.x.1 - window.x.0];
+        let (mut near, mut far) = (vec![0.0; areas.len() + 1], vec![0.0; areas.len() + 1]);
+        copy_heights(field, window.y.0, window.x.0, &mut far);
         let mut sum = 0.0;
-        let below = (window.y.0..window.y.1).map(|y| {
-            sum += row_area(field, window, y, light);
-            sum
-        });
-        let rows = std::iter::once(0.0).chain(below).collect();
-        Starts { field, window, light, rows }
+        for y in window.y.0..window.y.1 {
+            std::mem::swap(&mut near, &mut far);
+            copy_heights(field, y + 1, window.x.0, &mut far);
+            turned_areas(&near, &far, light, &mut areas);
+            for group in areas.chunks(GROUP) {
+                sum += group.as_flattened().iter().sum::<f64>();
+                starts.before.push(sum);
+            }
+        }
+        starts
     }
 
     /// The flux of one start of a block of `count`, as a share of the flux that falls on the window: the turned
@@ -66,7 +77,7 @@ impl<'a> Starts<'a> {
     }
 
     fn total(&self) -> f64 {
-        self.rows[self.rows.len() - 1]
+        self.before[self.before.len() - 1]
     }
 
     /// Calls `visit` with `count` start points of equal flux, in the order of the facets.
@@ -78,44 +89,65 @@ impl<'a> Starts<'a> {
             let (u, v) = point_in(facet.upper, rng);
             visit(Place::on(self.field, facet, u, v));
         };
-        let mut last_lit = None;
-        for (row, y) in (self.window.y.0..self.window.y.1).enumerate() {
-            if due.before(self.rows[row + 1]) {
-                last_lit = self.starts_in_row(y, self.rows[row], &mut due, &mut start).or(last_lit);
+        for (group, ends) in self.before.windows(2).enumerate() {
+            if due.before(ends[1]) {
+                let facets = self.facets(group);
+                while let Some(position) = due.take(ends[1]) {
+                    start(facets.at(position - ends[0]));
+                }
             }
         }
-        // The sums by row and by facet round differently: what is left belongs to the last facet.
-        if let Some(facet) = last_lit {
-            while due.take(f64::INFINITY) {
-                start(facet);
+        // Rounding may leave a step beyond the sum: it belongs to the last facet.
+        if due.next < count
+            && let Some(group) = self.before.windows(2).rposition(|ends| ends[0] < ends[1])
+        {
+            let last = self.facets(group).at(f64::INFINITY);
+            while due.take(f64::INFINITY).is_some() {
+                start(last);
             }
         }
     }
 
-    /// Visits the starts of one row, whose running sum begins at `sum`; returns its last facet turned to the light.
-    fn starts_in_row(
-        &self,
-        y: usize,
-        mut sum: f64,
-        due: &mut Due,
-        start: &mut impl FnMut(Facet),
-    ) -> Option<Facet> {
-        let mut last_lit = None;
-        for x in self.window.x.0..self.window.x.1 {
-            let corners = self.field.corners(x, y);
-            for (upper, slope) in [(false, corners.lower_slope()), (true, corners.upper_slope())] {
-                let area = turned_area(slope, self.light);
-                if area > 0.0 {
-                    sum += area;
-                    let facet = Facet { x, y, upper };
-                    last_lit = Some(facet);
-                    while due.take(sum) {
-                        start(facet);
-                    }
-                }
-            }
+    /// The facets of a group and the areas that they turn to the light.
+    fn facets(&self, group: usize) -> Facets {
+        let width = self.window.x.1 - self.window.x.0;
+        let in_row = width.div_ceil(GROUP);
+        let (y, left) = (self.window.y.0 + group / in_row, group % in_row * GROUP);
+        let (first, cells) = (self.window.x.0 + left, GROUP.min(width - left));
+        let (mut near, mut far) = ([0.0; GROUP + 1], [0.0; GROUP + 1]);
+        copy_heights(self.field, y, first, &mut near[..=cells]);
+        copy_heights(self.field, y + 1, first, &mut far[..=cells]);
+        let mut areas = [[0.0; 2]; GROUP];
+        turned_areas(&near, &far, self.light, &mut areas);
+        areas[cells..].fill([0.0; 2]);
+        Facets { first, y, areas }
+    }
+}
+
+/// The facets of one group of cells.
+struct Facets {
+    /// Column of the first cell.
+    first: usize,
+    y: usize,
+    areas: [[f64; 2]; GROUP],
+}
+
+impl Facets {
+    /// The facet in which the running sum over the group passes `position`; beyond the sum the last one that is
+    /// turned to the light.
+    fn at(&self, position: f64) -> Facet {
+        let areas = self.areas.as_flattened();
+        let mut sum = 0.0;
+        // Counted, not searched: the processor cannot guess where a search ends.
+        let passed = areas.iter().map(|area| {
+            sum += area;
+            usize::from(sum <= position)
+        });
+        let mut index = passed.sum();
+        if index == areas.len() {
+            index = areas.iter().rposition(|&area| area > 0.0).unwrap_or(0);
         }
-        last_lit
+        Facet { x: self.first + index / 2, y: self.y, upper: index % 2 == 1 }
     }
 }
 
@@ -130,27 +162,52 @@ struct Due {
 impl Due {
     /// Whether a step lies before `sum`.
     fn before(&self, sum: f64) -> bool {
-        self.next < self.count && (self.next as f64 + self.offset) * self.step < sum
+        self.next < self.count && self.position() < sum
     }
 
-    /// Takes the next step if it lies before `sum`.
-    fn take(&mut self, sum: f64) -> bool {
-        let taken = self.before(sum);
-        self.next += u64::from(taken);
+    /// Takes the next step if it lies before `sum`, and says where it is.
+    fn take(&mut self, sum: f64) -> Option<f64> {
+        let position = self.position();
+        let taken = self.before(sum).then_some(position);
+        self.next += u64::from(taken.is_some());
         taken
     }
+
+    fn position(&self) -> f64 {
+        (self.next as f64 + self.offset) * self.step
+    }
 }
 
-fn turned_area(slope: DVec2, light: DVec3) -> f64 {
-    0.5 * (light.z - (light.x * slope.x + light.y * slope.y)).max(0.0)
+/// The areas of the lower and of the upper facet of neighbouring cells, from the heights along their two rows.
+#[inline]
+fn turned_areas(near: &[f64], far: &[f64], light: DVec3, areas: &mut [[f64; 2]]) {
+    let cells = areas.len();
+    let (near, far) = (&near[..=cells], &far[..=cells]);
+    for k in 0..cells {
+        let turned = |p: f64, q: f64| {
+            let turned = 0.5 * (light.z - (light.x * p + light.y * q));
+            // One instruction, unlike `f64::max`, which looks for NaN.
+            if turned > 0.0 { turned } else { 0.0 }
+        };
+        areas[k] = [
+            turned(near[k + 1] - near[k], far[k] - near[k]),
+            turned(far[k + 1] - far[k], far[k + 1] - near[k + 1]),
+        ];
+    }
 }
 
-fn row_area(field: &Heightfield, window: Window, y: usize, light: DVec3) -> f64 {
-    let cell = |x| {
-        let corners = field.corners(x, y);
-        turned_area(corners.lower_slope(), light) + turned_area(corners.upper_slope(), light)
-    };
-    (window.x.0..window.x.1).map(cell).sum()
+/// The heights of row `y` from column `first` on: the row after the last of a periodic field is its first, likewise
+/// the column.
+fn copy_heights(field: &Heightfield, y: usize, first: usize, into: &mut [f64]) {
+    let width = field.heights().len() / (field.cells_y() + usize::from(!field.is_periodic()));
+    let y = if field.is_periodic() && y == field.cells_y() { 0 } else { y };
+    let row = &field.heights()[y * width..(y + 1) * width];
+    // One by one for a group: calls that copy cost more than five numbers.
+    if first + into.len() <= width {
+        into.iter_mut().zip(&row[first..]).for_each(|(to, from)| *to = *from);
+    } else {
+        into.iter_mut().zip(row[first..].iter().chain(row)).for_each(|(to, from)| *to = *from);
+    }
 }
 
 /// A uniform point of the lower (u + v <= 1) or of the upper facet: the square folded over its diagonal.
