@@ -114,7 +114,7 @@ fn row(
         realisations: plan.realisations,
         seconds: cost.wall_s,
         rays_per_s: cost.rays_traced as f64 / cost.wall_s,
-        ks: ks(campaign, &patches),
+        ks: ks(campaign, &patches)?,
         error,
         error_se,
         noise,
@@ -159,15 +159,17 @@ fn without(measured: &Measured, left_out: usize) -> Measured {
     rest
 }
 
-fn ks(campaign: &Campaign, patches: &Patches) -> Option<f64> {
-    let mut counts = SlopeCounts::new(Patches::law(campaign)?);
+fn ks(campaign: &Campaign, patches: &Patches) -> Result<Option<f64>> {
+    let Some(law) = Patches::law(campaign) else { return Ok(None) };
+    let mut counts = SlopeCounts::new(law);
     let first = 0..COUNTED_PATCHES.min(campaign.surface.realisations.into());
-    for specimen in first.into_par_iter().map(|k| patches.realisation(k)).collect::<Vec<_>>() {
+    let made: Result<Vec<_>> = first.into_par_iter().map(|k| patches.realisation(k)).collect();
+    for specimen in made? {
         if let Specimen::Patch(patch) = specimen {
             counts.add(&patch.field);
         }
     }
-    counts.ks()
+    Ok(counts.ks())
 }
 
 /// Weighted mean, chi-square about it, and weighted least squares on log2 of the correlation length. `None` with one
