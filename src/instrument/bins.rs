@@ -1,5 +1,7 @@
 //! The sensor: which bins a direction falls into, by comparison with the stored edges.
 
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use glam::DVec3;
 
 use super::grid::{Grid, GridKind};
@@ -52,6 +54,14 @@ impl Edges {
         self.edges.len() - 1
     }
 
+    /// The interval that holds `angle()`, an angle of which `near` is a quick estimate. Only near an edge is the
+    /// angle itself needed to decide.
+    fn find_quickly(&self, near: f64, angle: impl FnOnce() -> f64) -> usize {
+        let guess = self.find(near);
+        let inside = near - self.edges[guess] > QUICK_ERROR && self.edges[guess + 1] - near > QUICK_ERROR;
+        if inside { guess } else { self.find(angle()) }
+    }
+
     /// The interval [lower, upper) that holds `x`, which must not lie below the first edge. At or above the last
     /// edge it is the last interval: an angle of 90 degrees is the rounding of one just below.
     fn find(&self, x: f64) -> usize {
@@ -99,8 +109,11 @@ impl Sensor {
     pub fn each_bin(&self, wo: DVec3, mut visit: impl FnMut(usize)) {
         match self {
             Sensor::Hemisphere { theta, phi } => {
-                let row = theta.find(sphere::theta(wo).to_degrees());
-                visit(row * phi.len() + phi.find(reduced(sphere::phi(wo).to_degrees(), phi)));
+                let polar = quick_atan2_deg(wo.x.hypot(wo.y), wo.z);
+                let row = theta.find_quickly(polar, || sphere::theta(wo).to_degrees());
+                let azimuth = quick_atan2_deg(wo.y, wo.x);
+                let exactly = || reduced(sphere::phi(wo).to_degrees(), phi);
+                visit(row * phi.len() + phi.find_quickly(reduced(azimuth, phi), exactly));
             }
             Sensor::Arm { caps, chord2, reach } => {
                 let polar = sphere::theta(wo);
@@ -113,6 +126,24 @@ impl Sensor {
             }
         }
     }
+}
+
+/// Bound on the error of `quick_atan2_deg`, degrees.
+const QUICK_ERROR: f64 = 2e-3;
+
+/// atan2(y, x) in [0, 360) degrees to 2e-3 of a degree, without a library call; NaN at the origin.
+///
+/// Source: Hastings 1955, "Approximations for digital computers": the odd polynomial of degree 11.
+/// Held by: `the_quick_angle_keeps_its_bound`.
+fn quick_atan2_deg(y: f64, x: f64) -> f64 {
+    let (a, b) = (x.abs(), y.abs());
+    let t = a.min(b) / a.max(b);
+    let t2 = t * t;
+    let inner = -0.116_432_87 + t2 * (0.052_653_32 - t2 * 0.011_721_20);
+    let angle = t * (0.999_977_26 + t2 * (-0.332_623_47 + t2 * (0.193_543_46 + t2 * inner)));
+    let first = if b > a { FRAC_PI_2 - angle } else { angle };
+    let half = if x < 0.0 { PI - first } else { first };
+    (if y < 0.0 { TAU - half } else { half }).to_degrees()
 }
 
 /// `phi` in [0, 360) moved by a full turn into the range of the edges, where it lies outside.
@@ -159,6 +190,35 @@ mod tests {
         assert_eq!(bins(&sensor, 5.0, 354.0), [36 + 35]);
         assert_eq!(bins(&sensor, 5.0, 180.0), [36 + 18]);
         assert_eq!(bins(&sensor, 89.999_999, 4.0), [3 * 36]);
+    }
+
+    #[test]
+    fn the_quick_angle_keeps_its_bound() {
+        for step in 0..1_000_000 {
+            let (sin, cos) = (f64::from(step) * TAU / 1e6).sin_cos();
+            let exact = sphere::phi(DVec3::new(cos, sin, 0.0)).to_degrees();
+            let off = (quick_atan2_deg(sin, cos) - exact).abs();
+            assert!(off.min(360.0 - off) < QUICK_ERROR, "{exact}: {off}");
+        }
+    }
+
+    #[test]
+    fn the_quick_way_finds_the_bins_of_the_exact_angles() {
+        let sensor = Sensor::new(&centred());
+        let Sensor::Hemisphere { theta, phi } = &sensor else { panic!("a hemisphere") };
+        // Directions on edges, a rounding beside them, and between them.
+        let edges = [0.0, 2.5, 7.5, 85.0, 90.0 - 1e-9, 1.0, 33.3];
+        let azimuths = (0..720).map(|k| f64::from(k) * 0.5);
+        for (polar, azimuth) in edges.into_iter().flat_map(|p| azimuths.clone().map(move |a| (p, a))) {
+            for nudge in [-1e-3, -1e-12, 0.0, 1e-12, 1e-3] {
+                let wo = sphere::direction_deg(polar, azimuth + nudge);
+                let row = theta.find(sphere::theta(wo).to_degrees());
+                let column = phi.find(reduced(sphere::phi(wo).to_degrees(), phi));
+                let mut found = vec![];
+                sensor.each_bin(wo, |bin| found.push(bin));
+                assert_eq!(found, [row * phi.len() + column], "{polar} {azimuth} {nudge}");
+            }
+        }
     }
 
     #[test]

@@ -1,0 +1,168 @@
+//! When a stop has enough: all its samples, the error that was asked for, as much as its patches can give, or the time.
+//!
+//! With `stop.relative_error` all realisations are looked at together after 1, 2, 4, 8, ... blocks: never a thread or
+//! a shard by itself, so that neither changes where a run ends. The squared error is a/n + p^2: a the noise of n
+//! blocks, p the patches' own spread, which no number of blocks takes down.
+
+use std::ops::Range;
+
+use serde::Serialize;
+
+use super::assemble::StopRecord;
+use crate::campaign::Stop;
+use crate::stats;
+
+/// Bins below this share of the stop's peak do not count.
+const COUNTED_ABOVE: f64 = 0.01;
+
+/// What ended a stop, or a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum StoppedBy {
+    /// `stop.samples` are measured.
+    Samples,
+    /// `stop.relative_error` is reached.
+    RelativeError,
+    /// The patches' own spread is larger than `stop.relative_error`, and noise is no more than they add.
+    PatchLimited,
+    /// `stop.seconds` are over.
+    Seconds,
+}
+
+/// The blocks between one look at the errors, or at the clock, and the next.
+///
+/// Held by: `rounds_end_after_1_2_4_8_blocks`.
+pub fn rounds(stop: &Stop, blocks: u64) -> Vec<Range<u64>> {
+    let ends: Vec<u64> = match (stop.seconds, stop.relative_error) {
+        (Some(_), _) => (1..=blocks).collect(),
+        (None, Some(_)) => std::iter::successors(Some(1), |end| Some(2 * end))
+            .take_while(|&end| end < blocks)
+            .chain([blocks])
+            .collect(),
+        (None, None) => vec![blocks],
+    };
+    let starts = std::iter::once(0).chain(ends.iter().copied());
+    starts.zip(&ends).map(|(start, &end)| start..end).collect()
+}
+
+/// Median over bins and colours of the relative standard error of the mean over the realisations; bins below 1 % of
+/// the colour's peak are left out. `None` with one realisation or without light.
+///
+/// `sizes` are the bins' projected solid angles, `f0` as in `optics::colours_of`.
+/// Held by: `the_relative_error_is_that_of_the_bright_bins`.
+pub fn relative_error(records: &[&StopRecord], sizes: &[f64], f0: &[Option<f64>]) -> Option<f64> {
+    let mut errors = Vec::new();
+    for (colour, &f0) in f0.iter().enumerate() {
+        let of = |bin: usize, size: f64| {
+            let flux = records.iter().map(|r| r.single_flux(f0, bin) + r.multiple_flux(colour, bin));
+            let (mean, se) = stats::mean_and_se(flux);
+            se.map(|se| (mean / size, se / size))
+        };
+        let bins: Vec<(f64, f64)> =
+            sizes.iter().enumerate().map(|(bin, &size)| of(bin, size)).collect::<Option<_>>()?;
+        let peak = bins.iter().fold(0.0f64, |peak, &(mean, _)| peak.max(mean));
+        errors.extend(bins.iter().filter(|b| b.0 > COUNTED_ABOVE * peak).map(|(mean, se)| se / mean));
+    }
+    errors.sort_by(f64::total_cmp);
+    (!errors.is_empty()).then(|| errors[errors.len() / 2])
+}
+
+/// One stop on its way to the end.
+#[derive(Debug, Clone, Default)]
+pub struct Progress {
+    /// Blocks measured in each realisation.
+    pub blocks: u64,
+    /// What ended it.
+    pub by: Option<StoppedBy>,
+    /// The last relative error that was looked at.
+    pub relative_error: Option<f64>,
+    /// Where the patches are the limit: how many would reach the error.
+    pub realisations_needed: Option<u64>,
+}
+
+impl Progress {
+    /// After `blocks` blocks of `realisations` patches the relative error is `error`, `wanted` was asked for.
+    ///
+    /// The stop ends where it is small enough, and at the knee: where halving the noise again would gain less than
+    /// the patches' own spread, and that spread alone is too large.
+    /// Held by: `a_stop_ends_at_its_error_or_at_the_knee`.
+    pub fn judge(&mut self, blocks: u64, error: Option<f64>, wanted: f64, realisations: u32) {
+        let before = self.relative_error.map(|before| (self.blocks, before));
+        (self.blocks, self.relative_error) = (blocks, error);
+        let Some(error) = error else { return };
+        if error <= wanted {
+            self.by = Some(StoppedBy::RelativeError);
+        } else if let Some((fewer, before)) = before.filter(|(fewer, _)| *fewer > 0) {
+            // From two looks: error^2 = a/n + p^2.
+            let noise = (before * before - error * error) / (blocks as f64 / fewer as f64 - 1.0);
+            let patches = error * error - noise;
+            if patches > wanted * wanted && patches >= noise {
+                let needed = f64::from(realisations) * (error / wanted).powi(2);
+                self.by = Some(StoppedBy::PatchLimited);
+                self.realisations_needed = Some(needed.ceil() as u64);
+            }
+        }
+    }
+}
+
+/// What ended a run, from what ended its stops: the limit that the user can do something about comes first.
+pub fn of_run(stops: &[Progress]) -> StoppedBy {
+    let ended = |by| stops.iter().any(|stop| stop.by == Some(by));
+    let order = [StoppedBy::Seconds, StoppedBy::PatchLimited, StoppedBy::Samples];
+    order.into_iter().find(|&by| ended(by)).unwrap_or(StoppedBy::RelativeError)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_end_after_1_2_4_8_blocks() {
+        let stop = |relative_error, seconds| Stop { samples: 1, relative_error, seconds };
+        let ends = |stop: Stop, blocks| rounds(&stop, blocks).iter().map(|r| r.end).collect::<Vec<_>>();
+        assert_eq!(ends(stop(Some(0.1), None), 11), [1, 2, 4, 8, 11]);
+        assert_eq!(ends(stop(Some(0.1), None), 8), [1, 2, 4, 8]);
+        assert_eq!(ends(stop(Some(0.1), None), 1), [1]);
+        assert_eq!(ends(stop(None, None), 11), [11]);
+        assert_eq!(ends(stop(Some(0.1), Some(9.0)), 4), [1, 2, 3, 4]);
+        let all = rounds(&stop(Some(0.1), None), 11);
+        assert!(all[0].start == 0 && all.windows(2).all(|w| w[0].end == w[1].start));
+    }
+
+    /// Looks at a stop of 16 patches after 1, 2, 4, ... blocks whose squared error is a/n + p2.
+    fn looked_at(a: f64, p2: f64, wanted: f64, looks: u32) -> Progress {
+        let mut stop = Progress::default();
+        for blocks in (0..looks).map(|k| 1u64 << k) {
+            stop.judge(blocks, Some((a / blocks as f64 + p2).sqrt()), wanted, 16);
+            if stop.by.is_some() {
+                break;
+            }
+        }
+        stop
+    }
+
+    #[test]
+    fn a_stop_ends_at_its_error_or_at_the_knee() {
+        // 1/n <= 0.01 from 100 blocks on: after 128.
+        let noisy = looked_at(1.0, 0.0, 0.1, 20);
+        assert_eq!((noisy.by, noisy.blocks), (Some(StoppedBy::RelativeError), 128));
+        // p^2 = 0.04 is four times too much; 1/n falls below it after 25 blocks: the knee is seen after 32.
+        let limited = looked_at(1.0, 0.04, 0.1, 20);
+        assert_eq!((limited.by, limited.blocks), (Some(StoppedBy::PatchLimited), 32));
+        // 16 x (1/32 + 0.04)/0.01 = 114.
+        assert_eq!(limited.realisations_needed, Some(114));
+        assert_eq!(looked_at(1.0, 0.04, 0.1, 3).by, None);
+    }
+
+    #[test]
+    fn the_run_says_what_the_user_can_change() {
+        let of = |all: &[StoppedBy]| {
+            of_run(&all.iter().map(|&by| Progress { by: Some(by), ..Progress::default() }).collect::<Vec<_>>())
+        };
+        use StoppedBy::{PatchLimited, RelativeError, Samples, Seconds};
+        assert_eq!(of(&[RelativeError, RelativeError]), RelativeError);
+        assert_eq!(of(&[RelativeError, Samples]), Samples);
+        assert_eq!(of(&[PatchLimited, Samples]), PatchLimited);
+        assert_eq!(of(&[Seconds, PatchLimited]), Seconds);
+    }
+}
