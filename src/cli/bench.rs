@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::output::{Output, columns, duration, grouped, json_text, say, to_json, warn};
 use super::progress::Progress;
+use super::scene::{self, SceneArguments};
 use super::targets;
 use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, Range, Row, TruthKind, Varies, plot};
 use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
@@ -18,13 +19,15 @@ use crate::validate::model::Model;
 /// Error against samples and time: ladders of runs, the fit err^2 = a/N + b^2, a plot
 #[derive(Args)]
 #[command(
-    after_help = "Writes bench.svg and bench.json to the folder. A random surface gets a second ladder, over\n\
-    realisations: its b is free of the patches' spread. N: samples of a stop, all realisations.\n\n\
+    after_help = "Writes bench.svg and bench.json to the folder. N: samples of a stop, all realisations.\n\
     Example: gonio bench configs/bench.toml --from 2^12 --to 2^20"
 )]
 pub struct Arguments {
     /// The campaign, a TOML file with one roughness
-    campaign: PathBuf,
+    #[arg(required_unless_present = "scene")]
+    campaign: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
     /// What errors are counted from [default: model where there is one]
     #[arg(long, value_enum, value_name = "model|reference", hide_possible_values = true)]
     truth: Option<Wanted>,
@@ -70,9 +73,17 @@ fn count(text: &str) -> std::result::Result<u64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let Parsed { campaign, notes } = campaign::read(&arguments.campaign)?;
+    match (&arguments.scene.scene, &arguments.campaign) {
+        (Some(folder), _) => scene::run(folder, &arguments.scene, arguments.json),
+        (None, Some(path)) => ladders(arguments, path),
+        (None, None) => Err(Error::Usage("a campaign or --scene DIR is needed".into())),
+    }
+}
+
+fn ladders(arguments: &Arguments, path: &Path) -> Result<u8> {
+    let Parsed { campaign, notes } = campaign::read(path)?;
     notes.iter().for_each(warn);
-    one_roughness(&campaign, &arguments.campaign)?;
+    one_roughness(&campaign, path)?;
     let kind = match arguments.truth {
         Some(Wanted::Model) => TruthKind::Model,
         Some(Wanted::Reference) => TruthKind::Reference,
@@ -88,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let ladders = bench::planned(&campaign, &range, kind)?;
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let [document, picture] = ["bench.json", "bench.svg"].map(|name| folder.join(name));
-    targets::spare_inputs(&[&document, &picture], &arguments.campaign, &campaign)?;
+    targets::spare_inputs(&[&document, &picture], path, &campaign)?;
     let resolved = campaign::to_toml(&campaign);
     if !arguments.force {
         spare_another(&document, &resolved)?;

@@ -17,6 +17,7 @@ mod measure;
 mod output;
 mod plan_text;
 mod progress;
+mod scene;
 mod surface;
 mod targets;
 mod validate;
