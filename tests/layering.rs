@@ -28,9 +28,9 @@ const NARROW: [(&str, &[&str]); 6] = [
 
 const OTHER_SIDE: [&str; 5] = ["theory", "validate", "study", "fit", "bench"];
 
-/// What the ladders of run time against error are built of.
-const UNDER_BENCH: [&str; 8] =
-    ["error", "rng", "stats", "campaign", "surface", "measure", "table", "validate"];
+/// What the ladders of run time against error are built of, and the scenes of the ray kernels.
+const UNDER_BENCH: [&str; 10] =
+    ["error", "files", "rng", "stats", "campaign", "surface", "trace", "measure", "table", "validate"];
 
 fn rank(module: &str) -> Option<usize> {
     LAYERS.iter().position(|layer| layer.contains(&module))

@@ -13,12 +13,16 @@ pub mod ladder;
 pub mod plot;
 pub mod resolution;
 pub mod run;
+pub mod scene;
+mod scene_file;
+mod scene_work;
 pub mod truth;
 
 pub use fit::{Fit, Point, fit};
 pub use ladder::{Ladders, Range, Varies, planned};
 pub use resolution::{Flatness, ResolutionRow, flatness, resolution};
 pub use run::{Bench, Ladder, Row, bench};
+pub use scene::{Scene, SceneRow, Workload};
 pub use truth::{Truth, TruthKind};
 
 /// The error measure by its name in tables, JSON and plot.

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::output::{Output, columns, duration, grouped, json_text, say, to_json, warn};
 use super::progress::Progress;
 use super::resolution_text;
+use super::scene::{self, SceneArguments};
 use super::targets;
 use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, Range, Row, TruthKind, Varies, plot};
 use crate::campaign::{self, Campaign, Parsed, Resolution, SurfaceKind};
@@ -26,7 +27,10 @@ use crate::validate::model::Model;
 )]
 pub struct Arguments {
     /// The campaign, a TOML file with one roughness
-    campaign: PathBuf,
+    #[arg(required_unless_present = "scene")]
+    campaign: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
     /// What errors are counted from [default: model where there is one]
     #[arg(long, value_enum, value_name = "model|reference", hide_possible_values = true)]
     truth: Option<Wanted>,
@@ -72,9 +76,17 @@ fn count(text: &str) -> std::result::Result<u64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let Parsed { campaign, notes } = campaign::read(&arguments.campaign)?;
+    match (&arguments.scene.scene, &arguments.campaign) {
+        (Some(folder), _) => scene::run(folder, &arguments.scene, arguments.json),
+        (None, Some(path)) => ladders(arguments, path),
+        (None, None) => Err(Error::Usage("a campaign or --scene DIR is needed".into())),
+    }
+}
+
+fn ladders(arguments: &Arguments, path: &Path) -> Result<u8> {
+    let Parsed { campaign, notes } = campaign::read(path)?;
     notes.iter().for_each(warn);
-    one_roughness(&campaign, &arguments.campaign)?;
+    one_roughness(&campaign, path)?;
     let kind = match arguments.truth {
         Some(Wanted::Model) => TruthKind::Model,
         Some(Wanted::Reference) => TruthKind::Reference,
@@ -82,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         None => TruthKind::Reference,
     };
     if let Some(lists) = &campaign.bench {
-        return resolution(arguments, &campaign, lists);
+        return resolution(arguments, path, &campaign, lists);
     }
     let range = Range {
         from: arguments.from,
@@ -92,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     };
     let ladders = bench::planned(&campaign, &range, kind)?;
     let resolved = campaign::to_toml(&campaign);
-    let [document, picture] = outputs(arguments, &campaign, &resolved)?;
+    let [document, picture] = outputs(arguments, path, &campaign, &resolved)?;
     let mut notes = Vec::new();
     let mut patches = Patches::prepare(&campaign, &mut notes)?;
     notes.iter().for_each(warn);
@@ -114,10 +126,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 /// The files that will be written; what is there must be of the same campaign.
-fn outputs(arguments: &Arguments, campaign: &Campaign, resolved: &str) -> Result<[PathBuf; 2]> {
+fn outputs(arguments: &Arguments, path: &Path, campaign: &Campaign, resolved: &str) -> Result<[PathBuf; 2]> {
     let folder = targets::open_folder(arguments.output.as_deref(), campaign)?;
     let [document, picture] = ["bench.json", "bench.svg"].map(|name| folder.join(name));
-    targets::spare_inputs(&[&document, &picture], &arguments.campaign, campaign)?;
+    targets::spare_inputs(&[&document, &picture], path, campaign)?;
     if !arguments.force {
         spare_another(&document, resolved)?;
     }
@@ -125,14 +137,14 @@ fn outputs(arguments: &Arguments, campaign: &Campaign, resolved: &str) -> Result
 }
 
 /// A campaign with `[bench]`: every patch size with every correlation length, in place of ladders.
-fn resolution(arguments: &Arguments, campaign: &Campaign, lists: &Resolution) -> Result<u8> {
+fn resolution(arguments: &Arguments, path: &Path, campaign: &Campaign, lists: &Resolution) -> Result<u8> {
     if arguments.from.or(arguments.to).is_some() || arguments.realisations_to.is_some() {
         let why = "--from, --to and --realisations-to are of ladders; [bench] varies cells and correlation";
         return Err(Error::Usage(why.into()));
     }
     let settings = bench::resolution::settings(campaign, lists)?;
     let resolved = campaign::to_toml(campaign);
-    let [document, _] = outputs(arguments, campaign, &resolved)?;
+    let [document, _] = outputs(arguments, path, campaign, &resolved)?;
     let progress = Progress::new(settings.iter().map(|(_, plan)| plan.total_samples).sum(), "samples");
     let rows = bench::resolution(&settings, &|starts| progress.add(starts))?;
     progress.finish();

@@ -18,6 +18,7 @@ mod output;
 mod plan_text;
 mod progress;
 mod resolution_text;
+mod scene;
 mod surface;
 mod targets;
 mod validate;

@@ -2,6 +2,7 @@
 
 pub mod arms;
 pub mod assemble;
+mod block;
 pub mod cost;
 pub mod optics;
 pub mod patches;

@@ -20,6 +20,7 @@ pub fn colours_of(optics: &Optics) -> Vec<Option<f64>> {
 }
 
 /// The light of one path.
+#[derive(Debug, Clone, Copy)]
 pub struct Light {
     f0: Option<[f64; 3]>,
     /// (1-c)^5 of the first bounce.

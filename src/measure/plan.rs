@@ -1,12 +1,13 @@
 //! What a campaign needs, and what it skips: decided here, once, before anything is allocated.
 
+use glam::DVec3;
 use serde::Serialize;
 
 use crate::campaign::{Azimuth, Campaign, Optics, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, grid_of};
 use crate::sphere;
-use crate::trace::BLOCK;
+use crate::trace::{BLOCK, LONGEST};
 
 /// Bytes that a run may use where the system does not say how much is free.
 const DEFAULT_LIMIT: u64 = 4 << 30;
@@ -132,6 +133,15 @@ pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
     };
     let folds = |stop: usize| campaign.is_isotropic() || along_an_axis(stop);
     (0..grid.stops()).map(|stop| campaign.trace.fold && symmetric && folds(stop)).collect()
+}
+
+/// Whether rays towards `light` (canonical, field coordinates) may be followed in f32 lanes.
+///
+/// A ray that rises from the `lowest` to the `highest` height crosses range (|dx| + |dy|)/dz edges: beyond `LONGEST` of
+/// them f32 no longer knows where it is. The few rays of other directions that grow as long are handed to the f64
+/// walk one by one.
+pub fn fits_the_lanes((low, high): (f64, f64), light: DVec3) -> bool {
+    (high - low) * (light.x.abs() + light.y.abs()) <= f64::from(LONGEST) * light.z
 }
 
 fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {

@@ -3,30 +3,32 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::arms::{BlockArms, starts_stream};
 use super::assemble::{Measured, StopRecord, assemble};
+use super::block::{Block, Rays};
 use super::cost::{Cost, cpu_seconds, peak_bytes};
 use super::optics::{Light, f0_of};
 use super::patches::{Patch, Patches, Specimen};
-use super::plan::Plan;
-use super::tally::{Shape, Tally, to_units};
+use super::plan::{Plan, fits_the_lanes};
+use super::tally::{Shape, Tally};
 use crate::campaign::{Alpha, Campaign};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::Sensor;
 use crate::rng;
-use crate::trace::{Ending, Sample, SmithWalk, Starts, Walker};
+use crate::trace::{Kernel, LaneField, LaneWalker, Place, Sample, SmithWalk, Starts, Walker};
 
 /// Everything that blocks share.
-struct Context<'a> {
-    campaign: &'a Campaign,
-    plan: &'a Plan,
-    sensor: Sensor,
-    f0: Option<[f64; 3]>,
+pub(super) struct Context<'a> {
+    pub campaign: &'a Campaign,
+    pub plan: &'a Plan,
+    pub sensor: Sensor,
+    pub f0: Option<[f64; 3]>,
     progress: &'a (dyn Fn(u64) + Sync),
+    kernel: Kernel,
     rays: AtomicU64,
     skipped: AtomicU64,
 }
@@ -47,6 +49,7 @@ pub fn measure(
         sensor: Sensor::new(&plan.grid),
         f0: f0_of(&campaign.optics),
         progress,
+        kernel: Kernel::widest(),
         rays: AtomicU64::new(0),
         skipped: AtomicU64::new(0),
     };
@@ -58,14 +61,15 @@ pub fn measure(
     // As many patches in memory as there are threads to make them.
     for group in all.chunks(rayon::current_num_threads()) {
         let clock = Instant::now();
-        let made = group.par_iter().map(|&k| patches.realisation(k)).collect::<Result<Vec<Specimen>>>()?;
-        let digest = |specimen: &Specimen| specimen.digest().map(Vec::from);
+        let mount = |&k: &u64| Ok(context.mounted(patches.realisation(k)?));
+        let made = group.par_iter().map(mount).collect::<Result<Vec<Mounted>>>()?;
+        let digest = |mounted: &Mounted| mounted.specimen.digest().map(Vec::from);
         digests.extend(made.par_iter().filter_map(digest).collect::<Vec<_>>().concat());
         synthesis_s += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         for (alpha, records) in alphas.iter().zip(&mut records) {
             let measured =
-                group.par_iter().zip(&made).map(|(&k, specimen)| context.realisation(specimen, *alpha, k));
+                group.par_iter().zip(&made).map(|(&k, mounted)| context.realisation(mounted, *alpha, k));
             records.extend(measured.collect::<Result<Vec<_>>>()?);
         }
         tracing_s += clock.elapsed().as_secs_f64();
@@ -88,17 +92,33 @@ pub fn measure(
     Ok((results, cost))
 }
 
+/// A specimen, and the lanes' copy of its heights where they serve.
+struct Mounted {
+    specimen: Specimen,
+    lanes: Option<LaneField>,
+}
+
 impl Context<'_> {
+    fn mounted(&self, specimen: Specimen) -> Mounted {
+        let lanes = match &specimen {
+            Specimen::Patch(patch) if self.campaign.trace.visibility => LaneField::new(&patch.field),
+            _ => None,
+        };
+        Mounted { specimen, lanes }
+    }
+
     /// All stops of one realisation.
     fn realisation(
         &self,
-        specimen: &Specimen,
+        mounted: &Mounted,
         alpha: Option<Alpha>,
         realisation: u64,
     ) -> Result<Vec<StopRecord>> {
-        let stage = match specimen {
+        let stage = match &mounted.specimen {
             Specimen::Patch(patch) => {
-                Stage::Heights { patch, walker: Walker::new(&patch.field), alpha: patch.alpha(alpha) }
+                let (walker, lanes) = (Walker::new(&patch.field), mounted.lanes.as_ref());
+                let lanes = lanes.map(|lanes| LaneWalker::new(walker, lanes, self.kernel));
+                Stage::Heights { patch, walker, lanes, alpha: patch.alpha(alpha) }
             }
             Specimen::Statistical { law, independent_heights } => Stage::Statistical(SmithWalk {
                 law: *law,
@@ -144,19 +164,16 @@ impl Context<'_> {
         let mut rng = rng::stream(starts_stream(campaign, plan, work.stop, work.realisation, work.block));
         let mut block = Block { context: self, arms, stop: work.stop, tally, rays: Rays::default() };
         match work.stage {
-            Stage::Heights { patch, walker, alpha } => {
+            Stage::Heights { patch, walker, lanes, alpha } => {
                 let sample = Sample { walker: *walker, alpha: *alpha, image: arms.image };
-                let starts = Starts::new(&patch.field, patch.window, sample.to_field(arms.wi));
+                let light = sample.to_field(arms.wi);
+                let starts = Starts::new(&patch.field, patch.window, light);
                 let flux = starts.share(plan.block_starts) / plan.blocks as f64;
-                starts.each(plan.block_starts, &mut rng, |start| {
-                    let mut light = Light::new(self.f0);
-                    let ending = if campaign.trace.visibility {
-                        sample.trace(start, arms.wi, campaign.trace.bounces, &mut light)
-                    } else {
-                        sample.trace_unobstructed(start, arms.wi, &mut light)
-                    };
-                    block.end(ending, light, flux);
-                });
+                let each = |visit: &mut dyn FnMut(Place)| starts.each(plan.block_starts, &mut rng, visit);
+                match lanes.filter(|_| fits_the_lanes(walker.range(), light)) {
+                    Some(over) => block.follow_in_waves(&sample, &over, flux, each),
+                    None => block.follow(&sample, flux, each),
+                }
             }
             Stage::Statistical(walk) => {
                 let flux = 1.0 / (plan.block_starts as f64 * plan.blocks as f64);
@@ -173,71 +190,14 @@ impl Context<'_> {
     }
 }
 
-/// What the paths of one block add to.
-struct Block<'a> {
-    context: &'a Context<'a>,
-    arms: BlockArms,
-    stop: usize,
-    tally: &'a mut Tally,
-    rays: Rays,
-}
-
-impl Block<'_> {
-    /// Counts a path that carried `flux`.
-    fn end(&mut self, ending: Ending, light: Light, flux: f64) {
-        self.rays.count(&ending, self.context.campaign);
-        let units = to_units(flux);
-        match ending {
-            Ending::Out { wo, order } => self.arrive(Arrival { wo, order, light, flux, units }),
-            Ending::Hidden => self.tally.hidden.add(units),
-            Ending::Cut { .. } => self.tally.cut.add(units),
-            Ending::LeftMap => self.tally.left_map.add(units),
-            Ending::Lost => self.tally.lost += 1,
-        }
-    }
-
-    /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded.
-    fn arrive(&mut self, arrival: Arrival) {
-        let Arrival { wo, order, light, flux, units } = arrival;
-        let (context, tally) = (self.context, &mut *self.tally);
-        let out = &mut tally.orders[order as usize - 1];
-        out.count += 1;
-        out.flux += units;
-        for (sum, left) in out.colours.iter_mut().zip(light.throughput) {
-            *sum += if context.f0.is_none() { units } else { to_units(flux * left) };
-        }
-        let folded = context.plan.folded[self.stop];
-        let part = if folded { 0.5 } else { 1.0 };
-        let units = to_units(part * flux);
-        let mut into_bins = |direction: DVec3| {
-            context.sensor.each_bin(direction, |bin| {
-                tally.hits[bin] += 1;
-                if order > 1 {
-                    for (sums, left) in tally.multiple.iter_mut().zip(light.throughput) {
-                        sums[bin] += to_units(part * flux * left);
-                    }
-                } else {
-                    tally.single[bin] += units;
-                    if let Some(sum) = tally.schlick.get_mut(bin) {
-                        *sum += to_units(part * flux * light.first);
-                    }
-                }
-            });
-        };
-        let wo = self.arms.in_bins(wo);
-        into_bins(wo);
-        if folded {
-            into_bins(self.arms.mirrored(wo));
-        }
-    }
-}
-
 /// The surface of one realisation and roughness.
 enum Stage<'a> {
     /// Heights to walk over.
     Heights {
         patch: &'a Patch,
         walker: Walker<'a>,
+        /// The same in lanes.
+        lanes: Option<LaneWalker<'a>>,
         /// World slope per canonical slope.
         alpha: DVec2,
     },
@@ -251,38 +211,4 @@ struct Work<'a> {
     realisation: u64,
     stop: usize,
     block: u64,
-}
-
-/// A path that leaves the surface.
-struct Arrival {
-    wo: DVec3,
-    order: u32,
-    light: Light,
-    flux: f64,
-    units: u128,
-}
-
-/// Counts rays for the cost report.
-#[derive(Default)]
-struct Rays {
-    traced: u64,
-    skipped: u64,
-}
-
-impl Rays {
-    fn count(&mut self, ending: &Ending, campaign: &Campaign) {
-        let bounces = u64::from(campaign.trace.bounces);
-        // The light's ray, and one after each bounce.
-        let (traced, skipped) = match *ending {
-            Ending::Out { order, .. } => (1 + u64::from(order), 0),
-            Ending::Cut { down } => (1 + bounces - u64::from(down), u64::from(down)),
-            Ending::Hidden | Ending::LeftMap | Ending::Lost => (1, 0),
-        };
-        if campaign.trace.visibility {
-            self.traced += traced;
-            self.skipped += skipped;
-        } else {
-            self.skipped += traced + skipped;
-        }
-    }
 }

@@ -128,6 +128,11 @@ impl<'a> Walker<'a> {
         self.field
     }
 
+    /// Lowest and highest height.
+    pub fn range(&self) -> (f64, f64) {
+        (self.lowest, self.highest)
+    }
+
     /// Follows the ray from `start` along `d` (any length, field coordinates) to its end.
     ///
     /// Held by: `tests/watertight.rs` against a loop over all facets.
