@@ -195,7 +195,13 @@ fn paths_in_waves_are_paths() {
             .collect();
         let mut visits = vec![Bounces::default(); starts.len()];
         let mut endings = Vec::new();
-        paths.trace(&sample, &over, &Wave { starts: &starts, wi, bounces }, &mut visits, &mut endings);
+        paths.trace(
+            &sample,
+            &over,
+            &Wave { starts: &starts, wi, lit: false, bounces },
+            &mut visits,
+            &mut endings,
+        );
         let mut differ = 0;
         for ((&place, ending), visit) in starts.iter().zip(&endings).zip(&visits) {
             let mut alone = Bounces::default();

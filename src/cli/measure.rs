@@ -12,7 +12,7 @@ use super::targets::{self, Target};
 use crate::campaign::{self, Campaign, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
-use crate::measure::{self, Cost, Measured, Patches, Plan, StopResult};
+use crate::measure::{self, Cost, Measured, Patches, Plan, StopResult, StoppedBy};
 use crate::report::summary::summary;
 use crate::stats;
 use crate::table::realisations::{self, Kept};
@@ -141,7 +141,7 @@ fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict)
     headings.extend(open_map.then_some("left map"));
     let row = |(index, stop): (usize, &StopResult)| {
         let (theta, phi) = plan.grid.stop_deg(index);
-        let starts = plan.samples as f64 * f64::from(plan.realisations);
+        let starts = stop.samples as f64 * f64::from(plan.realisations);
         let share = |count: u64| format!("{:.4} %", 100.0 * count as f64 / starts);
         let single = stop.albedo_by_order[..1].iter();
         let (single, total) = (albedo(single), albedo(stop.albedo_by_order.iter()));
@@ -165,8 +165,32 @@ fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict)
     out.line("")?;
     out.line(format_args!("{}{alpha}: mean +- standard error over realisations", measured.campaign.name))?;
     out.lines(output::columns(&headings, &rows))?;
+    out.lines(end_lines(measured, plan))?;
     out.line("")?;
     out.lines(verdict.lines())
+}
+
+/// What ended the stops, where it was not that all samples were measured.
+fn end_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
+    let line = |(index, stop): (usize, &StopResult)| {
+        let why = match stop.stopped_by {
+            StoppedBy::Samples if measured.campaign.stop.relative_error.is_none() => return None,
+            StoppedBy::Samples => "all samples measured".into(),
+            StoppedBy::RelativeError => "error reached".into(),
+            StoppedBy::Seconds => "time is over".into(),
+            StoppedBy::PatchLimited => {
+                let needed = stop.realisations_needed.map_or("more".into(), grouped);
+                format!(
+                    "patch-limited: {needed} realisations would be needed, there are {}",
+                    plan.realisations
+                )
+            }
+        };
+        let (theta, phi) = plan.grid.stop_deg(index);
+        let error = stop.relative_error.map_or(String::new(), |e| format!(", relative error {e:.4}"));
+        Some(format!("stop {theta:.2} {phi:.2}: {} starts a patch{error}; {why}", grouped(stop.samples)))
+    };
+    measured.stops.iter().enumerate().filter_map(line).collect()
 }
 
 /// Sum over orders, its mean over the realisations and the standard error.

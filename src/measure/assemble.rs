@@ -2,6 +2,7 @@
 
 use super::optics::colours_of;
 use super::plan::Plan;
+use super::stopping::{Progress, StoppedBy};
 use super::tally::{Tally, from_units};
 use crate::campaign::{self, Alpha, Campaign};
 use crate::stats;
@@ -46,6 +47,14 @@ pub struct StopResult {
     pub hidden: u64,
     /// Paths over the edge of an open map.
     pub left_map: u64,
+    /// Starts in each realisation.
+    pub samples: u64,
+    /// What ended it.
+    pub stopped_by: StoppedBy,
+    /// The relative error where it ended, if one was asked for.
+    pub relative_error: Option<f64>,
+    /// How many realisations would reach it, where the patches are the limit.
+    pub realisations_needed: Option<u64>,
 }
 
 /// A measured table with everything that the summary needs.
@@ -85,25 +94,60 @@ impl StopRecord {
         }
     }
 
+    /// This and further blocks of the same stop and realisation.
+    pub fn plus(mut self, other: &Self) -> Self {
+        let add = |mine: &mut [f64], theirs: &[f64]| mine.iter_mut().zip(theirs).for_each(|(a, b)| *a += b);
+        add(&mut self.single, &other.single);
+        add(&mut self.schlick, &other.schlick);
+        self.multiple.iter_mut().zip(&other.multiple).for_each(|(mine, theirs)| add(mine, theirs));
+        self.hits.iter_mut().zip(&other.hits).for_each(|(mine, theirs)| *mine += theirs);
+        for (mine, theirs) in self.orders.iter_mut().zip(&other.orders) {
+            mine.count += theirs.count;
+            mine.unit += theirs.unit;
+            add(&mut mine.colours, &theirs.colours);
+        }
+        self.cut = (self.cut.0 + other.cut.0, self.cut.1 + other.cut.1);
+        self.hidden += other.hidden;
+        self.left_map += other.left_map;
+        self
+    }
+
+    /// All flux times `factor`; counts stay.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        if factor == 1.0 {
+            return self;
+        }
+        let flux = self.single.iter_mut().chain(&mut self.schlick).chain(self.multiple.iter_mut().flatten());
+        flux.for_each(|flux| *flux *= factor);
+        for order in &mut self.orders {
+            order.unit *= factor;
+            order.colours.iter_mut().for_each(|flux| *flux *= factor);
+        }
+        self.cut.1 *= factor;
+        self
+    }
+
     /// Flux of order 1 in one colour: F0 times the whole plus (1 - F0) times the (1-c)^5 part.
-    fn single_flux(&self, f0: Option<f64>, bin: usize) -> f64 {
+    pub fn single_flux(&self, f0: Option<f64>, bin: usize) -> f64 {
         match f0 {
             None => self.single[bin],
             Some(f0) => f0 * self.single[bin] + (1.0 - f0) * self.schlick[bin],
         }
     }
 
-    fn multiple_flux(&self, colour: usize, bin: usize) -> f64 {
+    /// Flux of the orders above 1 in one colour.
+    pub fn multiple_flux(&self, colour: usize, bin: usize) -> f64 {
         self.multiple.get(colour).map_or(0.0, |sums| sums[bin])
     }
 }
 
-/// The table of one roughness from the records [realisation][stop].
+/// The table of one roughness from the records [realisation][stop] and what ended each stop.
 pub fn assemble(
     campaign: &Campaign,
     plan: &Plan,
     alpha: Option<Alpha>,
     records: Vec<Vec<StopRecord>>,
+    ends: &[Progress],
     patch_digest: &str,
 ) -> Measured {
     let campaign = alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
@@ -128,7 +172,8 @@ pub fn assemble(
         hits,
         schlick,
     };
-    let stops = (0..plan.stops).map(|stop| stop_result(&records, stop, colour_f0.len())).collect();
+    let result = |(stop, end)| stop_result(&records, stop, colour_f0.len(), end, plan);
+    let stops = ends.iter().enumerate().map(result).collect();
     Measured { campaign, table, realisations: Realisations { parts }, stops }
 }
 
@@ -203,7 +248,13 @@ fn entries<T>(plan: &Plan, of: impl Fn(usize, usize) -> T) -> Vec<T> {
         .collect()
 }
 
-fn stop_result(records: &[Vec<StopRecord>], stop: usize, colours: usize) -> StopResult {
+fn stop_result(
+    records: &[Vec<StopRecord>],
+    stop: usize,
+    colours: usize,
+    end: &Progress,
+    plan: &Plan,
+) -> StopResult {
     let records: Vec<&StopRecord> = records.iter().map(|stops| &stops[stop]).collect();
     let orders = records[0].orders.len();
     let of_order = |k: usize| {
@@ -218,5 +269,9 @@ fn stop_result(records: &[Vec<StopRecord>], stop: usize, colours: usize) -> Stop
         cut: records.iter().map(|record| record.cut.0).sum(),
         hidden: records.iter().map(|record| record.hidden).sum(),
         left_map: records.iter().map(|record| record.left_map).sum(),
+        samples: end.blocks * plan.block_starts,
+        stopped_by: end.by.unwrap_or(StoppedBy::Samples),
+        relative_error: end.relative_error,
+        realisations_needed: end.realisations_needed,
     }
 }

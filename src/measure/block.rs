@@ -15,147 +15,172 @@ use crate::trace::{Ending, LaneWalker, PathWaves, Place, Sample, Wave};
 const WAVE: usize = 4096;
 
 thread_local! {
-    static WAVES: RefCell<WaveMemory> = RefCell::default();
+    static WAVES: RefCell<Vec<WaveMemory>> = RefCell::default();
+}
+
+/// Calls `work` with the thread's memory for the waves of `count` stops at once.
+pub(super) fn with_waves<T>(count: usize, work: impl FnOnce(&mut [WaveMemory]) -> T) -> T {
+    WAVES.with_borrow_mut(|waves| {
+        if waves.len() < count {
+            waves.resize_with(count, WaveMemory::default);
+        }
+        work(&mut waves[..count])
+    })
 }
 
 /// What a thread uses for one wave after another.
 #[derive(Default)]
-struct WaveMemory {
+pub(super) struct WaveMemory {
     starts: Vec<Place>,
     paths: PathWaves,
     lights: Vec<Light>,
     endings: Vec<Ending>,
 }
 
-/// What the paths of one block add to.
+/// What the paths of one block add to. All of its starts carry the same flux.
 pub(super) struct Block<'a> {
-    pub context: &'a Context<'a>,
-    pub arms: BlockArms,
-    pub stop: usize,
-    pub tally: &'a mut Tally,
-    pub rays: Rays,
+    context: &'a Context<'a>,
+    arms: BlockArms,
+    stop: usize,
+    tally: &'a mut Tally,
+    /// Flux of a path, as a share of the incident flux.
+    flux: f64,
+    /// The same in the tally's units.
+    units: u128,
+    /// What of it goes into a bin: a half where the mirrored arrival has the other half.
+    part: f64,
+    part_units: u128,
+    /// Whether the starts are known to see the light.
+    lit: bool,
+    rays: Rays,
 }
 
-impl Block<'_> {
-    /// Follows every start by itself.
-    pub fn follow(&mut self, sample: &Sample, flux: f64, each: impl FnOnce(&mut dyn FnMut(Place))) {
-        let (trace, wi) = (&self.context.campaign.trace, self.arms.wi);
-        each(&mut |start| {
-            let mut light = Light::new(self.context.f0);
-            let ending = if trace.visibility {
-                sample.trace(start, wi, trace.bounces, &mut light)
-            } else {
-                sample.trace_unobstructed(start, wi, &mut light)
-            };
-            self.end(ending, light, flux);
-        });
-    }
-
-    /// Follows the starts in waves, through the lanes; they end in the order in which they start.
-    pub fn follow_in_waves(
-        &mut self,
-        sample: &Sample,
-        over: &LaneWalker,
+impl<'a> Block<'a> {
+    /// A block of `stop` whose paths carry `flux` each; `lit` where only those that the light sees are followed.
+    pub fn new(
+        context: &'a Context<'a>,
+        arms: BlockArms,
+        stop: usize,
         flux: f64,
-        each: impl FnOnce(&mut dyn FnMut(Place)),
-    ) {
-        WAVES.with_borrow_mut(|memory| {
-            each(&mut |start| {
-                memory.starts.push(start);
-                if memory.starts.len() == WAVE {
-                    self.wave(sample, over, flux, memory);
-                }
-            });
-            self.wave(sample, over, flux, memory);
-        });
+        lit: bool,
+        tally: &'a mut Tally,
+    ) -> Self {
+        let part = if context.plan.folded[stop] { 0.5 * flux } else { flux };
+        let (units, part_units) = (to_units(flux), to_units(part));
+        Block { context, arms, stop, tally, flux, units, part, part_units, lit, rays: Rays::default() }
     }
 
-    /// One wave: the starts that `memory` holds.
-    fn wave(&mut self, sample: &Sample, over: &LaneWalker, flux: f64, memory: &mut WaveMemory) {
+    /// Follows every start by itself.
+    pub fn follow(&mut self, sample: &Sample, start: Place) {
+        let (trace, wi) = (&self.context.campaign.trace, self.arms.wi);
+        let mut light = Light::new(self.context.f0);
+        let ending = if trace.visibility {
+            sample.trace(start, wi, trace.bounces, &mut light)
+        } else {
+            sample.trace_unobstructed(start, wi, &mut light)
+        };
+        self.end(ending, light);
+    }
+
+    /// Takes a start for the next wave, which is followed through the lanes when it is full; paths end in the order
+    /// in which they start.
+    pub fn follow_later(&mut self, sample: &Sample, over: &LaneWalker, start: Place, wave: &mut WaveMemory) {
+        wave.starts.push(start);
+        if wave.starts.len() == WAVE {
+            self.follow_wave(sample, over, wave);
+        }
+    }
+
+    /// Follows the starts that `memory` holds.
+    pub fn follow_wave(&mut self, sample: &Sample, over: &LaneWalker, memory: &mut WaveMemory) {
         let WaveMemory { starts, paths, lights, endings } = memory;
         lights.clear();
         lights.resize_with(starts.len(), || Light::new(self.context.f0));
         let bounces = self.context.campaign.trace.bounces;
-        paths.trace(sample, over, &Wave { starts, wi: self.arms.wi, bounces }, lights, endings);
+        let wave = Wave { starts, wi: self.arms.wi, lit: self.lit, bounces };
+        paths.trace(sample, over, &wave, lights, endings);
         for (&ending, &light) in endings.iter().zip(&*lights) {
-            self.end(ending, light, flux);
+            self.end(ending, light);
         }
         starts.clear();
     }
 
-    /// Counts a path that carried `flux`.
-    pub fn end(&mut self, ending: Ending, light: Light, flux: f64) {
-        self.rays.count(&ending, self.context.campaign);
-        let units = to_units(flux);
+    /// Counts a start that the light does not see.
+    pub fn hide(&mut self) {
+        self.end(Ending::Hidden, Light::new(None));
+    }
+
+    /// Counts a path.
+    pub fn end(&mut self, ending: Ending, light: Light) {
+        self.rays.count(&ending, self.context.campaign, self.lit);
         match ending {
-            Ending::Out { wo, order } => self.arrive(Arrival { wo, order, light, flux, units }),
-            Ending::Hidden => self.tally.hidden.add(units),
-            Ending::Cut { .. } => self.tally.cut.add(units),
-            Ending::LeftMap => self.tally.left_map.add(units),
+            Ending::Out { wo, order } => self.arrive(wo, order, light),
+            Ending::Hidden => self.tally.hidden.add(self.units),
+            Ending::Cut { .. } => self.tally.cut.add(self.units),
+            Ending::LeftMap => self.tally.left_map.add(self.units),
             Ending::Lost => self.tally.lost += 1,
         }
     }
 
     /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded.
-    fn arrive(&mut self, arrival: Arrival) {
-        let Arrival { wo, order, light, flux, units } = arrival;
+    fn arrive(&mut self, wo: DVec3, order: u32, light: Light) {
         let (context, tally) = (self.context, &mut *self.tally);
+        // Without Fresnel all paths weigh the same: counts, in units.
+        let weighted = |flux: f64, units: u128, left: f64| {
+            if context.f0.is_none() { units } else { to_units(flux * left) }
+        };
         let out = &mut tally.orders[order as usize - 1];
         out.count += 1;
-        out.flux += units;
+        out.flux += self.units;
         for (sum, left) in out.colours.iter_mut().zip(light.throughput) {
-            *sum += if context.f0.is_none() { units } else { to_units(flux * left) };
+            *sum += weighted(self.flux, self.units, left);
         }
-        let folded = context.plan.folded[self.stop];
-        let part = if folded { 0.5 } else { 1.0 };
-        let units = to_units(part * flux);
         let mut into_bins = |direction: DVec3| {
             context.sensor.each_bin(direction, |bin| {
                 tally.hits[bin] += 1;
                 if order > 1 {
                     for (sums, left) in tally.multiple.iter_mut().zip(light.throughput) {
-                        sums[bin] += to_units(part * flux * left);
+                        sums[bin] += weighted(self.part, self.part_units, left);
                     }
                 } else {
-                    tally.single[bin] += units;
+                    tally.single[bin] += self.part_units;
                     if let Some(sum) = tally.schlick.get_mut(bin) {
-                        *sum += to_units(part * flux * light.first);
+                        *sum += to_units(self.part * light.first);
                     }
                 }
             });
         };
         let wo = self.arms.in_bins(wo);
         into_bins(wo);
-        if folded {
+        if context.plan.folded[self.stop] {
             into_bins(self.arms.mirrored(wo));
         }
     }
 }
 
-/// A path that leaves the surface.
-struct Arrival {
-    wo: DVec3,
-    order: u32,
-    light: Light,
-    flux: f64,
-    units: u128,
+impl Drop for Block<'_> {
+    /// Adds the block's rays to the run's.
+    fn drop(&mut self) {
+        self.context.add_rays(self.rays.traced, self.rays.skipped);
+    }
 }
 
 /// Counts rays for the cost report.
 #[derive(Default)]
-pub(super) struct Rays {
-    pub traced: u64,
-    pub skipped: u64,
+struct Rays {
+    traced: u64,
+    skipped: u64,
 }
 
 impl Rays {
-    fn count(&mut self, ending: &Ending, campaign: &Campaign) {
+    fn count(&mut self, ending: &Ending, campaign: &Campaign, lit: bool) {
         let bounces = u64::from(campaign.trace.bounces);
-        // The light's ray, and one after each bounce.
+        // The light's ray, which a sweep replaces, and one after each bounce.
+        let (light, swept) = if lit { (0, 1) } else { (1, 0) };
         let (traced, skipped) = match *ending {
-            Ending::Out { order, .. } => (1 + u64::from(order), 0),
-            Ending::Cut { down } => (1 + bounces - u64::from(down), u64::from(down)),
-            Ending::Hidden | Ending::LeftMap | Ending::Lost => (1, 0),
+            Ending::Out { order, .. } => (light + u64::from(order), swept),
+            Ending::Cut { down } => (light + bounces - u64::from(down), swept + u64::from(down)),
+            Ending::Hidden | Ending::LeftMap | Ending::Lost => (light, swept),
         };
         if campaign.trace.visibility {
             self.traced += traced;

@@ -7,7 +7,10 @@ pub mod cost;
 pub mod optics;
 pub mod patches;
 pub mod plan;
+mod rounds;
 pub mod run;
+mod stage;
+pub mod stopping;
 pub mod tally;
 
 pub use assemble::{Measured, StopResult};
@@ -15,3 +18,4 @@ pub use cost::Cost;
 pub use patches::{Patch, Patches, Specimen};
 pub use plan::{Plan, plan};
 pub use run::measure;
+pub use stopping::StoppedBy;

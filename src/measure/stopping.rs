@@ -78,6 +78,8 @@ pub struct Progress {
     pub relative_error: Option<f64>,
     /// Where the patches are the limit: how many would reach the error.
     pub realisations_needed: Option<u64>,
+    /// The blocks at the last look.
+    looked_at: u64,
 }
 
 impl Progress {
@@ -87,12 +89,12 @@ impl Progress {
     /// the patches' own spread, and that spread alone is too large.
     /// Held by: `a_stop_ends_at_its_error_or_at_the_knee`.
     pub fn judge(&mut self, blocks: u64, error: Option<f64>, wanted: f64, realisations: u32) {
-        let before = self.relative_error.map(|before| (self.blocks, before));
-        (self.blocks, self.relative_error) = (blocks, error);
+        let before = self.relative_error.map(|before| (self.looked_at, before));
+        (self.looked_at, self.relative_error) = (blocks, error);
         let Some(error) = error else { return };
         if error <= wanted {
             self.by = Some(StoppedBy::RelativeError);
-        } else if let Some((fewer, before)) = before.filter(|(fewer, _)| *fewer > 0) {
+        } else if let Some((fewer, before)) = before {
             // From two looks: error^2 = a/n + p^2.
             let noise = (before * before - error * error) / (blocks as f64 / fewer as f64 - 1.0);
             let patches = error * error - noise;
@@ -106,10 +108,9 @@ impl Progress {
 }
 
 /// What ended a run, from what ended its stops: the limit that the user can do something about comes first.
-pub fn of_run(stops: &[Progress]) -> StoppedBy {
-    let ended = |by| stops.iter().any(|stop| stop.by == Some(by));
+pub fn of_run(stops: impl Iterator<Item = StoppedBy> + Clone) -> StoppedBy {
     let order = [StoppedBy::Seconds, StoppedBy::PatchLimited, StoppedBy::Samples];
-    order.into_iter().find(|&by| ended(by)).unwrap_or(StoppedBy::RelativeError)
+    order.into_iter().find(|&by| stops.clone().any(|stop| stop == by)).unwrap_or(StoppedBy::RelativeError)
 }
 
 #[cfg(test)]
@@ -145,10 +146,10 @@ mod tests {
     fn a_stop_ends_at_its_error_or_at_the_knee() {
         // 1/n <= 0.01 from 100 blocks on: after 128.
         let noisy = looked_at(1.0, 0.0, 0.1, 20);
-        assert_eq!((noisy.by, noisy.blocks), (Some(StoppedBy::RelativeError), 128));
+        assert_eq!((noisy.by, noisy.looked_at), (Some(StoppedBy::RelativeError), 128));
         // p^2 = 0.04 is four times too much; 1/n falls below it after 25 blocks: the knee is seen after 32.
         let limited = looked_at(1.0, 0.04, 0.1, 20);
-        assert_eq!((limited.by, limited.blocks), (Some(StoppedBy::PatchLimited), 32));
+        assert_eq!((limited.by, limited.looked_at), (Some(StoppedBy::PatchLimited), 32));
         // 16 x (1/32 + 0.04)/0.01 = 114.
         assert_eq!(limited.realisations_needed, Some(114));
         assert_eq!(looked_at(1.0, 0.04, 0.1, 3).by, None);
@@ -156,9 +157,7 @@ mod tests {
 
     #[test]
     fn the_run_says_what_the_user_can_change() {
-        let of = |all: &[StoppedBy]| {
-            of_run(&all.iter().map(|&by| Progress { by: Some(by), ..Progress::default() }).collect::<Vec<_>>())
-        };
+        let of = |all: &[StoppedBy]| of_run(all.iter().copied());
         use StoppedBy::{PatchLimited, RelativeError, Samples, Seconds};
         assert_eq!(of(&[RelativeError, RelativeError]), RelativeError);
         assert_eq!(of(&[RelativeError, Samples]), Samples);

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::measure::{Cost, Measured, Plan, StopResult};
+use crate::measure::{Cost, Measured, Plan, StopResult, stopping};
 use crate::stats;
 use crate::validate::Verdict;
 
@@ -22,7 +22,7 @@ pub fn summary(measured: &Measured, plan: &Plan, cost: &Cost, verdict: &Verdict)
         "version": measured.table.version,
         "surface": campaign.surface,
         "plan": plan,
-        "stopped_by": "samples",
+        "stopped_by": stopping::of_run(measured.stops.iter().map(|stop| stop.stopped_by)),
         "cost": cost,
         "stops": stops,
         "comparisons": verdict.comparisons,
@@ -53,6 +53,10 @@ fn stop_summary(result: &StopResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Va
         "hidden": result.hidden,
         "left_map": result.left_map,
         "lost": 0,
+        "samples": result.samples,
+        "stopped_by": result.stopped_by,
+        "relative_error": result.relative_error,
+        "realisations_needed": result.realisations_needed,
         "closure": closure,
         "closure_se": closure_se,
     })

@@ -22,6 +22,8 @@ pub struct Wave<'a> {
     pub starts: &'a [Place],
     /// To the light, sample's frame.
     pub wi: DVec3,
+    /// Whether it is known that the light sees every start.
+    pub lit: bool,
     /// Highest order.
     pub bounces: u32,
 }
@@ -37,8 +39,8 @@ pub struct PathWaves {
 }
 
 impl PathWaves {
-    /// Follows a path from each start of `wave`; `endings` gets
-    /// their ends in the order of the starts, `visits[k]` the bounces of path k in theirs.
+    /// Follows a path from each start of `wave`; `endings` gets their ends in the order of the starts, `visits[k]` the
+    /// bounces of path k in theirs.
     ///
     /// `over` is a lane walker over the field of `sample`. Directions are f64; only the question of what a ray meets
     /// is f32's.
@@ -52,19 +54,10 @@ impl PathWaves {
         visits: &mut [B],
         endings: &mut Vec<Ending>,
     ) {
-        let Wave { starts, wi, bounces } = *wave;
+        let bounces = wave.bounces;
         endings.clear();
-        endings.resize(starts.len(), Ending::Hidden);
-        let light = sample.to_field(wi);
-        let fates = self.waves.any_hit(over, starts.len(), |k| (&starts[k], light));
-        self.now.clear();
-        for (path, (fate, &place)) in fates.iter().zip(starts).enumerate() {
-            match fate {
-                Fate::Escaped => self.now.push(Step { path, place, direction: wi }),
-                Fate::Blocked => {}
-                Fate::Beyond => endings[path] = Ending::Lost,
-            }
-        }
+        endings.resize(wave.starts.len(), Ending::Hidden);
+        self.light(sample, over, wave, endings);
         for order in 1..=bounces {
             let last = order == bounces;
             self.reflect(sample, last, visits, endings);
@@ -72,6 +65,26 @@ impl PathWaves {
                 self.leave(sample, over, order, endings);
             } else {
                 self.go_on(sample, over, order, endings);
+            }
+        }
+    }
+
+    /// Keeps the starts that the light sees.
+    fn light(&mut self, sample: &Sample, over: &LaneWalker, wave: &Wave, endings: &mut [Ending]) {
+        let Wave { starts, wi, lit, .. } = *wave;
+        self.now.clear();
+        if lit {
+            let steps = starts.iter().enumerate();
+            self.now.extend(steps.map(|(path, &place)| Step { path, place, direction: wi }));
+            return;
+        }
+        let light = sample.to_field(wi);
+        let fates = self.waves.any_hit(over, starts.len(), |k| (&starts[k], light));
+        for (path, (fate, &place)) in fates.iter().zip(starts).enumerate() {
+            match fate {
+                Fate::Escaped => self.now.push(Step { path, place, direction: wi }),
+                Fate::Blocked => {}
+                Fate::Beyond => endings[path] = Ending::Lost,
             }
         }
     }
