@@ -8,10 +8,10 @@ use std::array;
 use glam::{DVec2, DVec3};
 use gonio::rng;
 use gonio::sphere;
-use gonio::stats::{mean_and_se, sidak};
+use gonio::stats::{chi_square_p, mean_and_se, sidak};
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::trace::{Layout, Outcome, Place, Starts, Sweep, Walker, Window};
-use measuring::{chi_square_p, test_rng};
+use measuring::test_rng;
 
 fn ggx(cells: usize) -> Heightfield {
     Synthesiser::new(SlopeLaw::Ggx, cells, 2.0).patch(&mut test_rng(1))

@@ -103,7 +103,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
     };
     plan.skipped = skips(campaign, &plan);
     plan.memory_bytes = saturated(memory(campaign, &plan));
-    plan.estimated_s = seconds(campaign, &plan);
+    plan.estimated_s = seconds(campaign, &plan).min(campaign.stop.seconds.unwrap_or(f64::INFINITY));
     let limit = memory_limit();
     if plan.memory_bytes > limit {
         return Err(Error::Refused(format!(

@@ -57,12 +57,10 @@ pub fn measure(
         skipped: AtomicU64::new(0),
     };
     let mut run = Run::new(&context, patches);
-    let rounds = stopping::rounds(&campaign.stop, plan.blocks);
-    // Patches that are looked at again are kept.
-    let keep = rounds.len() > 1;
-    for round in rounds {
+    for round in stopping::rounds(&campaign.stop, plan.blocks) {
         let clock = Instant::now();
-        run.round(round.clone(), keep)?;
+        // Patches that are looked at again are kept.
+        run.round(round.clone(), round.end < plan.blocks)?;
         run.tables.judge(campaign, plan, round.end);
         let over = campaign.stop.seconds.is_some_and(|budget| {
             // A further round would take about as long as this one.

@@ -32,17 +32,15 @@ pub enum StoppedBy {
 /// The blocks between one look at the errors, or at the clock, and the next.
 ///
 /// Held by: `rounds_end_after_1_2_4_8_blocks`.
-pub fn rounds(stop: &Stop, blocks: u64) -> Vec<Range<u64>> {
-    let ends: Vec<u64> = match (stop.seconds, stop.relative_error) {
-        (Some(_), _) => (1..=blocks).collect(),
-        (None, Some(_)) => std::iter::successors(Some(1), |end| Some(2 * end))
-            .take_while(|&end| end < blocks)
-            .chain([blocks])
-            .collect(),
-        (None, None) => vec![blocks],
+pub fn rounds(stop: &Stop, blocks: u64) -> impl Iterator<Item = Range<u64>> + use<> {
+    let (by_block, by_doubling) = (stop.seconds.is_some(), stop.relative_error.is_some());
+    let end_after = move |start: u64| match start {
+        _ if by_block => start + 1,
+        _ if by_doubling => (2 * start).clamp(1, blocks),
+        _ => blocks,
     };
-    let starts = std::iter::once(0).chain(ends.iter().copied());
-    starts.zip(&ends).map(|(start, &end)| start..end).collect()
+    let next = move |round: &Range<u64>| (round.end < blocks).then(|| round.end..end_after(round.end));
+    std::iter::successors(Some(0..end_after(0)), next)
 }
 
 /// Median over bins and colours of the relative standard error of the mean over the realisations; bins below 1 % of
@@ -120,13 +118,13 @@ mod tests {
     #[test]
     fn rounds_end_after_1_2_4_8_blocks() {
         let stop = |relative_error, seconds| Stop { samples: 1, relative_error, seconds };
-        let ends = |stop: Stop, blocks| rounds(&stop, blocks).iter().map(|r| r.end).collect::<Vec<_>>();
+        let ends = |stop: Stop, blocks| rounds(&stop, blocks).map(|r| r.end).collect::<Vec<_>>();
         assert_eq!(ends(stop(Some(0.1), None), 11), [1, 2, 4, 8, 11]);
         assert_eq!(ends(stop(Some(0.1), None), 8), [1, 2, 4, 8]);
         assert_eq!(ends(stop(Some(0.1), None), 1), [1]);
         assert_eq!(ends(stop(None, None), 11), [11]);
         assert_eq!(ends(stop(Some(0.1), Some(9.0)), 4), [1, 2, 3, 4]);
-        let all = rounds(&stop(Some(0.1), None), 11);
+        let all: Vec<_> = rounds(&stop(Some(0.1), None), 11).collect();
         assert!(all[0].start == 0 && all.windows(2).all(|w| w[0].end == w[1].start));
     }
 
