@@ -287,14 +287,13 @@ impl<S: Lanes> Walk<S> {
     /// Ends the lanes of `done`: above everything, or too long.
     #[inline(always)]
     fn retire_clear(&mut self, s: S, done: u32, answers: &mut Answers) {
-        if done != 0 {
-            let escaped = done & s.bits(s.lt(self.rays.end, s.splat(LONGEST)));
-            // Fates are `Escaped` unless said otherwise.
-            if escaped != done {
-                self.retire(s, done & !escaped, Fate::Beyond, answers);
-            }
-            self.live &= !done;
+        // No branch on `done`: it would be guessed wrong every other step.
+        let beyond = done & !s.bits(s.lt(self.rays.end, s.splat(LONGEST)));
+        // Fates are `Escaped` unless said otherwise.
+        if beyond != 0 {
+            self.retire(s, beyond, Fate::Beyond, answers);
         }
+        self.live &= !done;
     }
 
     #[inline(always)]
