@@ -287,7 +287,7 @@ impl<S: Lanes> Walk<S> {
     /// Ends the lanes of `done`: above everything, or too long.
     #[inline(always)]
     fn retire_clear(&mut self, s: S, done: u32, answers: &mut Answers) {
-        // No branch on `done`: it would be guessed wrong every other step.
+        // No branch on `done`: most steps end some lane, no pattern says which.
         let beyond = done & !s.bits(s.lt(self.rays.end, s.splat(LONGEST)));
         // Fates are `Escaped` unless said otherwise.
         if beyond != 0 {
