@@ -20,7 +20,8 @@ use crate::validate::model::Model;
 /// Error against samples and time: ladders of runs, the fit err^2 = a/N + b^2, a plot
 #[derive(Args)]
 #[command(
-    after_help = "Writes bench.svg and bench.json to the folder. A random surface gets a second ladder, over\n\
+    after_help = "Example: gonio bench configs/bench.toml --from 2^12 --to 2^20",
+    after_long_help = "Writes bench.svg and bench.json to the folder. A random surface gets a second ladder, over\n\
     realisations: its b is free of the patches' spread. N: samples of a stop, all realisations.\n\
     With a [bench] table in the campaign it varies cells and correlation length instead.\n\n\
     Example: gonio bench configs/bench.toml --from 2^12 --to 2^20"

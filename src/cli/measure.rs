@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Worker threads, 0 for one a core; results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
-    /// Take the patches that `gonio surface` wrote to this folder instead of making them
+    /// Take the patches that `gonio surface` wrote there instead of making them
     #[arg(long, value_name = "DIR")]
     patches: Option<PathBuf>,
     /// Replace results that are there
