@@ -113,12 +113,13 @@ fn row(
     patches: &mut Patches,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Row> {
-    let (mut errors, mut seconds, mut rays, mut closure) = (Vec::new(), 0.0, 0.0, 0.0f64);
+    let (mut errors, mut seconds, mut rays, mut closure) = (Vec::new(), 0.0, 0.0, None::<f64>);
     for &seed in seeds {
         let (measured, cost) = rung.run(patches, seed, progress)?;
         errors.push(truth.error_of(&measured.table));
         let closures = measured.stops.iter().flat_map(|stop| &stop.closure);
-        closure = closures.fold(closure, |most, light| most.max((light - 1.0).abs()));
+        let farthest = closures.map(|light| (light - 1.0).abs()).reduce(f64::max);
+        closure = farthest.map(|farthest| closure.unwrap_or(0.0).max(farthest));
         seconds += cost.wall_s;
         rays += cost.rays_traced as f64;
     }
@@ -134,7 +135,7 @@ fn row(
         error: squared.sqrt(),
         efficiency: 1.0 / (squared * seconds),
         errors,
-        closure: rung.campaign.trace.visibility.then_some(closure),
+        closure: closure.filter(|_| rung.campaign.trace.visibility),
     })
 }
 

@@ -139,6 +139,7 @@ fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict)
     let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
     let mut headings = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
     headings.extend(open_map.then_some("left map"));
+    headings.extend(plan.apertures_only.then_some("outside"));
     let row = |(index, stop): (usize, &StopResult)| {
         let (theta, phi) = plan.grid.stop_deg(index);
         let starts = stop.samples as f64 * f64::from(plan.realisations);
@@ -154,6 +155,7 @@ fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict)
             share(stop.cut),
         ];
         row.extend(open_map.then(|| share(stop.left_map)));
+        row.extend(plan.apertures_only.then(|| share(stop.outside)));
         row
     };
     let rows: Vec<Vec<String>> = measured.stops.iter().enumerate().map(row).collect();
@@ -197,6 +199,9 @@ fn end_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
 fn albedo<'a>(orders: impl Iterator<Item = &'a Vec<f64>> + Clone) -> String {
     let count = orders.clone().map(Vec::len).min().unwrap_or(0);
     let sums: Vec<f64> = (0..count).map(|k| orders.clone().map(|order| order[k]).sum()).collect();
+    if sums.is_empty() {
+        return "not seen".into();
+    }
     let (mean, se) = stats::mean_and_se(sums.into_iter());
     with_error(mean, se)
 }

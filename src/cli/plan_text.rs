@@ -4,7 +4,7 @@ use super::output::{bytes, duration, grouped, wrapped};
 use crate::campaign::{
     Alpha, Azimuth, BinLayout, Campaign, Optics, Sensor, SmithHeights, SmithNdf, SurfaceKind,
 };
-use crate::measure::Plan;
+use crate::measure::{Plan, Skip};
 
 /// Room for the words on the left.
 const HEAD: usize = 14;
@@ -37,9 +37,10 @@ pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
     facts.iter().flat_map(|(head, text)| line(head, text)).collect()
 }
 
-/// What is skipped, and why.
+/// What is skipped, why, and what that saves.
 pub fn skipped(plan: &Plan) -> Vec<String> {
-    plan.skipped.iter().flat_map(|skip| line("skipped", &format!("{}: {}", skip.what, skip.why))).collect()
+    let text = |skip: &Skip| format!("{}: {}; saves {}", skip.what, skip.why, skip.saves);
+    plan.skipped.iter().flat_map(|skip| line("skipped", &text(skip))).collect()
 }
 
 fn line(head: &str, text: &str) -> Vec<String> {

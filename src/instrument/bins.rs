@@ -105,6 +105,21 @@ impl Sensor {
         Sensor::Arm { caps, chord2: chord * chord, reach: half_angle + 1e-12 }
     }
 
+    /// The axes of the apertures and their half-angle (rad) with a margin for rounding; `None` for a hemisphere.
+    pub fn cones(&self) -> Option<(impl Iterator<Item = DVec3>, f64)> {
+        match self {
+            Sensor::Hemisphere { .. } => None,
+            Sensor::Arm { caps, reach, .. } => Some((caps.iter().map(|cap| cap.axis), *reach)),
+        }
+    }
+
+    /// Whether any bin holds `wo`, a unit vector with wo.z > 0.
+    pub fn sees(&self, wo: DVec3) -> bool {
+        let mut seen = false;
+        self.each_bin(wo, |_| seen = true);
+        seen
+    }
+
     /// Calls `visit(bin)` for every bin that holds `wo`, a unit vector with wo.z > 0.
     pub fn each_bin(&self, wo: DVec3, mut visit: impl FnMut(usize)) {
         match self {

@@ -70,6 +70,12 @@ impl BlockArms {
         sphere::turned(wo, self.to_bins)
     }
 
+    /// A direction of the bins' frame in the sample's.
+    pub fn from_bins(&self, w: DVec3) -> DVec3 {
+        let (sin, cos) = self.to_bins;
+        sphere::turned(w, (-sin, cos))
+    }
+
     /// A direction of the bins' frame mirrored about the plane of incidence: azimuth phi -> 2 phi_i - phi.
     pub fn mirrored(&self, wo: DVec3) -> DVec3 {
         sphere::turned(DVec3::new(wo.x, -wo.y, wo.z), self.mirror)

@@ -22,6 +22,7 @@ pub struct StopRecord {
     cut: (u64, f64),
     hidden: u64,
     left_map: u64,
+    outside: (u64, f64),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -35,9 +36,10 @@ struct OrderRecord {
 #[derive(Debug, Clone)]
 pub struct StopResult {
     /// Share of the incident flux in each order, one value for each realisation: [order][realisation], mean of the
-    /// colours.
+    /// colours. No realisation where only the light towards the apertures is followed.
     pub albedo_by_order: Vec<Vec<f64>>,
-    /// All orders and the cut paths with F = 1: [realisation].
+    /// All orders and the cut paths with F = 1: [realisation]; empty where only the light towards the apertures is
+    /// followed.
     pub closure: Vec<f64>,
     /// Paths that leave, by order.
     pub orders: Vec<u64>,
@@ -47,6 +49,8 @@ pub struct StopResult {
     pub hidden: u64,
     /// Paths over the edge of an open map.
     pub left_map: u64,
+    /// Starts whose facets send light into no aperture, where only that is followed.
+    pub outside: u64,
     /// Starts in each realisation.
     pub samples: u64,
     /// What ended it.
@@ -91,6 +95,7 @@ impl StopRecord {
             cut: (tally.cut.count, from_units(tally.cut.flux)),
             hidden: tally.hidden.count,
             left_map: tally.left_map.count,
+            outside: (tally.outside.count, from_units(tally.outside.flux)),
         }
     }
 
@@ -109,6 +114,7 @@ impl StopRecord {
         self.cut = (self.cut.0 + other.cut.0, self.cut.1 + other.cut.1);
         self.hidden += other.hidden;
         self.left_map += other.left_map;
+        self.outside = (self.outside.0 + other.outside.0, self.outside.1 + other.outside.1);
         self
     }
 
@@ -124,6 +130,7 @@ impl StopRecord {
             order.colours.iter_mut().for_each(|flux| *flux *= factor);
         }
         self.cut.1 *= factor;
+        self.outside.1 *= factor;
         self
     }
 
@@ -224,8 +231,11 @@ fn empty_bin_errors(plan: &Plan, records: &[Vec<StopRecord>], sizes: &[Vec<f64>]
     let share = |stop: usize| {
         let counted: (u64, f64) = records
             .iter()
-            .flat_map(|stops| &stops[stop].orders)
-            .fold((0, 0.0), |(count, flux), order| (count + order.count, flux + order.unit));
+            .flat_map(|stops| {
+                let StopRecord { orders, outside, .. } = &stops[stop];
+                orders.iter().map(|order| (order.count, order.unit)).chain([*outside])
+            })
+            .fold((0, 0.0), |(count, flux), more| (count + more.0, flux + more.1));
         let fold = if plan.folded[stop] { 0.5 } else { 1.0 };
         if counted.0 == 0 { 1.0 } else { fold * counted.1 / counted.0 as f64 / records.len() as f64 }
     };
@@ -257,18 +267,21 @@ fn stop_result(
 ) -> StopResult {
     let records: Vec<&StopRecord> = records.iter().map(|stops| &stops[stop]).collect();
     let orders = records[0].orders.len();
+    // The light beyond the apertures is not known.
+    let whole = if plan.apertures_only { &[] } else { &records[..] };
     let of_order = |k: usize| {
         let albedo = |record: &&StopRecord| stats::mean(&record.orders[k].colours[..colours]);
-        records.iter().map(albedo).collect()
+        whole.iter().map(albedo).collect()
     };
     let closure = |record: &&StopRecord| record.orders.iter().map(|o| o.unit).sum::<f64>() + record.cut.1;
     StopResult {
         albedo_by_order: (0..orders).map(of_order).collect(),
-        closure: records.iter().map(closure).collect(),
+        closure: whole.iter().map(closure).collect(),
         orders: (0..orders).map(|k| records.iter().map(|record| record.orders[k].count).sum()).collect(),
         cut: records.iter().map(|record| record.cut.0).sum(),
         hidden: records.iter().map(|record| record.hidden).sum(),
         left_map: records.iter().map(|record| record.left_map).sum(),
+        outside: records.iter().map(|record| record.outside.0).sum(),
         samples: end.blocks * plan.block_starts,
         stopped_by: end.by.unwrap_or(StoppedBy::Samples),
         relative_error: end.relative_error,

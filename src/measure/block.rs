@@ -52,6 +52,8 @@ pub(super) struct Block<'a> {
     part_units: u128,
     /// Whether the starts are known to see the light.
     lit: bool,
+    /// Starts that were counted.
+    counted: u64,
     rays: Rays,
 }
 
@@ -67,11 +69,26 @@ impl<'a> Block<'a> {
     ) -> Self {
         let part = if context.plan.folded[stop] { 0.5 * flux } else { flux };
         let (units, part_units) = (to_units(flux), to_units(part));
-        Block { context, arms, stop, tally, flux, units, part, part_units, lit, rays: Rays::default() }
+        Block {
+            context,
+            arms,
+            stop,
+            tally,
+            flux,
+            units,
+            part,
+            part_units,
+            lit,
+            counted: 0,
+            rays: Rays::default(),
+        }
     }
 
     /// Follows every start by itself.
     pub fn follow(&mut self, sample: &Sample, start: Place) {
+        if self.misses(sample, &start) {
+            return self.leave_out(1);
+        }
         let (trace, wi) = (&self.context.campaign.trace, self.arms.wi);
         let mut light = Light::new(self.context.f0);
         let ending = if trace.visibility {
@@ -85,6 +102,9 @@ impl<'a> Block<'a> {
     /// Takes a start for the next wave, which is followed through the lanes when it is full; paths end in the order
     /// in which they start.
     pub fn follow_later(&mut self, sample: &Sample, over: &LaneWalker, start: Place, wave: &mut WaveMemory) {
+        if self.misses(sample, &start) {
+            return self.leave_out(1);
+        }
         wave.starts.push(start);
         if wave.starts.len() == WAVE {
             self.follow_wave(sample, over, wave);
@@ -106,12 +126,44 @@ impl<'a> Block<'a> {
     }
 
     /// Counts a start that the light does not see.
-    pub fn hide(&mut self) {
-        self.end(Ending::Hidden, Light::new(None));
+    pub fn hide(&mut self, sample: &Sample, start: &Place) {
+        if self.misses(sample, start) {
+            self.leave_out(1);
+        } else {
+            self.end(Ending::Hidden, Light::new(None));
+        }
+    }
+
+    /// Whether nothing but apertures counts, and the facet of `start` sends light into none.
+    fn misses(&self, sample: &Sample, start: &Place) -> bool {
+        if !self.context.plan.apertures_only {
+            return false;
+        }
+        let wo = sample.reflected(self.arms.wi, start);
+        if wo.z <= 0.0 {
+            return true;
+        }
+        let (sensor, wo) = (&self.context.sensor, self.arms.in_bins(wo));
+        let folded = self.context.plan.folded[self.stop];
+        let seen = sensor.sees(wo) || (folded && sensor.sees(self.arms.mirrored(wo)));
+        !seen
+    }
+
+    /// Counts starts that send light into no aperture: they need no ray.
+    fn leave_out(&mut self, starts: u64) {
+        self.counted += starts;
+        self.tally.outside.add_many(starts, self.units);
+        self.rays.skipped += 2 * starts;
+    }
+
+    /// Counts what is missing of `starts` as starts that send light into no aperture.
+    pub fn leave_out_up_to(&mut self, starts: u64) {
+        self.leave_out(starts.saturating_sub(self.counted));
     }
 
     /// Counts a path.
     pub fn end(&mut self, ending: Ending, light: Light) {
+        self.counted += 1;
         self.rays.count(&ending, self.context.campaign, self.lit);
         match ending {
             Ending::Out { wo, order } => self.arrive(wo, order, light),

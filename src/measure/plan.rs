@@ -3,31 +3,22 @@
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
+use super::estimate::{memory, seconds};
+use super::skips::{Skip, skips};
 use crate::campaign::{Azimuth, Campaign, Optics, SurfaceKind};
 use crate::error::{Error, Result};
-use crate::instrument::{Grid, grid_of};
+use crate::instrument::{Grid, GridKind, Region, grid_of};
 use crate::sphere;
 use crate::trace::{BLOCK, LONGEST};
 
 /// Bytes that a run may use where the system does not say how much is free.
 const DEFAULT_LIMIT: u64 = 4 << 30;
-/// Measured time of one cell step and of one facet summed, on one core of about 4 GHz; only for the estimate.
-const NS_PER_CELL: f64 = 6.0;
-const NS_PER_FACET: f64 = 2.5;
-const NS_PER_SYNTHESISED_CELL: f64 = 1600.0;
 /// A sweep visits every cell: with more of them for each start, rays are faster.
 const MOST_CELLS_PER_START: f64 = 20.0;
+/// Apertures that cover more than this share of the hemisphere are not worth an index.
+const LARGEST_SHARE: f64 = 0.25;
 /// A run that would take longer is refused: 31 days.
 const LONGEST_S: f64 = 31.0 * 86_400.0;
-
-/// Something that the campaign does not need.
-#[derive(Debug, Clone, Serialize)]
-pub struct Skip {
-    /// What is left out.
-    pub what: String,
-    /// Why the answer stays the same.
-    pub why: String,
-}
 
 /// The decisions.
 #[derive(Debug, Clone, Serialize)]
@@ -57,6 +48,12 @@ pub struct Plan {
     /// Whether line sweeps may replace the search for starts and the light's rays (`is_swept`); tests and benches
     /// switch it off.
     pub sweeps: bool,
+    /// Whether only light towards the sensor's apertures counts: a facet that sends light elsewhere gets no ray, and
+    /// albedos are not known. Tests switch it off.
+    pub apertures_only: bool,
+    /// Whether the facets that send light towards the apertures are found by an index of all facets by slope; tests
+    /// and benches switch it off.
+    pub indexed: bool,
     /// Mirror images of each patch that serve as further samples (1: none).
     pub images: u64,
     /// For each stop, whether mirrored arrivals count as well.
@@ -81,6 +78,9 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
     let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
     let folded = folded_stops(campaign, &grid);
     let realisations = campaign.surface.realisations;
+    // The statistical surface does not know where a path goes before it has left.
+    let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
+    let apertures_only = grid.kind == GridKind::Arm && campaign.trace.bounces == 1 && explicit;
     let total = [grid.stops() as u128, u128::from(realisations), u128::from(blocks * BLOCK), tables as u128];
     let mut plan = Plan {
         stops: grid.stops(),
@@ -93,6 +93,8 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
         total_samples: saturated(total.iter().product()),
         averages_azimuth,
         sweeps: random && campaign.trace.visibility,
+        apertures_only,
+        indexed: apertures_only && random && few_apertures(&grid, &folded),
         images,
         folded,
         colours: if campaign.optics == Optics::PerfectMirror { 1 } else { 3 },
@@ -141,6 +143,26 @@ pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
     (0..grid.stops()).map(|stop| campaign.trace.fold && symmetric && folds(stop)).collect()
 }
 
+/// Whether an index of the facets is worth its making: whether at every stop the apertures, mirrored ones included,
+/// cover little enough of the hemisphere.
+///
+/// Measured break-even: see `LARGEST_SHARE`. Held by: `the_facet_index_changes_nothing_but_noise` in `tests/skips.rs`.
+fn few_apertures(grid: &Grid, folded: &[bool]) -> bool {
+    folded.iter().enumerate().all(|(stop, &folded)| {
+        let share = aperture_share(&grid.regions(stop));
+        share * if folded { 2.0 } else { 1.0 } <= LARGEST_SHARE
+    })
+}
+
+/// The share of the hemisphere's solid angle that apertures cover, overlaps counted as often as they are covered.
+pub(super) fn aperture_share(regions: &[Region]) -> f64 {
+    let of = |region: &Region| match region {
+        Region::Cap { half_angle, .. } => 2.0 * (0.5 * half_angle).sin().powi(2),
+        Region::Rectangle { .. } => 1.0,
+    };
+    regions.iter().map(of).sum()
+}
+
 /// Whether rays towards `light` (canonical, field coordinates) may be followed in f32 lanes.
 ///
 /// A ray that rises from the `lowest` to the `highest` height crosses range (|dx| + |dy|)/dz edges: beyond `LONGEST` of
@@ -170,88 +192,6 @@ pub fn is_swept(
     // An aperture gives every stop an azimuth of its own.
     let shared = campaign.light.aperture_deg == 0.0;
     plan.sweeps && shared && side * side <= MOST_CELLS_PER_START * plan.block_starts as f64 && run_in <= side
-}
-
-fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {
-    let mut skipped = Vec::new();
-    let mut skip = |what: &str, why: &str| skipped.push(Skip { what: what.into(), why: why.into() });
-    skip("primary rays", "paths start on the facets, in proportion to the area turned to the light");
-    skip("the sensor's ray of paths that go down at the last order", "a path that goes down must hit again");
-    if plan.tables > 1 {
-        skip(
-            "synthesis for further roughnesses",
-            "one canonical patch serves every alpha: scaling is affine",
-        );
-    }
-    if plan.stops > 1 {
-        skip("synthesis for further stops", "all stops see the same patches");
-    }
-    if plan.averages_azimuth {
-        skip(
-            "stops at further azimuths",
-            "the table is averaged over the light's azimuth: one for every block",
-        );
-    }
-    if plan.folded.iter().any(|&folded| folded) {
-        skip("half of the directions", "the law is its own mirror image: each arrival counts on both sides");
-    }
-    if plan.images > 1 {
-        skip("seven of eight patches", "mirror images of a patch have the same law: the arms are mirrored");
-    }
-    if campaign.optics == Optics::PerfectMirror {
-        skip("throughput", "F = 1: tallies are counts");
-    } else if campaign.trace.bounces == 1 {
-        skip("a trace for each colour", "Schlick's Fresnel follows from the bin's sum of (1-c)^5");
-    }
-    if !campaign.trace.visibility {
-        skip("all rays", "visibility is switched off; energy laws do not apply");
-    }
-    skipped
-}
-
-/// Patches in flight (two threads at least) with their working copies, tallies and tables.
-fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
-    let threads = rayon::current_num_threads() as u128;
-    let cells = match &campaign.surface.kind {
-        SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_) => u128::from(campaign.surface.cells).pow(2),
-        SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64,
-        SurfaceKind::File(map) => {
-            std::fs::metadata(&map.resolved_path).map_or(0, |meta| u128::from(meta.len()))
-        }
-    };
-    let entries = (plan.stops as u128) * (plan.bins as u128);
-    // Fixed-point sums of 16 bytes while a stop is measured; f64 records of every realisation; the table itself.
-    let sums = 3 + 2 * plan.colours as u128;
-    let records = entries * u128::from(plan.realisations) * plan.tables as u128 * 8 * sums;
-    let tallies = 4 * threads * plan.bins as u128 * 16 * sums;
-    threads * cells * 110 + records + tallies + entries * 4 * 8 * plan.colours as u128
-}
-
-/// A rough time on two cores: rays cross height range x alpha tan(theta) cells.
-fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
-    let (cells, height) = match campaign.surface.kind {
-        SurfaceKind::Ggx(_) => {
-            (f64::from(campaign.surface.cells).powi(2), 5.0 * campaign.surface.correlation_cells)
-        }
-        SurfaceKind::Beckmann(_) => {
-            (f64::from(campaign.surface.cells).powi(2), 2.0 * campaign.surface.correlation_cells)
-        }
-        _ => (64.0, 1.0),
-    };
-    let alphas: Vec<f64> = campaign.alphas().iter().map(|a| a.map_or(0.3, |a| a.x.max(a.y))).collect();
-    let per_stop = |stop: usize, alpha: f64| {
-        let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
-        // However flat a ray, most of them hit something within a hundred cells.
-        let crossed = (6.0 + height * alpha * (sin / cos + 1.5)).min(110.0);
-        plan.blocks as f64 * (BLOCK as f64 * 2.0 * crossed * NS_PER_CELL + 2.0 * cells * NS_PER_FACET)
-    };
-    let tracing: f64 = (0..plan.stops).flat_map(|stop| alphas.iter().map(move |&a| per_stop(stop, a))).sum();
-    let synthesis = if matches!(campaign.surface.kind, SurfaceKind::Ggx(_)) {
-        cells * NS_PER_SYNTHESISED_CELL
-    } else {
-        0.0
-    };
-    0.5e-9 * f64::from(plan.realisations) * (tracing + synthesis)
 }
 
 /// Half of the memory that is available now.

@@ -6,23 +6,21 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::arms::{BlockArms, starts_stream};
 use super::assemble::{Measured, StopRecord, assemble};
-use super::block::{Block, with_waves};
 use super::cost::{Cost, cpu_seconds, peak_bytes};
-use super::optics::{Light, f0_of};
+use super::optics::f0_of;
 use super::patches::Patches;
-use super::plan::{Plan, fits_the_lanes};
+use super::plan::Plan;
 use super::rounds::Tables;
-use super::stage::{Group, Heights, Mounted, Stage};
+use super::stage::Mounted;
 use super::stopping;
 use super::tally::{Shape, Tally};
+use super::ways::Work;
 use crate::campaign::{Alpha, Campaign};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::Sensor;
-use crate::rng;
-use crate::trace::{Kernel, Sample, Starts, Sweep};
+use crate::trace::Kernel;
 
 /// Everything that blocks share.
 pub(super) struct Context<'a> {
@@ -30,7 +28,7 @@ pub(super) struct Context<'a> {
     pub plan: &'a Plan,
     pub sensor: Sensor,
     pub f0: Option<[f64; 3]>,
-    progress: &'a (dyn Fn(u64) + Sync),
+    pub progress: &'a (dyn Fn(u64) + Sync),
     kernel: Kernel,
     rays: AtomicU64,
     skipped: AtomicU64,
@@ -136,7 +134,9 @@ impl<'a> Run<'a> {
 
     fn mount(&mut self, realisations: &[u64]) -> Result<Vec<Mounted>> {
         let clock = Instant::now();
-        let mount = |&k: &u64| Ok(Mounted::new(self.patches.realisation(k)?, self.context.campaign));
+        let mount = |&k: &u64| {
+            Ok(Mounted::new(self.patches.realisation(k)?, self.context.campaign, self.context.plan))
+        };
         let made = realisations.par_iter().map(mount).collect::<Result<Vec<Mounted>>>()?;
         let digest = |mounted: &Mounted| mounted.specimen.digest().map(Vec::from);
         self.digests.extend(made.par_iter().filter_map(digest).collect::<Vec<_>>().concat());
@@ -171,7 +171,7 @@ impl Context<'_> {
         blocks: &Range<u64>,
     ) -> Result<Vec<(usize, StopRecord)>> {
         let stage = mounted.stage(alpha, self.kernel, self.campaign);
-        let groups = stage.groups(open, self.campaign, self.plan);
+        let groups = stage.groups(open, self.campaign, self.plan, realisation);
         let measured = groups.par_iter().map(|group| {
             let empty = || vec![Tally::new(self.shape()); group.stops.len()];
             let tallies = blocks
@@ -214,99 +214,9 @@ impl Context<'_> {
         }
     }
 
-    /// One block of starts of every stop of a group.
-    fn block(&self, work: &Work, tallies: &mut [Tally]) {
-        match work.stage {
-            Stage::Heights(heights) if work.group.swept => self.swept_block(work, heights, tallies),
-            Stage::Heights(heights) => self.ray_block(work, heights, &mut tallies[0]),
-            Stage::Statistical(walk) => {
-                let stop = work.group.stops[0];
-                let arms = self.arms(work, stop);
-                let mut rng = rng::stream(self.starts_stream(work, stop));
-                let flux = 1.0 / (self.plan.block_starts as f64 * self.plan.blocks as f64);
-                let mut block = Block::new(self, arms, stop, flux, false, &mut tallies[0]);
-                for _ in 0..self.plan.block_starts {
-                    let mut light = Light::new(self.f0);
-                    let ending = walk.trace(arms.wi, self.campaign.trace.bounces, &mut rng, &mut light);
-                    block.end(ending, light);
-                }
-            }
-        }
-        (self.progress)(self.plan.block_starts * work.group.stops.len() as u64);
-    }
-
-    /// Starts on the facets, and a ray towards the light for each.
-    fn ray_block(&self, work: &Work, heights: &Heights, tally: &mut Tally) {
-        let (plan, stop) = (self.plan, work.group.stops[0]);
-        let arms = self.arms(work, stop);
-        let mut rng = rng::stream(self.starts_stream(work, stop));
-        let sample = Sample { walker: heights.walker, alpha: heights.alpha, image: arms.image };
-        let light = sample.to_field(arms.wi);
-        let starts = Starts::new(&heights.patch.field, heights.patch.window, light);
-        let flux = starts.share(plan.block_starts) / plan.blocks as f64;
-        let mut block = Block::new(self, arms, stop, flux, false, tally);
-        match heights.lanes.filter(|_| fits_the_lanes(heights.walker.range(), light)) {
-            Some(over) => with_waves(1, |waves| {
-                starts.each(plan.block_starts, &mut rng, |start| {
-                    block.follow_later(&sample, &over, start, &mut waves[0]);
-                });
-                block.follow_wave(&sample, &over, &mut waves[0]);
-            }),
-            None => starts.each(plan.block_starts, &mut rng, |start| block.follow(&sample, start)),
-        }
-    }
-
-    /// Starts along the lines of a sweep, which says as well which of them the light sees.
-    fn swept_block(&self, work: &Work, heights: &Heights, tallies: &mut [Tally]) {
-        let (Some(over), Some(layout)) = (&heights.lanes, &heights.layout) else {
-            unreachable!("only fields with both are swept");
-        };
-        let (plan, stops) = (self.plan, &work.group.stops);
-        let arms: Vec<BlockArms> = stops.iter().map(|&stop| self.arms(work, stop)).collect();
-        let sample = Sample { walker: heights.walker, alpha: heights.alpha, image: arms[0].image };
-        let lights: Vec<_> = arms.iter().map(|arms| sample.to_field(arms.wi)).collect();
-        let heading = sample.to_field(arms[0].heading).truncate();
-        let sweep = Sweep::new(layout, heading, &lights, arms[0].line);
-        let offset = |&stop: &usize| rng::uniform(&mut rng::stream(self.starts_stream(work, stop)));
-        let offsets: Vec<f64> = stops.iter().map(offset).collect();
-        let of_stop = |(k, tally): (usize, _)| {
-            let flux = sweep.share(k, plan.block_starts) / plan.blocks as f64;
-            Block::new(self, arms[k], stops[k], flux, true, tally)
-        };
-        let mut blocks: Vec<Block> = tallies.iter_mut().enumerate().map(of_stop).collect();
-        with_waves(blocks.len(), |waves| {
-            sweep.each(plan.block_starts, &offsets, |k, start, lit| {
-                if lit {
-                    blocks[k].follow_later(&sample, over, start, &mut waves[k]);
-                } else {
-                    blocks[k].hide();
-                }
-            });
-            for (block, wave) in blocks.iter_mut().zip(waves) {
-                block.follow_wave(&sample, over, wave);
-            }
-        });
-    }
-
-    fn arms(&self, work: &Work, stop: usize) -> BlockArms {
-        BlockArms::new(self.campaign, self.plan, stop, work.realisation, work.block)
-    }
-
-    fn starts_stream(&self, work: &Work, stop: usize) -> rng::StreamId {
-        starts_stream(self.campaign, self.plan, stop, work.realisation, work.block)
-    }
-
     /// Adds to the rays of the cost report.
     pub(super) fn add_rays(&self, traced: u64, skipped: u64) {
         self.rays.fetch_add(traced, Ordering::Relaxed);
         self.skipped.fetch_add(skipped, Ordering::Relaxed);
     }
-}
-
-/// The address of a block, and the surface that it is measured on.
-struct Work<'a> {
-    stage: &'a Stage<'a>,
-    group: &'a Group,
-    realisation: u64,
-    block: u64,
 }

@@ -3,15 +3,17 @@
 
 use glam::DVec2;
 
+use super::arms::BlockArms;
 use super::patches::{Patch, Specimen};
 use super::plan::{Plan, is_swept};
 use crate::campaign::{Alpha, Campaign};
-use crate::trace::{Kernel, LaneField, LaneWalker, Layout, SmithWalk, Walker};
+use crate::trace::{FacetIndex, Kernel, LaneField, LaneWalker, Layout, Sample, SmithWalk, Walker};
 
 /// A specimen, and the lanes' copy of its heights where they serve.
 pub(super) struct Mounted {
     pub specimen: Specimen,
     lanes: Option<LaneField>,
+    index: Option<FacetIndex>,
 }
 
 /// The surface of one realisation and roughness.
@@ -30,6 +32,8 @@ pub(super) struct Heights<'a> {
     pub lanes: Option<LaneWalker<'a>>,
     /// The same for line sweeps.
     pub layout: Option<Layout<'a>>,
+    /// Its facets by slope, where few of them are wanted.
+    pub index: Option<&'a FacetIndex>,
     /// World slope per canonical slope.
     pub alpha: DVec2,
 }
@@ -37,18 +41,31 @@ pub(super) struct Heights<'a> {
 /// Stops that are measured in one pass over the surface.
 pub(super) struct Group {
     pub stops: Vec<usize>,
-    /// Whether starts and what the light sees of them come from a line sweep; else there is one stop, and a ray for
-    /// each start.
-    pub swept: bool,
+    pub way: Way,
+}
+
+/// How the starts of a group are found, and what the light sees of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Way {
+    /// Both by a line sweep.
+    Sweep,
+    /// All along the facets of one stop, a ray towards the light for each.
+    Rays,
+    /// On the wanted facets of one stop alone, each with this share of the incident flux of a block.
+    Index(f64),
 }
 
 impl Mounted {
-    pub fn new(specimen: Specimen, campaign: &Campaign) -> Self {
+    pub fn new(specimen: Specimen, campaign: &Campaign, plan: &Plan) -> Self {
+        let index = match &specimen {
+            Specimen::Patch(patch) if plan.indexed => FacetIndex::new(&patch.field),
+            _ => None,
+        };
         let lanes = match &specimen {
             Specimen::Patch(patch) if campaign.trace.visibility => LaneField::new(&patch.field),
             _ => None,
         };
-        Mounted { specimen, lanes }
+        Mounted { specimen, lanes, index }
     }
 
     /// The stage for one roughness.
@@ -59,8 +76,10 @@ impl Mounted {
                 let lanes = self.lanes.as_ref().map(|lanes| LaneWalker::new(walker, lanes, kernel));
                 // Lines cross the whole of a field, start regions of a map are parts of it.
                 let whole = campaign.surface.kind.is_random_heights() && campaign.trace.visibility;
-                let layout = if whole { Layout::new(&patch.field) } else { None };
-                Stage::Heights(Heights { patch, walker, lanes, layout, alpha: patch.alpha(alpha) })
+                let index = self.index.as_ref();
+                let layout = if whole && index.is_none() { Layout::new(&patch.field) } else { None };
+                let alpha = patch.alpha(alpha);
+                Stage::Heights(Heights { patch, walker, lanes, layout, index, alpha })
             }
             Specimen::Statistical { law, independent_heights } => Stage::Statistical(SmithWalk {
                 law: *law,
@@ -73,7 +92,16 @@ impl Mounted {
 
 impl Stage<'_> {
     /// The `open` stops in groups: those that a sweep sees together by their azimuth, the others each alone.
-    pub fn groups(&self, open: &[usize], campaign: &Campaign, plan: &Plan) -> Vec<Group> {
+    pub fn groups(&self, open: &[usize], campaign: &Campaign, plan: &Plan, realisation: u64) -> Vec<Group> {
+        if let Stage::Heights(heights) = self
+            && let Some(index) = heights.index
+        {
+            let of = |&stop: &usize| {
+                let arms = BlockArms::new(campaign, plan, stop, realisation, 0);
+                Group { stops: vec![stop], way: Way::Index(heights.start_share(index, &arms, plan)) }
+            };
+            return open.iter().map(of).collect();
+        }
         let swept = |stop: usize| match self {
             Stage::Heights(heights) if heights.layout.is_some() => {
                 is_swept(campaign, plan, stop, heights.walker.range(), heights.alpha)
@@ -84,12 +112,27 @@ impl Stage<'_> {
         let mut groups: Vec<Group> = (0..azimuths)
             .map(|azimuth| {
                 let stops = open.iter().copied().filter(|&stop| stop % azimuths == azimuth && swept(stop));
-                Group { stops: stops.collect(), swept: true }
+                Group { stops: stops.collect(), way: Way::Sweep }
             })
             .filter(|group| !group.stops.is_empty())
             .collect();
         let alone = open.iter().copied().filter(|&stop| !swept(stop));
-        groups.extend(alone.map(|stop| Group { stops: vec![stop], swept: false }));
+        groups.extend(alone.map(|stop| Group { stops: vec![stop], way: Way::Rays }));
         groups
+    }
+}
+
+impl Heights<'_> {
+    /// The patch as it lies on the stage for a block.
+    pub fn sample(&self, arms: &BlockArms) -> Sample<'_> {
+        Sample { walker: self.walker, alpha: self.alpha, image: arms.image }
+    }
+
+    /// The share of a block's incident flux that one of its starts has: about that of a block that starts on all
+    /// facets, which is the area turned to the light over light.z x cells x starts. Any share is unbiased, as long
+    /// as steps are of that size; it is the same for all blocks of a stop.
+    fn start_share(&self, index: &FacetIndex, arms: &BlockArms, plan: &Plan) -> f64 {
+        let light = self.sample(arms).to_field(arms.wi);
+        index.turned_about(light) / (light.z * self.patch.window.cells() as f64 * plan.block_starts as f64)
     }
 }

@@ -35,6 +35,8 @@ pub struct Tally {
     pub hidden: Fate,
     /// Paths over the edge of an open map.
     pub left_map: Fate,
+    /// Starts whose facets send light into no aperture.
+    pub outside: Fate,
     /// Faults of the program.
     pub lost: u64,
 }
@@ -84,6 +86,7 @@ impl Tally {
             cut: Fate::default(),
             hidden: Fate::default(),
             left_map: Fate::default(),
+            outside: Fate::default(),
             lost: 0,
         }
     }
@@ -106,6 +109,7 @@ impl Tally {
         self.cut.merge(other.cut);
         self.hidden.merge(other.hidden);
         self.left_map.merge(other.left_map);
+        self.outside.merge(other.outside);
         self.lost += other.lost;
         self
     }
@@ -113,7 +117,7 @@ impl Tally {
     /// All starts that were counted.
     pub fn starts(&self) -> u64 {
         let out: u64 = self.orders.iter().map(|order| order.count).sum();
-        out + self.cut.count + self.hidden.count + self.left_map.count + self.lost
+        out + self.cut.count + self.hidden.count + self.left_map.count + self.outside.count + self.lost
     }
 }
 
@@ -122,6 +126,12 @@ impl Fate {
     pub fn add(&mut self, flux: u128) {
         self.count += 1;
         self.flux += flux;
+    }
+
+    /// Adds `count` paths of `flux` each.
+    pub fn add_many(&mut self, count: u64, flux: u128) {
+        self.count += count;
+        self.flux += u128::from(count) * flux;
     }
 
     fn merge(&mut self, other: Fate) {

@@ -38,8 +38,9 @@ pub fn summary(measured: &Measured, plan: &Plan, cost: &Cost, verdict: &Verdict)
 fn stop_summary(result: &StopResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Value {
     let (single, single_se) = result.single();
     let (total, total_se) = result.total();
-    let (closure, closure_se) = stats::mean_and_se(result.closure.iter().copied());
-    let by_order: Vec<f64> = result.albedo_by_order.iter().map(|order| stats::mean(order)).collect();
+    let (closure, closure_se) = known(result.closure.iter().copied());
+    let by_order: Option<Vec<f64>> =
+        result.albedo_by_order.iter().map(|order| known(order.iter().copied()).0).collect();
     json!({
         "theta_i_deg": theta_i_deg,
         "phi_i_deg": phi_i_deg,
@@ -52,6 +53,7 @@ fn stop_summary(result: &StopResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Va
         "cut": result.cut,
         "hidden": result.hidden,
         "left_map": result.left_map,
+        "outside": result.outside,
         "lost": 0,
         "samples": result.samples,
         "stopped_by": result.stopped_by,
@@ -63,14 +65,23 @@ fn stop_summary(result: &StopResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Va
 }
 
 impl StopResult {
-    /// Albedo of order 1 and its standard error.
-    pub fn single(&self) -> (f64, Option<f64>) {
-        stats::mean_and_se(self.albedo_by_order[0].iter().copied())
+    /// Albedo of order 1 and its standard error, where they are known.
+    pub fn single(&self) -> (Option<f64>, Option<f64>) {
+        known(self.albedo_by_order[0].iter().copied())
     }
 
-    /// Albedo of all orders and its standard error.
-    pub fn total(&self) -> (f64, Option<f64>) {
+    /// Albedo of all orders and its standard error, where they are known.
+    pub fn total(&self) -> (Option<f64>, Option<f64>) {
         let of = |realisation: usize| self.albedo_by_order.iter().map(|order| order[realisation]).sum();
-        stats::mean_and_se((0..self.closure.len()).map(of))
+        known((0..self.closure.len()).map(of))
     }
+}
+
+/// Mean and standard error, if there are values at all.
+fn known(values: impl Iterator<Item = f64> + Clone) -> (Option<f64>, Option<f64>) {
+    if values.clone().next().is_none() {
+        return (None, None);
+    }
+    let (mean, se) = stats::mean_and_se(values);
+    (Some(mean), se)
 }

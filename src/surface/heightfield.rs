@@ -34,6 +34,12 @@ impl Corners {
         DVec2::new(self.h10 - self.h00, self.h01 - self.h00)
     }
 
+    /// Slopes (dz/dx, dz/dy) of one of the two.
+    #[inline]
+    pub fn slope(&self, upper: bool) -> DVec2 {
+        if upper { self.upper_slope() } else { self.lower_slope() }
+    }
+
     /// Slopes (dz/dx, dz/dy) of the upper facet.
     pub fn upper_slope(&self) -> DVec2 {
         DVec2::new(self.h11 - self.h01, self.h11 - self.h10)

@@ -1,5 +1,6 @@
 //! 4. Light on the surface: where paths start, what they hit, and where they leave.
 
+pub mod facet_index;
 pub mod image;
 mod lane_cell;
 pub mod lane_field;
@@ -9,6 +10,7 @@ mod lane_queue;
 pub mod lane_rays;
 pub mod lanes;
 pub mod path;
+pub mod selection;
 pub mod smith_walk;
 pub mod starts;
 pub mod sweep;
@@ -17,12 +19,14 @@ pub mod walk;
 pub mod wave_paths;
 pub mod waves;
 
+pub use facet_index::FacetIndex;
 pub use image::Image;
 pub use lane_field::LaneField;
 pub use lane_kernel::{Answers, Fate, LONGEST, LaneHit};
 pub use lane_rays::LaneRays;
 pub use lanes::Kernel;
 pub use path::{Bounce, Ending, Sample};
+pub use selection::Selection;
 pub use smith_walk::SmithWalk;
 pub use starts::{BLOCK, Starts, Window};
 pub use sweep::{Layout, Sweep};

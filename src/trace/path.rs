@@ -56,7 +56,7 @@ impl Sample<'_> {
     /// The mirror direction of `wi` at a facet: 2 (wi.N) N/(N.N) - wi with N = (-ax p, -ay q, 1), not normalised.
     pub fn reflected(&self, wi: DVec3, place: &Place) -> DVec3 {
         let corners = self.walker.field().corners(place.facet.x, place.facet.y);
-        let slope = if place.facet.upper { corners.upper_slope() } else { corners.lower_slope() };
+        let slope = corners.slope(place.facet.upper);
         let world = self.alpha * self.image.from_field(slope);
         let normal = DVec3::new(-world.x, -world.y, 1.0);
         (2.0 * wi.dot(normal) / normal.length_squared()) * normal - wi

@@ -198,7 +198,7 @@ fn turned_areas(near: &[f64], far: &[f64], light: DVec3, areas: &mut [[f64; 2]])
 
 /// The heights of row `y` from column `first` on: the row after the last of a periodic field is its first, likewise
 /// the column.
-fn copy_heights(field: &Heightfield, y: usize, first: usize, into: &mut [f64]) {
+pub(super) fn copy_heights(field: &Heightfield, y: usize, first: usize, into: &mut [f64]) {
     let width = field.heights().len() / (field.cells_y() + usize::from(!field.is_periodic()));
     let y = if field.is_periodic() && y == field.cells_y() { 0 } else { y };
     let row = &field.heights()[y * width..(y + 1) * width];
@@ -211,7 +211,7 @@ fn copy_heights(field: &Heightfield, y: usize, first: usize, into: &mut [f64]) {
 }
 
 /// A uniform point of the lower (u + v <= 1) or of the upper facet: the square folded over its diagonal.
-fn point_in(upper: bool, rng: &mut Pcg64Dxsm) -> (f64, f64) {
+pub(super) fn point_in(upper: bool, rng: &mut Pcg64Dxsm) -> (f64, f64) {
     let (a, b) = (rng::uniform(rng), rng::uniform(rng));
     let (u, v) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
     if upper { (1.0 - u, 1.0 - v) } else { (u, v) }

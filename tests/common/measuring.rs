@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use gonio::campaign;
-use gonio::measure::{self, Measured, Patches};
+use gonio::measure::{self, Measured, Patches, Plan};
 use gonio::rng::{self, Purpose, StreamId};
 use rand_pcg::Pcg64Dxsm;
 
@@ -17,6 +17,18 @@ pub fn measured_in(folder: &Path, text: &str) -> Vec<Measured> {
     let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
     let (tables, _) = measure::measure(&parsed.campaign, &plan, &patches, &|_| ()).expect("no ray is lost");
     tables
+}
+
+/// The table of a campaign with one roughness and without files, measured after `change` of its plan.
+pub fn measured_with(text: &str, change: impl FnOnce(&mut Plan)) -> Measured {
+    let parsed =
+        campaign::parse(text, "c.toml", Path::new("")).unwrap_or_else(|e| panic!("refused: {e}\n{text}"));
+    let mut plan = measure::plan(&parsed.campaign).expect("it fits the memory");
+    change(&mut plan);
+    let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
+    let (mut tables, _) =
+        measure::measure(&parsed.campaign, &plan, &patches, &|_| ()).expect("no ray is lost");
+    tables.pop().expect("one table")
 }
 
 /// All tables of a campaign without files.

@@ -1,0 +1,134 @@
+//! What a run will need, before it begins: memory and time, from measured costs.
+
+use super::plan::{Plan, is_swept};
+use crate::campaign::{Alpha, Campaign, SurfaceKind};
+use crate::sphere;
+use crate::trace::BLOCK;
+
+// Measured on one core of about 4 GHz, patches of 1024 x 1024 cells, correlation 8.
+const NS_PER_SYNTHESISED_CELL: f64 = 1600.0;
+/// A ray in the lanes, and each cell that it crosses.
+const NS_PER_RAY: f64 = 45.0;
+const NS_PER_CROSSED_CELL: f64 = 0.3;
+/// Reflection, bin and tally of a start.
+const NS_PER_START: f64 = 60.0;
+/// The search for the starts, without a sweep.
+const NS_PER_FACET: f64 = 2.5;
+/// A sweep, by cell of the lines and their run-in: what stops share, and what each has for itself.
+const NS_PER_SWEPT_CELL: [f64; 2] = [6.9, 4.5];
+/// Lanes' copy, layout for sweeps and digest of a patch.
+const NS_PER_MOUNTED_CELL: f64 = 30.0;
+/// The index of the facets; and a start on a wanted facet, its rays included.
+const NS_PER_INDEXED_CELL: f64 = 25.0;
+const NS_PER_WANTED_START: f64 = 260.0;
+/// A step of the statistical surface's walk.
+const NS_PER_WALK: f64 = 150.0;
+
+// Bytes for each cell.
+const SYNTHESIS: u128 = 45;
+const HEIGHTS: u128 = 8;
+/// f32 heights, and the table of their maxima.
+const LANES: u128 = 12;
+/// Heights by columns.
+const LAYOUT: u128 = 8;
+/// Two facets, and their bins while they are sorted.
+const INDEX: u128 = 12;
+/// Sums of turned areas, of a thread without a sweep.
+const SUMS: u128 = 2;
+
+/// Patches in flight or kept, what is made of them, tallies and tables; bytes.
+pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
+    let threads = rayon::current_num_threads() as u128;
+    let cells = cells(campaign) as u128;
+    let lanes = if campaign.trace.visibility { LANES } else { 0 };
+    let mounted = HEIGHTS + lanes + if plan.indexed { INDEX } else { 0 };
+    let layout = if plan.sweeps && !plan.indexed { LAYOUT } else { 0 };
+    let rounds = campaign.stop.relative_error.is_some() || campaign.stop.seconds.is_some();
+    // Patches that are looked at again are all kept.
+    let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
+    let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
+    let surface = kept * mounted + threads * synthesis.max(layout + SUMS);
+    let entries = (plan.stops as u128) * (plan.bins as u128);
+    // Fixed-point sums of 16 bytes while a stop is measured; f64 records of every realisation; the table itself.
+    let sums = 3 + 2 * plan.colours as u128;
+    let records = entries * u128::from(plan.realisations) * plan.tables as u128 * 8 * sums;
+    let tallies = 4 * threads * plan.bins as u128 * 16 * sums;
+    cells * surface + records + tallies + entries * 4 * 8 * plan.colours as u128
+}
+
+/// Cells of a patch; of a measured map at most one for each byte of its file.
+fn cells(campaign: &Campaign) -> f64 {
+    match &campaign.surface.kind {
+        SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_) => f64::from(campaign.surface.cells).powi(2),
+        SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64.0,
+        SurfaceKind::File(map) => std::fs::metadata(&map.resolved_path).map_or(0.0, |meta| meta.len() as f64),
+    }
+}
+
+/// Lowest and highest height to be expected: measured on patches of 1024 x 1024 cells.
+fn heights(campaign: &Campaign) -> (f64, f64) {
+    let range = match &campaign.surface.kind {
+        SurfaceKind::Ggx(_) => 7.0 * campaign.surface.correlation_cells,
+        SurfaceKind::Beckmann(_) => 2.0 * campaign.surface.correlation_cells,
+        _ => 1.0,
+    };
+    (0.0, range)
+}
+
+/// A rough time on two cores, in seconds.
+pub(super) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
+    let cells = cells(campaign);
+    let random = campaign.surface.kind.is_random_heights();
+    let tracing: f64 = campaign.alphas().iter().map(|&alpha| table(campaign, plan, alpha)).sum();
+    let mut patch = if random { NS_PER_MOUNTED_CELL } else { 0.0 };
+    if matches!(campaign.surface.kind, SurfaceKind::Ggx(_)) {
+        patch += NS_PER_SYNTHESISED_CELL;
+    }
+    if plan.indexed {
+        patch += NS_PER_INDEXED_CELL;
+    }
+    0.5e-9 * f64::from(plan.realisations) * (tracing + patch * cells)
+}
+
+/// All blocks of all stops on one patch, ns.
+fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
+    let heights = heights(campaign);
+    let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
+    let swept = |&stop: &usize| !plan.indexed && is_swept(campaign, plan, stop, heights, alpha);
+    let together = (0..plan.stops).filter(swept).count() / plan.grid.phi_i_deg.len();
+    let block = |stop: usize| block(campaign, plan, stop, alpha, swept(&stop).then_some(together.max(1)));
+    plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
+}
+
+/// One block of a stop, which shares its sweep with others (`together`, itself included), ns.
+fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2, together: Option<usize>) -> f64 {
+    let (cells, starts) = (cells(campaign), BLOCK as f64);
+    let further = 0.4 * f64::from(campaign.trace.bounces - 1).min(3.0);
+    if matches!(campaign.surface.kind, SurfaceKind::Smith(_)) {
+        return starts * NS_PER_WALK * (1.0 + further);
+    }
+    let (low, high) = heights(campaign);
+    let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
+    let run_in = (high - low) * alpha.max_element() * sin / cos;
+    let visible = if campaign.trace.visibility { 1.0 } else { 0.0 };
+    let ray = |crossed: f64| visible * (NS_PER_RAY + NS_PER_CROSSED_CELL * crossed);
+    // Towards the light, and from the facet.
+    let (to_light, onwards) = (ray(run_in), ray(1.5 * (high - low) * alpha.max_element()));
+    let asked_for = if plan.apertures_only {
+        super::plan::aperture_share(&plan.grid.regions(stop)).min(1.0)
+    } else {
+        1.0
+    };
+    if plan.indexed {
+        // Light falls into the apertures more often than their solid angle says.
+        return starts * (4.0 * asked_for).min(1.0) * NS_PER_WANTED_START;
+    }
+    let path = starts * (NS_PER_START + asked_for * onwards * (1.0 + further));
+    match together {
+        Some(stops) => {
+            let [shared, own] = NS_PER_SWEPT_CELL;
+            path + (cells + cells.sqrt() * run_in) * (shared / stops as f64 + own)
+        }
+        None => path + starts * to_light + 2.0 * cells * NS_PER_FACET,
+    }
+}

@@ -1,0 +1,151 @@
+//! What a campaign does not need: each with the reason why the answer stays the same, and what it saves.
+
+use serde::Serialize;
+
+use super::plan::{Plan, aperture_share};
+use crate::campaign::{Campaign, Optics, SurfaceKind};
+use crate::instrument::GridKind;
+
+/// Something that the campaign does not need.
+#[derive(Debug, Clone, Serialize)]
+pub struct Skip {
+    /// What is left out.
+    pub what: String,
+    /// Why the answer stays the same.
+    pub why: String,
+    /// What is expected to be saved.
+    pub saves: String,
+}
+
+/// The list of what is skipped. `tests/skips.rs` holds each to its reason.
+pub(super) fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {
+    let mut skipped = Vec::new();
+    let mut skip = |what: &str, why: &str, saves: String| {
+        skipped.push(Skip { what: what.into(), why: why.into(), saves });
+    };
+    of_rays(campaign, plan, &mut skip);
+    of_apertures(plan, &mut skip);
+    of_samples(campaign, plan, &mut skip);
+    of_materials(campaign, &mut skip);
+    skipped
+}
+
+/// Rays whose answer is known.
+fn of_rays(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, String)) {
+    let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
+    if !explicit {
+        return;
+    }
+    skip(
+        "primary rays",
+        "paths start on the facets, in proportion to the area turned to the light",
+        "one ray of three at order 1".into(),
+    );
+    if !campaign.trace.visibility {
+        skip(
+            "all rays",
+            "visibility is switched off; energy laws do not apply",
+            "all tracing but the reflections".into(),
+        );
+        return;
+    }
+    if plan.sweeps && !plan.indexed {
+        let saves = if plan.stops > 1 {
+            "one ray of two at order 1, and half of the time where six stops share an azimuth (measured)"
+        } else {
+            "one ray of two at order 1"
+        };
+        skip(
+            "the light's rays and the search for starts",
+            "a running maximum along the light's direction says what it sees; stops of one azimuth share the lines",
+            saves.into(),
+        );
+    }
+    skip(
+        "the sensor's ray of paths that go down at the last order",
+        "a path that goes down must hit again",
+        "1 % of these rays at alpha 0.2, 10 % at alpha 0.5 and grazing light".into(),
+    );
+    skip(
+        "the walk of rays steeper than every slope",
+        "nothing on their way rises as fast",
+        "all rays of smooth maps and grooves within their slope, few where a patch has needles".into(),
+    );
+}
+
+/// Facets and rays that no aperture asks for.
+fn of_apertures(plan: &Plan, skip: &mut impl FnMut(&str, &str, String)) {
+    if plan.grid.kind != GridKind::Arm || !plan.apertures_only {
+        return;
+    }
+    let share = 100.0 * aperture_share(&plan.grid.regions(0));
+    skip(
+        "both rays of starts that send light into no aperture",
+        "a facet and the light fix where it goes; albedos and energy laws are then not available",
+        format!("the rays of most starts: the apertures cover {share:.2} % of the hemisphere"),
+    );
+    if plan.indexed {
+        skip(
+            "starts on facets that send light into no aperture",
+            "an index of the facets by slope finds the others: same density of starts, same flux each",
+            "9 parts of 10 of the tracing and more, for an in-plane scan (measured)".into(),
+        );
+    }
+}
+
+/// Samples that others stand for.
+fn of_samples(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, String)) {
+    if plan.tables > 1 {
+        skip(
+            "synthesis for further roughnesses",
+            "one canonical patch serves every alpha: scaling is affine",
+            format!("{} of {} patches", plan.tables - 1, plan.tables),
+        );
+    }
+    if plan.stops > 1 && campaign.surface.kind.is_random_heights() {
+        skip(
+            "synthesis for further stops",
+            "all stops see the same patches",
+            format!("{} of {} patches", plan.stops - 1, plan.stops),
+        );
+    }
+    if plan.averages_azimuth {
+        skip(
+            "stops at further azimuths",
+            "the table is averaged over the light's azimuth: one for every block",
+            "a dimension of the table; 4 to 8 times the noise of starts at one azimuth".into(),
+        );
+    }
+    let folded = plan.folded.iter().filter(|&&folded| folded).count();
+    if folded > 0 {
+        skip(
+            "half of the directions",
+            "the law is its own mirror image: each arrival counts on both sides",
+            format!("half of the samples at {folded} of {} stops", plan.stops),
+        );
+    }
+    if plan.images > 1 {
+        skip(
+            "further patches",
+            "mirror images of a patch have the same law: the arms are mirrored",
+            "up to 7 of 8 patches at the same error".into(),
+        );
+    }
+}
+
+/// Colours and weights that follow from others.
+fn of_materials(campaign: &Campaign, skip: &mut impl FnMut(&str, &str, String)) {
+    if campaign.optics == Optics::PerfectMirror {
+        skip(
+            "throughput",
+            "F = 1: tallies are counts",
+            "three products and a rounding for each arrival".into(),
+        );
+    } else if campaign.trace.bounces == 1 {
+        skip(
+            "a trace for each colour and material",
+            "Schlick's Fresnel follows from the bin's sum of (1-c)^5",
+            "two of three traces, and all of a further material".into(),
+        );
+    }
+}
