@@ -13,12 +13,14 @@ use crate::error::{Error, Result};
 mod bench;
 mod certificate_text;
 mod check;
+mod compare;
 mod measure;
 mod output;
 mod plan_text;
 mod progress;
 mod resolution_text;
 mod surface;
+mod table_file;
 mod targets;
 mod validate;
 
@@ -46,6 +48,7 @@ enum Verb {
     Surface(surface::Arguments),
     Measure(measure::Arguments),
     Validate(validate::Arguments),
+    Compare(compare::Arguments),
     Bench(bench::Arguments),
 }
 
@@ -56,7 +59,7 @@ impl Verb {
             Verb::Surface(arguments) => arguments.threads,
             Verb::Measure(arguments) => arguments.threads,
             Verb::Bench(arguments) => arguments.threads,
-            Verb::Check(_) | Verb::Validate(_) => 0,
+            Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) => 0,
         }
     }
 
@@ -66,6 +69,7 @@ impl Verb {
             Verb::Surface(arguments) => surface::run(arguments),
             Verb::Measure(arguments) => measure::run(arguments),
             Verb::Validate(arguments) => validate::run(arguments),
+            Verb::Compare(arguments) => compare::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
         }
     }
