@@ -14,6 +14,7 @@ mod bench;
 mod certificate_text;
 mod check;
 mod compare;
+mod fit;
 mod measure;
 mod output;
 mod plan_text;
@@ -49,6 +50,7 @@ enum Verb {
     Measure(measure::Arguments),
     Validate(validate::Arguments),
     Compare(compare::Arguments),
+    Fit(fit::Arguments),
     Bench(bench::Arguments),
 }
 
@@ -59,7 +61,7 @@ impl Verb {
             Verb::Surface(arguments) => arguments.threads,
             Verb::Measure(arguments) => arguments.threads,
             Verb::Bench(arguments) => arguments.threads,
-            Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) => 0,
+            Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) => 0,
         }
     }
 
@@ -70,6 +72,7 @@ impl Verb {
             Verb::Measure(arguments) => measure::run(arguments),
             Verb::Validate(arguments) => validate::run(arguments),
             Verb::Compare(arguments) => compare::run(arguments),
+            Verb::Fit(arguments) => fit::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
         }
     }
