@@ -20,6 +20,7 @@ mod output;
 mod plan_text;
 mod progress;
 mod resolution_text;
+mod study;
 mod surface;
 mod table_file;
 mod targets;
@@ -51,6 +52,7 @@ enum Verb {
     Validate(validate::Arguments),
     Compare(compare::Arguments),
     Fit(fit::Arguments),
+    Study(study::Arguments),
     Bench(bench::Arguments),
 }
 
@@ -61,6 +63,7 @@ impl Verb {
             Verb::Surface(arguments) => arguments.threads,
             Verb::Measure(arguments) => arguments.threads,
             Verb::Bench(arguments) => arguments.threads,
+            Verb::Study(arguments) => arguments.threads,
             Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) => 0,
         }
     }
@@ -73,6 +76,7 @@ impl Verb {
             Verb::Validate(arguments) => validate::run(arguments),
             Verb::Compare(arguments) => compare::run(arguments),
             Verb::Fit(arguments) => fit::run(arguments),
+            Verb::Study(arguments) => study::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
         }
     }
