@@ -13,7 +13,7 @@
 //! `phi_r`). Angles are radians unless a name ends in `_deg`. BRDF values are 1/sr without cosine.
 //!
 //! The measuring side (`surface`, `instrument`, `optics`, `trace`, `measure`, `table`) never imports `theory`;
-//! the two meet in `validate`. A test keeps it so.
+//! the two meet in `validate`, `fit` and `study`. A test keeps it so.
 
 // What every stage may use.
 pub mod error;
@@ -40,6 +40,10 @@ pub mod measure;
 pub mod theory;
 
 pub mod validate;
+
+pub mod fit;
+
+pub mod study;
 
 pub mod report;
 

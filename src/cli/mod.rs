@@ -13,13 +13,17 @@ use crate::error::{Error, Result};
 mod bench;
 mod certificate_text;
 mod check;
+mod compare;
+mod fit;
 mod measure;
 mod output;
 mod plan_text;
 mod progress;
 mod resolution_text;
 mod scene;
+mod study;
 mod surface;
+mod table_file;
 mod targets;
 mod validate;
 
@@ -47,6 +51,9 @@ enum Verb {
     Surface(surface::Arguments),
     Measure(measure::Arguments),
     Validate(validate::Arguments),
+    Compare(compare::Arguments),
+    Fit(fit::Arguments),
+    Study(study::Arguments),
     Bench(bench::Arguments),
 }
 
@@ -57,7 +64,8 @@ impl Verb {
             Verb::Surface(arguments) => arguments.threads,
             Verb::Measure(arguments) => arguments.threads,
             Verb::Bench(arguments) => arguments.threads,
-            Verb::Check(_) | Verb::Validate(_) => 0,
+            Verb::Study(arguments) => arguments.threads,
+            Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) => 0,
         }
     }
 
@@ -67,6 +75,9 @@ impl Verb {
             Verb::Surface(arguments) => surface::run(arguments),
             Verb::Measure(arguments) => measure::run(arguments),
             Verb::Validate(arguments) => validate::run(arguments),
+            Verb::Compare(arguments) => compare::run(arguments),
+            Verb::Fit(arguments) => fit::run(arguments),
+            Verb::Study(arguments) => study::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
         }
     }

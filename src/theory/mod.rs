@@ -1,8 +1,11 @@
 //! The analytic answer: microfacet theory on paper, sharing no code with the measuring side.
 //!
 //! Enters: roughness and a pair of directions. Leaves: D, Lambda, G1, G2 and the BRDF in 1/sr, without cosine.
-//! Papers: Walter et al. 2007 (D), Heitz 2014 (masking), Torrance and Sparrow 1967 (grooves).
+//! Papers: Walter et al. 2007 (D), Heitz 2014 (masking), Torrance and Sparrow 1967 (grooves); the classical models
+//! that `fit` holds against them in `empirical` and `cavities`.
 
+pub mod cavities;
+pub mod empirical;
 pub mod microfacet;
 pub mod ndf;
 pub mod smith;

@@ -8,6 +8,7 @@ pub mod laws;
 mod lines;
 pub mod model;
 pub mod quadrature;
+pub mod two_tables;
 pub mod verdict;
 
 pub use bin_mean::{BinMean, BinMeans, albedo, source_nodes};

@@ -146,7 +146,7 @@ fn compare_stop(
 }
 
 /// Of two bins that mirror each other about the plane of incidence, the one on the left of it.
-fn counted_bins(grid: &Grid, stop: usize, folded: bool) -> Vec<bool> {
+pub(super) fn counted_bins(grid: &Grid, stop: usize, folded: bool) -> Vec<bool> {
     let phi_i = grid.stop_deg(stop).1.to_radians();
     let half_turn = |region: &Region| match *region {
         Region::Rectangle { phi: [low, high], .. } => {

@@ -1,0 +1,89 @@
+//! `gonio compare`: two stored tables, bin by bin, with errors.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::output::{Output, columns, or_na, to_json};
+use super::table_file;
+use crate::campaign::Campaign;
+use crate::error::{Error, Result};
+use crate::table::{BrdfTable, Realisations};
+use crate::validate::two_tables::{Difference, DifferenceFigures, Side, difference};
+
+/// Compare two tables on the same grid bin by bin, with the errors of both
+#[derive(Args)]
+#[command(
+    after_help = "Distances are relative to B. Tables of the same patches are paired by realisation.\n\n\
+    Example: gonio compare out/a/a.exr out/b/b.exr"
+)]
+pub struct Arguments {
+    /// The table that is compared
+    a: PathBuf,
+    /// The table that it is compared with
+    b: PathBuf,
+    /// Print one JSON document: bins, l1, l1_noise, max_t, share_outside_95
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8> {
+    let (a, b) = (Read::from(&arguments.a)?, Read::from(&arguments.b)?);
+    let found = difference(a.side(), b.side()).map_err(|why| Error::format(&arguments.b, why))?;
+    let mut out = Output::default();
+    if arguments.json {
+        out.json(&to_json(&found)?)?;
+    } else {
+        out.lines(lines(&found))?;
+    }
+    Ok(0)
+}
+
+/// A table with all that is known about it.
+struct Read {
+    table: BrdfTable,
+    campaign: Option<Campaign>,
+    parts: Option<Realisations>,
+}
+
+impl Read {
+    fn from(path: &Path) -> Result<Self> {
+        let table = table_file::load(path)?;
+        let campaign = table_file::campaign_if_any(path, &table)?;
+        let parts = table_file::realisations_beside(path, &table)?;
+        Ok(Read { table, campaign, parts })
+    }
+
+    fn side(&self) -> Side<'_> {
+        Side { table: &self.table, campaign: self.campaign.as_ref(), parts: self.parts.as_ref() }
+    }
+}
+
+fn lines(found: &Difference) -> Vec<String> {
+    let errors = if found.paired { "paired by realisation" } else { "of both tables in quadrature" };
+    let mut lines =
+        vec![format!("{} bins of all orders, errors {errors}; distances relative to B:", found.bins)];
+    let cells = |figures: &DifferenceFigures| {
+        let share = figures.share_outside_95.map(|share| 100.0 * share);
+        vec![
+            or_na(figures.l1, 5),
+            or_na(figures.l1_noise, 5),
+            or_na(figures.l1_difference, 5),
+            or_na(figures.max_t, 2),
+            or_na(share, 1),
+        ]
+    };
+    let row = |head: [String; 2], figures: &DifferenceFigures| [head.to_vec(), cells(figures)].concat();
+    let mut rows: Vec<Vec<String>> = found
+        .stops
+        .iter()
+        .map(|stop| row([stop.theta_i_deg.to_string(), stop.phi_i_deg.to_string()], &stop.figures))
+        .collect();
+    rows.push(row(["all".into(), String::new()], &found.figures));
+    lines.extend(columns(&["theta_i", "phi_i", "l1", "noise", "without it", "max t", "% outside 95"], &rows));
+    if let Some((limit, most)) = found.t_limit.zip(found.figures.max_t) {
+        let says = if most > limit { "above: they differ" } else { "below: noise explains it" };
+        lines.push(format!("largest t {most:.2}, 1 % limit of {} bins {limit:.2}: {says}", found.bins));
+    }
+    lines
+}

@@ -1,0 +1,54 @@
+//! What a verb reads of a stored table: the table, its campaign, and its realisations beside it.
+
+use std::path::Path;
+
+use super::output::{say, warn};
+use crate::campaign::{self, Campaign};
+use crate::error::{Error, Result};
+use crate::table::{BrdfTable, Realisations, realisations, store};
+
+/// The table in a file; what is odd about it goes to stderr.
+pub fn load(path: &Path) -> Result<BrdfTable> {
+    let loaded = store::load(path)?;
+    for warning in &loaded.warnings {
+        warn(format_args!("{}: {warning}", path.display()));
+    }
+    Ok(loaded.table)
+}
+
+/// The campaign of a table that may have none: an imported one.
+pub fn campaign_if_any(path: &Path, table: &BrdfTable) -> Result<Option<Campaign>> {
+    if table.campaign.is_empty() { Ok(None) } else { campaign_of(path, table).map(Some) }
+}
+
+/// The campaign that the table was measured by. Its faults are faults of the table's file.
+pub fn campaign_of(path: &Path, table: &BrdfTable) -> Result<Campaign> {
+    if table.campaign.is_empty() {
+        return Err(Error::format(path, "holds no campaign: what it should agree with is not known"));
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    match campaign::parse(&table.campaign, "campaign", folder) {
+        Ok(parsed) => Ok(parsed.campaign),
+        Err(error @ Error::Campaign(_)) => Err(Error::format(path, error.to_string())),
+        Err(error) => Err(error),
+    }
+}
+
+/// The table's realisations, where they lie beside it.
+pub fn realisations_beside(path: &Path, table: &BrdfTable) -> Result<Option<Realisations>> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let beside = path.with_file_name(format!("{stem}.realisations.exr"));
+    if !beside.is_file() {
+        say(format_args!("note: {} is absent: no pairing over realisations", beside.display()));
+        return Ok(None);
+    }
+    let file = realisations::load(&beside)?;
+    for warning in &file.warnings {
+        warn(format_args!("{}: {warning}", beside.display()));
+    }
+    if !file.belongs_to(table)? {
+        warn(format_args!("{} belongs to another table and is not used", beside.display()));
+        return Ok(None);
+    }
+    Ok(Some(file.realisations))
+}

@@ -1,0 +1,258 @@
+//! The models that are fitted: their parameters, and their means over the bins of a stop.
+//!
+//! A model is a *shape* (roughness, exponent, ...) and amplitudes that it depends on linearly, one set for each colour:
+//! f = amplitude_0 basis_0 + amplitude_1 basis_1 (empirical), f = basis_0 (F = 1) or f = F0 (basis_0 - basis_1) +
+//! basis_1 (Schlick, basis_1 the mean with (1-c)^5). Shapes are fitted as logarithms, so every roughness is positive;
+//! an anisotropic one as the logarithm of its matrix, [[a + b, c], [c, a - b]], which is smooth also where alpha_x =
+//! alpha_y and no rotation is defined.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
+use glam::DVec3;
+
+use super::data::Data;
+use super::nodes::StopNodes;
+use super::pilot::Pilot;
+use crate::optics::fresnel::schlick_weight;
+use crate::theory::smith::visibility;
+use crate::theory::{Masking, Microfacet, Ndf, cavities, empirical};
+
+/// A model that can be fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Law {
+    /// The same in all directions.
+    Lambert,
+    /// Rough and diffuse.
+    OrenNayar,
+    /// A lobe about the mirror direction, and a diffuse part.
+    Phong,
+    /// A lobe about the half vector, and a diffuse part.
+    BlinnPhong,
+    /// Beckmann's slopes on V-cavities.
+    CookTorrance,
+    /// Gaussian tilts on V-cavities.
+    TorranceSparrow,
+    /// Smith's masking.
+    Microfacet {
+        /// Law of the normals.
+        ndf: Ndf,
+        /// How shadowing and masking are joined.
+        masking: Masking,
+        /// Whether alpha_x, alpha_y and the rotation are fitted.
+        anisotropic: bool,
+    },
+}
+
+/// How the basis makes a BRDF.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Amplitudes {
+    /// F = 1: none.
+    Fixed,
+    /// F0.
+    Schlick,
+    /// One factor of basis 0.
+    One,
+    /// A factor of each basis.
+    Two,
+}
+
+/// Names that `--model` takes.
+pub const NAMES: [&str; 8] =
+    ["lambert", "oren_nayar", "phong", "blinn_phong", "cook_torrance", "torrance_sparrow", "beckmann", "ggx"];
+
+/// Tilts, rad, below which Oren and Nayar's model is Lambert's to 1e-5.
+const SMOOTH: f64 = 2e-3;
+
+impl Law {
+    /// All models that a table can be held against: anisotropic ones only where azimuths are told apart.
+    pub fn all(data: &Data) -> Vec<Law> {
+        let mut laws = vec![
+            Law::Lambert,
+            Law::OrenNayar,
+            Law::Phong,
+            Law::BlinnPhong,
+            Law::CookTorrance,
+            Law::TorranceSparrow,
+        ];
+        for ndf in [Ndf::Beckmann, Ndf::Ggx] {
+            for masking in Masking::ALL {
+                for anisotropic in
+                    [false, true].into_iter().filter(|anisotropic| !anisotropic || data.absolute)
+                {
+                    laws.push(Law::Microfacet { ndf, masking, anisotropic });
+                }
+            }
+        }
+        laws
+    }
+
+    /// The name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Law::Lambert => "lambert",
+            Law::OrenNayar => "oren_nayar",
+            Law::Phong => "phong",
+            Law::BlinnPhong => "blinn_phong",
+            Law::CookTorrance => "cook_torrance",
+            Law::TorranceSparrow => "torrance_sparrow",
+            Law::Microfacet { ndf, .. } => ndf.name(),
+        }
+    }
+
+    /// The masking's name, where the model has one.
+    pub fn masking(self) -> Option<&'static str> {
+        match self {
+            Law::CookTorrance | Law::TorranceSparrow => Some("v_cavity"),
+            Law::Microfacet { masking, .. } => Some(masking.name()),
+            _ => None,
+        }
+    }
+
+    /// Whether the model has two roughnesses.
+    pub fn is_anisotropic(self) -> bool {
+        matches!(self, Law::Microfacet { anisotropic: true, .. })
+    }
+
+    /// How the basis makes a BRDF of this table's optics.
+    pub fn amplitudes(self, perfect_mirror: bool) -> Amplitudes {
+        match self {
+            Law::Lambert | Law::OrenNayar => Amplitudes::One,
+            Law::Phong | Law::BlinnPhong => Amplitudes::Two,
+            _ if perfect_mirror => Amplitudes::Fixed,
+            _ => Amplitudes::Schlick,
+        }
+    }
+
+    /// Where the fit of the shape starts.
+    pub fn start(self, pilot: &Pilot) -> Vec<f64> {
+        let log_alpha = pilot.log_alpha;
+        // Lobes of equal width: (cos d)^n against exp(-(d/alpha)^2), d the half vector's angle, n = 2/alpha^2.
+        let exponent = (2.0f64.ln() - 2.0 * log_alpha).max(0.0);
+        match self {
+            Law::Lambert => vec![],
+            Law::OrenNayar => vec![0.5],
+            Law::Phong => vec![exponent - 4.0f64.ln()],
+            Law::BlinnPhong => vec![exponent],
+            Law::CookTorrance | Law::TorranceSparrow => vec![log_alpha],
+            Law::Microfacet { anisotropic: false, .. } => vec![log_alpha],
+            Law::Microfacet { anisotropic: true, .. } => vec![log_alpha, pilot.stretch[0], pilot.stretch[1]],
+        }
+    }
+
+    /// Names of the decoded shape.
+    pub fn shape_names(self) -> &'static [&'static str] {
+        match self {
+            Law::Lambert => &[],
+            Law::OrenNayar => &["sigma_deg"],
+            Law::Phong | Law::BlinnPhong => &["exponent"],
+            Law::CookTorrance => &["m"],
+            Law::TorranceSparrow => &["m_deg"],
+            Law::Microfacet { anisotropic: false, .. } => &["alpha"],
+            Law::Microfacet { anisotropic: true, .. } => &["alpha_x", "alpha_y", "rotation_deg"],
+        }
+    }
+
+    /// The shape as reported. alpha_x belongs to the axis within 45 degrees of `rotation` (rad).
+    pub fn decode(self, shape: &[f64], rotation: f64) -> Vec<f64> {
+        match self {
+            Law::Lambert => vec![],
+            Law::OrenNayar => vec![shape[0].abs().to_degrees()],
+            Law::TorranceSparrow => vec![shape[0].exp().to_degrees()],
+            Law::Microfacet { anisotropic: true, .. } => {
+                let (alpha_x, alpha_y, turn) = roughness(shape, rotation);
+                vec![alpha_x, alpha_y, turn.to_degrees()]
+            }
+            _ => vec![shape[0].exp()],
+        }
+    }
+
+    /// Whether the shape ended where it stops to matter: a rough diffuse surface without roughness has no error bar.
+    pub fn is_degenerate(self, shape: &[f64]) -> bool {
+        self == Law::OrenNayar && shape[0].abs() < SMOOTH
+    }
+
+    /// The narrowest lobe of a shape in slopes, for the layout of the nodes.
+    pub fn narrowest(self, shape: &[f64]) -> Option<f64> {
+        match self {
+            Law::Microfacet { anisotropic: true, .. } => Some((shape[0] - shape[1].hypot(shape[2])).exp()),
+            Law::Microfacet { .. } => Some(shape[0].exp()),
+            _ => None,
+        }
+    }
+
+    /// Means of both bases over the bins of a stop.
+    pub fn means(self, shape: &[f64], nodes: &StopNodes) -> Vec<[f64; 2]> {
+        let diffuse = empirical::LAMBERT;
+        match self {
+            Law::Lambert => vec![[diffuse, 0.0]; nodes.ends.len()],
+            Law::OrenNayar => nodes.means(|wi| move |wo| [empirical::oren_nayar(wi, wo, shape[0]), 0.0]),
+            Law::Phong => nodes.means(|wi| move |wo| [empirical::phong(wi, wo, shape[0].exp()), diffuse]),
+            Law::BlinnPhong => {
+                nodes.means(|wi| move |wo| [empirical::blinn_phong(wi, wo, shape[0].exp()), diffuse])
+            }
+            Law::CookTorrance => {
+                let m = shape[0].exp();
+                nodes.means(|wi| move |wo| with_schlick(cavities::cook_torrance(wi, wo, m), wi, wo))
+            }
+            Law::TorranceSparrow => {
+                let m = shape[0].exp();
+                let b = cavities::gaussian_tilt_scale(m);
+                nodes.means(|wi| move |wo| with_schlick(cavities::torrance_sparrow(wi, wo, m, b), wi, wo))
+            }
+            Law::Microfacet { ndf, masking, .. } => {
+                let (alpha_x, alpha_y, rotation) = match shape {
+                    [log_alpha] => (log_alpha.exp(), log_alpha.exp(), 0.0),
+                    _ => roughness(shape, 0.0),
+                };
+                let model = Microfacet { ndf, alpha_x, alpha_y, rotation };
+                nodes.means(|wi| {
+                    let i = model.to_sample(wi);
+                    let side = model.side(i);
+                    move |wo| {
+                        let o = model.to_sample(wo);
+                        let unit = ndf.d_of_sum(i + o, alpha_x, alpha_y)
+                            * visibility(masking, &side, &model.side(o));
+                        with_schlick(unit, wi, wo)
+                    }
+                })
+            }
+        }
+    }
+}
+
+fn with_schlick(unit: f64, wi: DVec3, wo: DVec3) -> [f64; 2] {
+    [unit, unit * schlick_weight(wi, wo)]
+}
+
+/// (alpha_x, alpha_y, turn) of the logarithm (a, b, c) of a matrix of roughness, the turn within 45 degrees of `near`:
+/// eigenvalues exp(a +- r), r = hypot(b, c), the larger one along atan2(c, b)/2.
+///
+/// Held by: `a_matrix_of_roughness_has_its_axes` and the anisotropic fits of tests/fit.rs.
+pub fn roughness(shape: &[f64], near: f64) -> (f64, f64, f64) {
+    let (a, r) = (shape[0], shape[1].hypot(shape[2]));
+    let axis = 0.5 * shape[2].atan2(shape[1]);
+    let quarters = ((near - axis) / FRAC_PI_2).round();
+    let turn = axis + quarters * FRAC_PI_2;
+    debug_assert!((turn - near).abs() <= FRAC_PI_4 + 1e-9);
+    let swapped = quarters.rem_euclid(2.0) == 1.0;
+    let r = if swapped { -r } else { r };
+    ((a + r).exp(), (a - r).exp(), turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_matrix_of_roughness_has_its_axes() {
+        // alpha 0.1 along 30 degrees and 0.4 across: the larger one lies along 120, so b and c point to 240.
+        let (a, r) = (0.5 * (0.1f64 * 0.4).ln(), 0.5 * 4.0f64.ln());
+        let (sin, cos) = 240f64.to_radians().sin_cos();
+        let (alpha_x, alpha_y, turn) = roughness(&[a, r * cos, r * sin], 20f64.to_radians());
+        // Exponentials and arc tangents of numbers near 1.
+        assert!((alpha_x - 0.1).abs() < 1e-15 && (alpha_y - 0.4).abs() < 1e-15, "{alpha_x} {alpha_y}");
+        assert!((turn.to_degrees() - 30.0).abs() < 1e-13, "{turn}");
+        let (alpha_x, _, turn) = roughness(&[a, r * cos, r * sin], 100f64.to_radians());
+        assert!((alpha_x - 0.4).abs() < 1e-15 && (turn.to_degrees() - 120.0).abs() < 1e-13);
+    }
+}

@@ -1,0 +1,172 @@
+//! The quadrature that a fit averages its models with: nodes in every bin, laid out once, the same for all models
+//! and all iterations, so that the sum of squares is a smooth function of the parameters.
+//!
+//! Rectangles are cut at the plane of incidence and at theta_i (where maskings have kinks), halved until the slope of
+//! the half vector, in units of the planned alpha, varies by at most 1 + its distance from 0, and given 4 x 4
+//! Gauss-Legendre nodes. A lobe 1/(1 + s^2)^2 then has its poles four half-widths away from every piece: the rule is
+//! right to 4.2^-8 = 1e-5 of a bin. Apertures get 4 x 9 nodes.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::instrument::{Grid, Region};
+use crate::sphere;
+use crate::validate::gauss_legendre::gauss_legendre;
+use crate::validate::source_nodes;
+
+/// Nodes along each side of a piece.
+const ORDER: usize = 4;
+/// Nodes along the radius of the light's aperture.
+const APERTURE_ORDER: usize = 3;
+/// Halvings of a bin at most.
+const DEEPEST: u32 = 24;
+
+/// A direction to the sensor with its share of the bin's mean.
+#[derive(Debug, Clone, Copy)]
+pub struct Node {
+    /// Unit vector, stage's frame.
+    pub wo: DVec3,
+    /// The weights of a bin add up to 1 (to the rule's accuracy).
+    pub weight: f64,
+}
+
+/// The nodes of one stop.
+#[derive(Debug, Clone)]
+pub struct StopNodes {
+    /// Directions to the light with weights that add up to 1.
+    pub light: Vec<(DVec3, f64)>,
+    /// All bins' nodes, bin by bin.
+    pub nodes: Vec<Node>,
+    /// Where each bin's nodes end.
+    pub ends: Vec<usize>,
+}
+
+impl StopNodes {
+    /// The nodes of every stop of a grid.
+    ///
+    /// - `aperture`: half-angle of the light's cone, rad. `alpha`: the narrowest lobe that is to be resolved.
+    /// - Held by: `the_quadrature_agrees_with_the_adaptive_one` (tests/fit.rs).
+    pub fn of_grid(grid: &Grid, aperture: f64, alpha: f64) -> Vec<StopNodes> {
+        (0..grid.stops())
+            .into_par_iter()
+            .map(|stop| StopNodes::of_stop(grid, stop, aperture, alpha))
+            .collect()
+    }
+
+    fn of_stop(grid: &Grid, stop: usize, aperture: f64, alpha: f64) -> StopNodes {
+        let wi = grid.wi(stop);
+        let (mut nodes, mut ends) = (Vec::new(), Vec::new());
+        for region in grid.regions(stop) {
+            match region {
+                Region::Cap { axis, half_angle } => {
+                    let cone = source_nodes(axis, half_angle, ORDER);
+                    nodes.extend(cone.into_iter().map(|(wo, weight)| Node { wo, weight }));
+                }
+                Region::Rectangle { theta, phi } => {
+                    let size = region.projected_solid_angle();
+                    for piece in pieces(wi, theta, phi, alpha) {
+                        piece.nodes(size, &mut nodes);
+                    }
+                }
+            }
+            ends.push(nodes.len());
+        }
+        StopNodes { light: source_nodes(wi, aperture, APERTURE_ORDER), nodes, ends }
+    }
+
+    /// The mean over every bin of what `value(wi)(wo)` says.
+    pub fn means<V: Fn(DVec3) -> [f64; 2]>(&self, value: impl Fn(DVec3) -> V) -> Vec<[f64; 2]> {
+        let mut means = vec![[0.0; 2]; self.ends.len()];
+        for &(wi, share) in &self.light {
+            let value = value(wi);
+            let mut first = 0;
+            for (mean, &end) in means.iter_mut().zip(&self.ends) {
+                for node in &self.nodes[first..end] {
+                    let [a, b] = value(node.wo);
+                    mean[0] += share * node.weight * a;
+                    mean[1] += share * node.weight * b;
+                }
+                first = end;
+            }
+        }
+        means
+    }
+}
+
+/// A piece of a rectangle of (theta, phi).
+#[derive(Clone, Copy)]
+struct Piece {
+    theta: [f64; 2],
+    phi: [f64; 2],
+}
+
+/// The rectangle cut and halved until the half vector's slope is resolved on each piece.
+fn pieces(wi: DVec3, theta: [f64; 2], phi: [f64; 2], alpha: f64) -> Vec<Piece> {
+    let phi_i = sphere::phi(wi);
+    let turns = (((phi[0] - phi_i) / PI).ceil() as i64)..=(((phi[1] - phi_i) / PI).floor() as i64);
+    let thetas = cut(theta, [sphere::theta(wi)]);
+    let phis = cut(phi, turns.map(|k| phi_i + PI * k as f64));
+    let whole = |theta: &[f64]| {
+        let theta = [theta[0], theta[1]];
+        phis.windows(2).map(move |phi| (Piece { theta, phi: [phi[0], phi[1]] }, 0)).collect::<Vec<_>>()
+    };
+    let mut open: Vec<(Piece, u32)> = thetas.windows(2).flat_map(whole).collect();
+    let mut done = Vec::new();
+    while let Some((piece, depth)) = open.pop() {
+        match piece.halves(wi, alpha).filter(|_| depth < DEEPEST) {
+            Some(halves) => open.extend(halves.map(|half| (half, depth + 1))),
+            None => done.push(piece),
+        }
+    }
+    done
+}
+
+/// The ends with those of `marks` between them.
+fn cut(ends: [f64; 2], marks: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut all = vec![ends[0]];
+    all.extend(marks.into_iter().filter(|&mark| ends[0] < mark && mark < ends[1]));
+    all.push(ends[1]);
+    all
+}
+
+impl Piece {
+    /// Two halves along the side on which the slope varies more; `None` where it is resolved.
+    fn halves(self, wi: DVec3, alpha: f64) -> Option<[Piece; 2]> {
+        let three = |[a, b]: [f64; 2]| [a, 0.5 * (a + b), b];
+        let slope = |theta: f64, phi: f64| {
+            let h = wi + sphere::direction(theta, phi);
+            [h.x / (alpha * h.z), h.y / (alpha * h.z)]
+        };
+        let s = three(self.theta).map(|theta| three(self.phi).map(|phi| slope(theta, phi)));
+        let path =
+            |[a, b, c]: [[f64; 2]; 3]| (a[0] - b[0]).hypot(a[1] - b[1]) + (b[0] - c[0]).hypot(b[1] - c[1]);
+        let along_phi = s.iter().map(|&row| path(row)).fold(0.0, f64::max);
+        let along_theta = (0..3).map(|k| path([s[0][k], s[1][k], s[2][k]])).fold(0.0, f64::max);
+        let nearest = s.as_flattened().iter().map(|p| p[0].hypot(p[1])).fold(f64::INFINITY, f64::min);
+        if along_phi.max(along_theta) <= 1.0 + nearest {
+            return None;
+        }
+        let split = |[a, b]: [f64; 2]| [[a, 0.5 * (a + b)], [0.5 * (a + b), b]];
+        Some(if along_theta >= along_phi {
+            split(self.theta).map(|theta| Piece { theta, ..self })
+        } else {
+            split(self.phi).map(|phi| Piece { phi, ..self })
+        })
+    }
+
+    /// Gauss-Legendre nodes with the weight cos theta sin theta, as shares of a bin of this projected solid angle.
+    fn nodes(self, size: f64, nodes: &mut Vec<Node>) {
+        let rule = gauss_legendre(ORDER);
+        let (d_theta, d_phi) = (self.theta[1] - self.theta[0], self.phi[1] - self.phi[0]);
+        for &(u, weight_u) in &rule {
+            let theta = self.theta[0] + u * d_theta;
+            let row = weight_u * d_theta * d_phi * theta.sin() * theta.cos() / size;
+            for &(v, weight_v) in &rule {
+                let wo = sphere::direction(theta, self.phi[0] + v * d_phi);
+                nodes.push(Node { wo, weight: row * weight_v });
+            }
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Isotropy and anisotropy: the sample is turned through 360 degrees under arms that stay.
+//!
+//! Enters: a campaign. Leaves: how far the BRDF depends on the turn (noise removed), a test of isotropy, where a 3-D
+//! table would be wrong, and the fitted alpha_x, alpha_y and rotation. Mirror images and folding assume the very
+//! symmetry under test and are switched off; the unit of every error is the realisation.
+
+mod harmonics;
+mod index;
+mod lines;
+pub mod turned;
+
+pub use harmonics::{Harmonic, hotelling_p};
+pub use index::{StopIndex, Worst};
+pub use turned::turned;
+
+use serde::Serialize;
+
+use crate::campaign::{SmithNdf, SurfaceKind};
+use crate::fit::{self, Data, Law};
+use crate::measure::Measured;
+use crate::stats;
+use crate::theory::{Masking, Ndf};
+
+/// Level of the test of isotropy.
+pub const LEVEL: f64 = 0.01;
+
+/// What a turn of the sample shows.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Study {
+    /// Root mean square deviation of the turned BRDFs from their mean over the turn, relative to that mean.
+    pub anisotropy_index: f64,
+    /// Its standard error by leaving out one realisation at a time; null with fewer than three.
+    pub anisotropy_index_se: Option<f64>,
+    /// Probability that an isotropic sample shows harmonics of the azimuth as large as these; null with too few
+    /// realisations.
+    pub p_value: Option<f64>,
+    /// 3 where isotropy stands at the level of 1 %, 4 where it does not; null without a test.
+    pub dimensions: Option<u32>,
+    /// Model of the fit.
+    pub model: Option<&'static str>,
+    /// Masking of the fit.
+    pub masking: Option<&'static str>,
+    /// Slope scale along the sample's x axis.
+    pub alpha_x: Option<f64>,
+    /// Its standard error.
+    pub alpha_x_se: Option<f64>,
+    /// Slope scale along y.
+    pub alpha_y: Option<f64>,
+    /// Its standard error.
+    pub alpha_y_se: Option<f64>,
+    /// Azimuth of the x axis, within 45 degrees of the campaign's.
+    pub rotation_deg: Option<f64>,
+    /// Its standard error: meaningless where alpha_x and alpha_y agree within theirs.
+    pub rotation_deg_se: Option<f64>,
+    /// Realisations behind every error.
+    pub realisations: usize,
+    /// Turns of the sample.
+    pub turns: usize,
+    /// Harmonics of the half vector's azimuth, orders 1 to 4; p_value is of those that count.
+    pub harmonics: Vec<Harmonic>,
+    /// The index of each theta_i.
+    pub stops: Vec<StopIndex>,
+    /// Where the isotropic assumption costs most.
+    pub worst: Option<Worst>,
+}
+
+/// What the measured turn of a sample shows; `measured` comes from a campaign and plan of [`turned`].
+///
+/// Held by: `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/study.rs).
+pub fn examine(measured: &Measured) -> Study {
+    let mut study = examine_isotropy(measured);
+    let laws = laws(measured);
+    if laws.is_empty() || study.p_value.is_none() {
+        return study;
+    }
+    let fit = fit::best(&data_of(measured), &laws);
+    let (values, errors) = (&fit.parameters, &fit.standard_errors);
+    (study.alpha_x, study.alpha_x_se) = (values.get("alpha_x"), errors.get("alpha_x"));
+    (study.alpha_y, study.alpha_y_se) = (values.get("alpha_y"), errors.get("alpha_y"));
+    (study.rotation_deg, study.rotation_deg_se) = (values.get("rotation_deg"), errors.get("rotation_deg"));
+    (study.model, study.masking) = (Some(fit.model), fit.masking);
+    study
+}
+
+/// The same without the fit: index and test need no model.
+///
+/// Held by: `an_isotropic_law_is_rejected_as_often_as_the_level_says` (tests/study.rs).
+pub fn examine_isotropy(measured: &Measured) -> Study {
+    let data = data_of(measured);
+    let harmonics = harmonics::harmonics(&data, measured.campaign.surface.kind.is_random_heights());
+    let p_value = joint(&harmonics);
+    let index = index::index(&data);
+    Study {
+        anisotropy_index: index.value,
+        anisotropy_index_se: index.se,
+        p_value,
+        dimensions: p_value.map(|p| if p < LEVEL { 4 } else { 3 }),
+        realisations: data.parts.len(),
+        turns: data.grid.phi_i_deg.len(),
+        harmonics,
+        stops: index.stops,
+        worst: index.worst,
+        ..Study::default()
+    }
+}
+
+fn data_of(measured: &Measured) -> Data {
+    Data::new(&measured.table, Some(&measured.campaign), Some(&measured.realisations))
+}
+
+/// The p of the smallest of those that count: 1 - (1 - p)^n (Sidak), exact for independent tests and near it otherwise.
+fn joint(harmonics: &[Harmonic]) -> Option<f64> {
+    let counted = harmonics.iter().filter(|harmonic| harmonic.counts);
+    let all = counted.map(|harmonic| harmonic.p_value).collect::<Option<Vec<f64>>>()?;
+    let smallest = all.iter().copied().reduce(f64::min)?;
+    Some(if smallest >= 1.0 { 1.0 } else { -(all.len() as f64 * (-smallest).ln_1p()).exp_m1() })
+}
+
+/// Anisotropic models of the campaign's law, or of both where it has none; nothing for a mirror.
+fn laws(measured: &Measured) -> Vec<Law> {
+    let ndfs = match &measured.campaign.surface.kind {
+        SurfaceKind::Ggx(_) => vec![Ndf::Ggx],
+        SurfaceKind::Beckmann(_) => vec![Ndf::Beckmann],
+        SurfaceKind::Smith(smith) if smith.ndf == SmithNdf::Ggx => vec![Ndf::Ggx],
+        SurfaceKind::Smith(_) => vec![Ndf::Beckmann],
+        SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => vec![Ndf::Ggx, Ndf::Beckmann],
+        SurfaceKind::Mirror => vec![],
+    };
+    let maskings = if measured.campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
+    let laws = ndfs.into_iter().flat_map(|ndf| {
+        maskings.iter().map(move |&masking| Law::Microfacet { ndf, masking, anisotropic: true })
+    });
+    laws.collect()
+}
+
+/// Standard error of a statistic by leaving out one at a time: sqrt((n-1)/n sum (s_k - mean)^2).
+fn jackknife_se(without: &[f64]) -> f64 {
+    let mean = stats::mean(without);
+    let squares: f64 = without.iter().map(|value| (value - mean) * (value - mean)).sum();
+    let count = without.len() as f64;
+    ((count - 1.0) / count * squares).sqrt()
+}

@@ -1,0 +1,288 @@
+//! Two tables bin by bin: what differs, and what of it noise explains.
+//!
+//! Enters: tables A and B on one grid, with their realisations where they are known. Leaves the summary's measures
+//! with A as f and B as m: l1 = sum |a-b| w / sum b w, l1_noise = sqrt(2/pi) sum se w/c4 / sum b w with
+//! se^2 = se_a^2 + se_b^2. Tables of the very same patches are paired: se is that of the differences by realisation.
+
+use serde::Serialize;
+
+use super::verdict::counted_bins;
+use crate::campaign::Campaign;
+use crate::instrument::{Grid, Region};
+use crate::measure::plan::folded_stops;
+use crate::stats;
+use crate::table::{BrdfTable, Realisations};
+
+/// Level of the t limit, shared by all bins.
+const LEVEL: f64 = 0.01;
+/// Realisations of a table that does not say how many it has: Student's t is the normal law by then.
+const MANY: usize = 1000;
+
+/// One of the two tables.
+#[derive(Debug, Clone, Copy)]
+pub struct Side<'a> {
+    /// The values.
+    pub table: &'a BrdfTable,
+    /// How it was measured; `None` for an imported table.
+    pub campaign: Option<&'a Campaign>,
+    /// Its realisations, where they lie beside it.
+    pub parts: Option<&'a Realisations>,
+}
+
+/// How A differs from B.
+#[derive(Debug, Clone, Serialize)]
+pub struct Difference {
+    /// `total`: all orders.
+    pub scope: &'static str,
+    /// Bins, of all stops and colours, that t was computed for; of two that mirror each other, one.
+    pub bins: usize,
+    /// Whether the errors are those of differences by realisation: both were measured on the same patches.
+    pub paired: bool,
+    /// The measures over all stops and colours.
+    #[serde(flatten)]
+    pub figures: DifferenceFigures,
+    /// The |t| that the largest of `bins` exceeds with probability 1 % where only noise differs.
+    pub t_limit: Option<f64>,
+    /// Each stop.
+    pub stops: Vec<StopDifference>,
+}
+
+/// The measures of a difference; null what is not available.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct DifferenceFigures {
+    /// Flux-weighted L1 distance relative to B.
+    pub l1: Option<f64>,
+    /// What noise alone would show.
+    pub l1_noise: Option<f64>,
+    /// sqrt(max(0, l1^2 - l1_noise^2)).
+    pub l1_difference: Option<f64>,
+    /// Largest |a - b|/se.
+    pub max_t: Option<f64>,
+    /// Share of the bins whose 95 % interval of the difference misses 0.
+    pub share_outside_95: Option<f64>,
+}
+
+/// One stop of a comparison.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct StopDifference {
+    /// Polar angle of the light.
+    pub theta_i_deg: f64,
+    /// Azimuth of the light.
+    pub phi_i_deg: f64,
+    /// The measures, means of the colours.
+    #[serde(flatten)]
+    pub figures: DifferenceFigures,
+}
+
+/// Compares two tables bin by bin; `Err` says in one line what does not fit.
+///
+/// - Bins without hits in either table count in l1 and are left out of t's; a stderr of -1 anywhere makes the noise null.
+/// - Degrees of freedom by Welch and Satterthwaite, rounded down; realisations - 1 where the tables are paired.
+/// - Held by: `equal_laws_differ_by_their_noise_alone`, `the_measures_follow_their_definitions` (tests/compare.rs).
+pub fn difference(a: Side, b: Side) -> Result<Difference, String> {
+    fits(a.table, b.table)?;
+    let pair = Pair::new(a, b);
+    let stops = a.table.grid.stops();
+    let sums: Vec<Sums> = (0..stops).map(|stop| pair.stop(stop)).collect();
+    let whole = sums.iter().fold(Sums::default(), |all, stop| all.merged(stop));
+    let row = |(stop, sums): (usize, &Sums)| {
+        let (theta_i_deg, phi_i_deg) = a.table.grid.stop_deg(stop);
+        StopDifference { theta_i_deg, phi_i_deg, figures: sums.figures() }
+    };
+    let figures = whole.figures();
+    let judged = (whole.bins > 0).then_some(whole.bins);
+    Ok(Difference {
+        scope: "total",
+        bins: whole.bins,
+        paired: pair.paired.is_some(),
+        t_limit: judged.map(|bins| stats::student_limit(stats::sidak(LEVEL, bins), pair.most_dof())),
+        figures: mean_of_stops(figures, &sums),
+        stops: sums.iter().enumerate().map(row).collect(),
+    })
+}
+
+/// l1 and its noise as means over the stops that have light; t's over all bins.
+fn mean_of_stops(whole: DifferenceFigures, stops: &[Sums]) -> DifferenceFigures {
+    let mean = |pick: fn(&DifferenceFigures) -> Option<f64>| {
+        let values: Vec<f64> = stops.iter().filter_map(|stop| pick(&stop.figures())).collect();
+        (!values.is_empty()).then(|| stats::mean(&values))
+    };
+    let (l1, l1_noise) = (mean(|f| f.l1), mean(|f| f.l1_noise));
+    DifferenceFigures { l1, l1_noise, l1_difference: excess(l1, l1_noise), ..whole }
+}
+
+fn excess(l1: Option<f64>, noise: Option<f64>) -> Option<f64> {
+    l1.zip(noise).map(|(l1, noise)| (l1 * l1 - noise * noise).max(0.0).sqrt())
+}
+
+/// Whether the tables have the same stops, bins and colours.
+fn fits(a: &BrdfTable, b: &BrdfTable) -> Result<(), String> {
+    if a.colours.len() != b.colours.len() {
+        let names = [a, b].map(|table| table.colour_names().join(" "));
+        return Err(format!("its colours are {}, the other table's {}", names[1], names[0]));
+    }
+    let (a, b) = (&a.grid, &b.grid);
+    if a == b {
+        return Ok(());
+    }
+    let axis = |name: &str, pick: fn(&Grid) -> &[f64]| {
+        let (here, there) = (pick(b), pick(a));
+        let at = here.iter().zip(there).find(|(here, there)| here != there);
+        (here != there).then(|| match at {
+            Some((here, there)) => format!("{name} has {here} where the other table has {there}"),
+            None => format!("{name} has {} values, the other table's {}", here.len(), there.len()),
+        })
+    };
+    let first = axis("theta_i_deg", |g| &g.theta_i_deg)
+        .or_else(|| axis("phi_i_deg", |g| &g.phi_i_deg))
+        .or_else(|| axis("theta_r_edges_deg", |g| &g.theta_r_edges_deg))
+        .or_else(|| axis("phi_r_edges_deg", |g| &g.phi_r_edges_deg))
+        .or_else(|| axis("theta_r_deg", |g| &g.theta_r_deg))
+        .or_else(|| axis("phi_r_deg", |g| &g.phi_r_deg))
+        .or_else(|| axis("aperture_deg", |g| g.aperture_deg.as_slice()));
+    let what = first.unwrap_or_else(|| "kind or phi_r_relative differs".into());
+    Err(format!("gonio.grid: {what}; only tables on the same grid are compared bin by bin"))
+}
+
+/// Both tables with what their errors need.
+struct Pair<'a> {
+    a: Side<'a>,
+    b: Side<'a>,
+    /// The realisations of both, where they can be paired.
+    paired: Option<(&'a Realisations, &'a Realisations)>,
+    realisations: [usize; 2],
+    /// (95 % limit of t, c4) by degrees of freedom, from 1.
+    limits: Vec<(f64, f64)>,
+    folded: Vec<bool>,
+}
+
+impl<'a> Pair<'a> {
+    fn new(a: Side<'a>, b: Side<'a>) -> Self {
+        let same_patches = !a.table.patch_digest.is_empty() && a.table.patch_digest == b.table.patch_digest;
+        let equal =
+            |(a, b): &(&Realisations, &Realisations)| a.parts.len() == b.parts.len() && a.parts.len() > 1;
+        let paired = a.parts.zip(b.parts).filter(|both| same_patches && equal(both));
+        let count = |side: &Side| {
+            side.campaign.map_or(MANY, |campaign| campaign.surface.realisations as usize).min(MANY)
+        };
+        let realisations = [count(&a), count(&b)];
+        let most = match paired {
+            Some((parts, _)) => parts.parts.len() - 1,
+            None => (realisations[0] + realisations[1]).saturating_sub(2),
+        };
+        let limits = (1..=most).map(|dof| (stats::student_limit(0.05, dof), stats::c4(dof + 1))).collect();
+        let folds = |side: &Side| side.campaign.map(|campaign| folded_stops(campaign, &side.table.grid));
+        let none = || vec![false; a.table.grid.stops()];
+        let (in_a, in_b) = (folds(&a).unwrap_or_else(none), folds(&b).unwrap_or_else(none));
+        let folded = in_a.iter().zip(in_b).map(|(&a, b)| a && b).collect();
+        Pair { a, b, paired, realisations, limits, folded }
+    }
+
+    fn most_dof(&self) -> usize {
+        self.limits.len().max(1)
+    }
+
+    fn stop(&self, stop: usize) -> Sums {
+        let grid = &self.a.table.grid;
+        let bins = grid.bins();
+        let counted = counted_bins(grid, stop, self.folded[stop]);
+        let mut sums = Sums::default();
+        for (bin, region) in grid.regions(stop).iter().enumerate() {
+            for colour in 0..self.a.table.colours.len() {
+                self.entry(Entry { at: stop * bins + bin, colour }, region, counted[bin], &mut sums);
+            }
+        }
+        sums
+    }
+
+    fn entry(&self, entry: Entry, region: &Region, counted: bool, sums: &mut Sums) {
+        let Entry { at, colour } = entry;
+        let value = |side: &Side| f64::from(side.table.colours[colour].total[at]);
+        let (a, b) = (value(&self.a), value(&self.b));
+        let hit = self.a.table.hits[at] > 0 && self.b.table.hits[at] > 0;
+        let w = region.projected_solid_angle();
+        // Arms without an aperture have no size: their directions count alike.
+        let w = if w > 0.0 { w } else { 1.0 };
+        sums.distance += (a - b).abs() * w;
+        sums.flux += b * w;
+        let Some((se, dof)) = self.error(entry, hit, a.max(b)) else {
+            sums.without_error = true;
+            return;
+        };
+        let (limit, c4) = self.limits[dof - 1];
+        sums.noise += se * w / c4;
+        if hit && counted && se > 0.0 {
+            let t = (a - b).abs() / se;
+            sums.max_t = Some(sums.max_t.map_or(t, |most: f64| most.max(t)));
+            sums.outside += usize::from(t > limit);
+            sums.bins += 1;
+        }
+    }
+
+    /// Standard error of the difference and its degrees of freedom. An empty bin is off by no more than what the other
+    /// table has there, whatever its 1.5 hits allow for.
+    fn error(&self, Entry { at, colour }: Entry, hit: bool, larger: f64) -> Option<(f64, usize)> {
+        if let Some((a, b)) = self.paired {
+            let value = |parts: &Realisations, k: usize| f64::from(parts.parts[k].total[colour][at]);
+            let (_, se) = stats::mean_and_se((0..a.parts.len()).map(|k| value(a, k) - value(b, k)));
+            return se.map(|se| (se, a.parts.len() - 1));
+        }
+        let se = [&self.a, &self.b].map(|side| f64::from(side.table.colours[colour].stderr[at]));
+        if self.limits.is_empty() || se[0] < 0.0 || se[1] < 0.0 || self.realisations.contains(&1) {
+            return None;
+        }
+        let [va, vb] = se.map(|se| se * se);
+        let both = (va + vb).sqrt();
+        let part = |variance: f64, count: usize| variance * variance / (count - 1) as f64;
+        let spread = part(va, self.realisations[0]) + part(vb, self.realisations[1]);
+        let dof =
+            if spread > 0.0 { ((va + vb) * (va + vb) / spread).floor() as usize } else { self.limits.len() };
+        Some((if hit { both } else { both.min(larger) }, dof.clamp(1, self.limits.len())))
+    }
+}
+
+/// The place of a value in the tables.
+#[derive(Clone, Copy)]
+struct Entry {
+    at: usize,
+    colour: usize,
+}
+
+/// Sums over bins and colours.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    distance: f64,
+    noise: f64,
+    flux: f64,
+    without_error: bool,
+    max_t: Option<f64>,
+    outside: usize,
+    bins: usize,
+}
+
+impl Sums {
+    fn merged(mut self, other: &Sums) -> Sums {
+        self.distance += other.distance;
+        self.noise += other.noise;
+        self.flux += other.flux;
+        self.without_error |= other.without_error;
+        self.max_t = [self.max_t, other.max_t].into_iter().flatten().reduce(f64::max);
+        self.outside += other.outside;
+        self.bins += other.bins;
+        self
+    }
+
+    fn figures(&self) -> DifferenceFigures {
+        let known = !self.without_error;
+        let l1 = (self.flux > 0.0).then(|| self.distance / self.flux);
+        let l1_noise =
+            (known && self.flux > 0.0).then(|| (2.0 / std::f64::consts::PI).sqrt() * self.noise / self.flux);
+        DifferenceFigures {
+            l1,
+            l1_noise,
+            l1_difference: excess(l1, l1_noise),
+            max_t: self.max_t,
+            share_outside_95: (self.bins > 0).then(|| self.outside as f64 / self.bins as f64),
+        }
+    }
+}
