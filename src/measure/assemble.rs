@@ -2,6 +2,7 @@
 
 use super::optics::colours_of;
 use super::plan::Plan;
+use super::rounds::Finished;
 use super::stopping::{Progress, StoppedBy};
 use super::tally::{Tally, from_units};
 use crate::campaign::{self, Alpha, Campaign};
@@ -148,13 +149,11 @@ impl StopRecord {
     }
 }
 
-/// The table of one roughness from the records [realisation][stop] and what ended each stop.
-pub fn assemble(
+/// The table of one roughness.
+pub(super) fn assemble(
     campaign: &Campaign,
     plan: &Plan,
-    alpha: Option<Alpha>,
-    records: Vec<Vec<StopRecord>>,
-    ends: &[Progress],
+    Finished { alpha, records, stops: ends }: Finished,
     patch_digest: &str,
 ) -> Measured {
     let campaign = alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));

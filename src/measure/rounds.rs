@@ -19,6 +19,15 @@ pub(super) struct Table {
     stops: Vec<Progress>,
 }
 
+/// A table that goes no further.
+pub(super) struct Finished {
+    pub alpha: Option<Alpha>,
+    /// [realisation][stop].
+    pub records: Vec<Vec<StopRecord>>,
+    /// What ended each stop.
+    pub stops: Vec<Progress>,
+}
+
 impl Tables {
     pub fn new(campaign: &Campaign, plan: &Plan) -> Self {
         let table = |alpha| Table {
@@ -73,16 +82,16 @@ impl Tables {
         blocks * plan.block_starts * u64::from(plan.realisations)
     }
 
-    /// Every table's roughness, records [realisation][stop] and ends. Flux is a share of what fell in all planned
-    /// blocks: a stop that ended earlier is scaled to those that it had.
-    pub fn finished(self, plan: &Plan) -> Vec<(Option<Alpha>, Vec<Vec<StopRecord>>, Vec<Progress>)> {
+    /// Every table. Flux is a share of what fell in all planned blocks: a stop that ended earlier is scaled to those
+    /// that it had.
+    pub fn finished(self, plan: &Plan) -> Vec<Finished> {
         let finished = |table: Table| {
             let scaled = |(record, stop): (Option<StopRecord>, &Progress)| {
                 record.map(|record| record.scaled(plan.blocks as f64 / stop.blocks as f64))
             };
             let of_realisation = |records: Vec<_>| records.into_iter().zip(&table.stops).filter_map(scaled);
             let records = table.records.into_iter().map(|records| of_realisation(records).collect());
-            (table.alpha, records.collect(), table.stops.clone())
+            Finished { alpha: table.alpha, records: records.collect(), stops: table.stops.clone() }
         };
         self.tables.into_iter().map(finished).collect()
     }

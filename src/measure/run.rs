@@ -74,12 +74,8 @@ pub fn measure(
     let patch_digest = if run.digests.is_empty() { String::new() } else { files::sha256_hex(&run.digests) };
     let (synthesis_s, tracing_s) = (run.synthesis_s, run.tracing_s);
     let samples = run.tables.starts(plan);
-    let results = run
-        .tables
-        .finished(plan)
-        .into_iter()
-        .map(|(alpha, records, stops)| assemble(campaign, plan, alpha, records, &stops, &patch_digest));
-    let results = results.collect();
+    let finished = run.tables.finished(plan).into_iter();
+    let results = finished.map(|table| assemble(campaign, plan, table, &patch_digest)).collect();
     let cost = Cost {
         wall_s: begin.elapsed().as_secs_f64(),
         cpu_s: cpu_seconds() - cpu,
