@@ -5,7 +5,7 @@ use super::plan::Plan;
 use super::rounds::Finished;
 use super::stopping::{Progress, StoppedBy};
 use super::tally::{Tally, from_units};
-use crate::campaign::{self, Alpha, Campaign};
+use crate::campaign::{self, Campaign};
 use crate::stats;
 use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
 
