@@ -13,6 +13,8 @@ use crate::error::{Error, Result};
 mod bench;
 mod certificate_text;
 mod check;
+mod export;
+mod import;
 mod measure;
 mod output;
 mod plan_text;
@@ -46,6 +48,8 @@ enum Verb {
     Surface(surface::Arguments),
     Measure(measure::Arguments),
     Validate(validate::Arguments),
+    Export(export::Arguments),
+    Import(import::Arguments),
     Bench(bench::Arguments),
 }
 
@@ -56,7 +60,7 @@ impl Verb {
             Verb::Surface(arguments) => arguments.threads,
             Verb::Measure(arguments) => arguments.threads,
             Verb::Bench(arguments) => arguments.threads,
-            Verb::Check(_) | Verb::Validate(_) => 0,
+            Verb::Check(_) | Verb::Validate(_) | Verb::Export(_) | Verb::Import(_) => 0,
         }
     }
 
@@ -66,6 +70,8 @@ impl Verb {
             Verb::Surface(arguments) => surface::run(arguments),
             Verb::Measure(arguments) => measure::run(arguments),
             Verb::Validate(arguments) => validate::run(arguments),
+            Verb::Export(arguments) => export::run(arguments),
+            Verb::Import(arguments) => import::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
         }
     }
