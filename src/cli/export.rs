@@ -14,20 +14,23 @@ use crate::table::store;
 
 /// Write a table in another program's format, and say how far the file is from the table
 #[derive(Args)]
-#[command(after_help = "Example: gonio export out/quickstart/quickstart.exr --to rgl -o quickstart.bsdf")]
+#[command(
+    after_help = "Formats: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto\n\n\
+    Example: gonio export out/quickstart/quickstart.exr --to rgl -o quickstart.bsdf"
+)]
 pub struct Arguments {
     /// The table
     table: PathBuf,
-    /// npz npy csv merl rgl
+    /// One of the formats below
     #[arg(long, value_name = "FORMAT")]
     to: String,
     /// The file (pabopto: a folder) to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// MERL: values at the centres of their cells (nearest-cell readers), not at the nodes
+    /// MERL: values at the cells' centres (for nearest-cell readers)
     #[arg(long)]
     merl_centre: bool,
-    /// RGL: a spectral file with these wavelengths, of B, G, R or of the one colour: 465,532,630
+    /// RGL: spectral, wavelengths of B, G, R: 465,532,630
     #[arg(long, value_name = "NM", value_delimiter = ',')]
     wavelengths_nm: Vec<f64>,
     /// Replace the file if it is there

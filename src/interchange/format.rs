@@ -6,7 +6,10 @@ use std::str::FromStr;
 
 use super::merl::{self, Sampling};
 use super::resample::default_grid;
-use super::{Brdf, Fail, Lookup, ReadBack, Reason, csv, npy, npz, read_back, resample, rgl};
+use super::{
+    Brdf, Fail, Lookup, ReadBack, Reason, astm, csv, exr_parts, klems, luminance, npy, npz, pabopto,
+    read_back, resample, rgl, ssdd, tensor_tree, utia, zemax,
+};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::Grid;
@@ -28,6 +31,22 @@ pub enum Format {
     Merl,
     /// Mitsuba's `measured`.
     Rgl,
+    /// 288 x 288 directions.
+    Utia,
+    /// One EXR part a stop.
+    ExrParts,
+    /// Radiance's matrix.
+    Klems,
+    /// Radiance's tensor tree.
+    TensorTree,
+    /// Zemax's table about the mirror direction.
+    Zemax,
+    /// ASTM E1392/E2387 text.
+    Astm,
+    /// SSDD text.
+    Ssdd,
+    /// pab-opto text, a folder of files.
+    Pabopto,
 }
 
 /// What a user may choose about a file.
@@ -73,12 +92,20 @@ pub enum Imported {
 
 impl Format {
     /// All, by name.
-    pub const ALL: [(&'static str, Format); 5] = [
+    pub const ALL: [(&'static str, Format); 13] = [
         ("npz", Format::Npz),
         ("npy", Format::Npy),
         ("csv", Format::Csv),
         ("merl", Format::Merl),
         ("rgl", Format::Rgl),
+        ("utia", Format::Utia),
+        ("exr_parts", Format::ExrParts),
+        ("klems", Format::Klems),
+        ("tensor_tree", Format::TensorTree),
+        ("zemax", Format::Zemax),
+        ("astm", Format::Astm),
+        ("ssdd", Format::Ssdd),
+        ("pabopto", Format::Pabopto),
     ];
 
     /// The name on the command line.
@@ -86,9 +113,17 @@ impl Format {
         Self::ALL.iter().find(|(_, format)| *format == self).map_or("", |(name, _)| name)
     }
 
+    /// Whether the file has one channel: the luminance of a table of three colours.
+    fn has_one_channel(self) -> bool {
+        matches!(self, Format::Klems | Format::TensorTree | Format::Zemax | Format::Pabopto)
+    }
+
     /// Whether the file lists the table's own bins in their order.
     fn lists_bins(self) -> bool {
-        matches!(self, Format::Npz | Format::Npy | Format::Csv)
+        matches!(
+            self,
+            Format::Npz | Format::Npy | Format::Csv | Format::ExrParts | Format::Astm | Format::Pabopto
+        )
     }
 }
 
@@ -109,6 +144,17 @@ impl FromStr for Format {
 /// Errors: [`Error::Refused`] with the reason where the format cannot hold the table; [`Error::Io`].
 pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Result<Export> {
     let refused = |why: String| Error::Refused(format!("{}: {}: {why}", path.display(), format.name()));
+    if format.has_one_channel() && table.colours.len() > 1 {
+        let luminance = luminance(table).map_err(refused)?;
+        let mut export = export(&luminance, format, options, path)?;
+        export
+            .notes
+            .push("one channel: the luminance 0.2126 R + 0.7152 G + 0.0722 B; the colours are lost".into());
+        return Ok(export);
+    }
+    if format == Format::Pabopto {
+        return export_folder(table, path);
+    }
     let Exported { fill, convention, notes } = prepare(table, format, options).map_err(refused)?;
     let mut reason = None;
     let written = files::write_atomically_with(path, |out| {
@@ -153,7 +199,48 @@ fn prepare<'a>(table: &'a BrdfTable, format: Format, options: &'a Options) -> Re
             let bytes = rgl::write(&lookup, nm, &description(table))?;
             held(bytes, rgl::CONVENTION, resampling_notes(&lookup))
         }
+        Format::Utia => {
+            held(utia::write(table)?, utia::CONVENTION, coarse("a direction every 15 x 7.5 degrees"))
+        }
+        Format::ExrParts => held(exr_parts::write(table)?, exr_parts::CONVENTION, vec![]),
+        Format::Klems => held(
+            klems::write(table)?.into_bytes(),
+            klems::CONVENTION,
+            coarse("145 patches of 10 to 20 degrees"),
+        ),
+        Format::TensorTree => {
+            let lookup = Lookup::new(table)?;
+            let text = tensor_tree::write(&lookup);
+            held(text.into_bytes(), tensor_tree::CONVENTION, resampling_notes(&lookup))
+        }
+        Format::Zemax => {
+            let lookup = Lookup::new(table)?;
+            let text = zemax::write(&lookup)?;
+            held(text.into_bytes(), zemax::CONVENTION, resampling_notes(&lookup))
+        }
+        Format::Astm => listed(astm::CONVENTION, astm::write),
+        Format::Ssdd => listed(ssdd::CONVENTION, ssdd::write),
+        Format::Pabopto => return Err("a folder, not a file".into()),
     })
+}
+
+/// One file a stop in the folder at `path`.
+fn export_folder(table: &BrdfTable, path: &Path) -> Result<Export> {
+    files::create_folder(path)?;
+    let mut totals = Vec::with_capacity(table.colours[0].total.len());
+    for stop in 0..table.grid.stops() {
+        let file = path.join(format!("stop_{stop:04}.txt"));
+        let text = pabopto::write(table, stop).map_err(Error::Internal)?;
+        files::write_atomically(&file, text.as_bytes())?;
+        let (_, values) = pabopto::read(&files::read(&file)?).map_err(|why| Error::format(&file, why))?;
+        totals.extend(values);
+    }
+    let read_back = read_back::listed(table, &[totals]);
+    Ok(Export { convention: pabopto::CONVENTION.into(), notes: vec![], read_back })
+}
+
+fn coarse(what: &str) -> Vec<String> {
+    vec![format!("resampled to {what}: lobes narrower than that are not held")]
 }
 
 /// A file whose bytes are there already.
@@ -210,6 +297,10 @@ fn back(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Re
         return Ok(read_back::listed(table, &npy::read_back(&bytes, table).map_err(internal)?));
     }
     match decode(format, options, &bytes).map_err(internal)? {
+        Imported::Table(found) if format == Format::Klems => {
+            let brdf = klems::Patchwise::new(found).map_err(internal)?;
+            Ok(read_back::read_back(table, &brdf))
+        }
         Imported::Table(found) if format.lists_bins() => {
             let totals: Vec<Vec<f32>> = found.colours.into_iter().map(|colour| colour.total).collect();
             Ok(read_back::listed(table, &totals))
@@ -237,6 +328,26 @@ pub fn decode(format: Format, options: &Options, bytes: &[u8]) -> Reason<Importe
             let rgl = rgl::read(bytes)?;
             let grid = default_grid(rgl.theta_i_deg(), rgl.phi_i_deg());
             Ok(Imported::Function(Box::new(rgl), grid))
+        }
+        Format::Utia => utia::read(bytes).map(Imported::Table),
+        Format::ExrParts => exr_parts::read(bytes).map(Imported::Table),
+        Format::Klems => klems::read(bytes).map(Imported::Table),
+        Format::TensorTree => {
+            let tree = tensor_tree::read(bytes)?;
+            let azimuths =
+                if tree.is_isotropic() { vec![] } else { (0..24).map(|k| 15.0 * f64::from(k)).collect() };
+            let theta_i_deg = (0..6).map(|k| 15.0 * f64::from(k)).collect();
+            Ok(Imported::Function(Box::new(tree), default_grid(theta_i_deg, azimuths)))
+        }
+        Format::Zemax => {
+            let zemax = zemax::read(bytes)?;
+            let grid = default_grid(zemax.theta_i_deg(), vec![]);
+            Ok(Imported::Function(Box::new(zemax), grid))
+        }
+        Format::Astm => astm::read(bytes).map(Imported::Table),
+        Format::Ssdd => ssdd::read(bytes).map(Imported::Table),
+        Format::Pabopto => {
+            Err("a file has one stop; read its folder with pabopto2bsdf, or export as ssdd".into())
         }
     }
 }

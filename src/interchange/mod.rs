@@ -4,19 +4,29 @@
 //! table's is written through [`Lookup`], an interpolant that keeps the table's bin means; a foreign file whose
 //! directions are no list of stops and bins is a [`Brdf`] and is averaged over bins by [`resample`].
 
+pub mod astm;
 mod axis;
 pub mod csv;
+pub mod exr_parts;
 pub mod format;
+pub mod klems;
 pub mod lookup;
+pub mod maps;
 pub mod merl;
 pub mod npy;
 pub mod npz;
+pub mod pabopto;
+pub mod radiance_xml;
 pub mod read_back;
 pub mod resample;
 pub mod rgl;
 pub mod samples;
+pub mod ssdd;
 pub mod tensor_file;
+pub mod tensor_tree;
+pub mod utia;
 mod warp;
+pub mod zemax;
 
 pub use format::{Export, Exported, Format, Imported, Options, export, import};
 pub use lookup::Lookup;
@@ -29,6 +39,22 @@ use glam::DVec3;
 
 use crate::instrument::Grid;
 use crate::table::{BrdfTable, ColourChannels};
+
+/// Weights of linear R, G, B in the luminance (ITU-R BT.709).
+const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+
+/// The luminance of a table, for formats of one channel: totals only.
+pub fn luminance(table: &BrdfTable) -> Reason<BrdfTable> {
+    let total = match &table.colours[..] {
+        [r, g, b] => {
+            let weighted =
+                |k: usize| LUMINANCE[0] * r.total[k] + LUMINANCE[1] * g.total[k] + LUMINANCE[2] * b.total[k];
+            (0..r.total.len()).map(weighted).collect()
+        }
+        colours => colours[0].total.clone(),
+    };
+    foreign_table(table.grid.clone(), vec![total])
+}
 
 /// Values of one pair of directions by colour; a table of one colour uses the first.
 pub type Colour = [f64; 3];
