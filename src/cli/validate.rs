@@ -28,9 +28,13 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     for warning in &loaded.warnings {
         warn(format_args!("{}: {warning}", path.display()));
     }
-    let campaign = campaign_of(path, &loaded.table)?;
     let parts = realisations_beside(path, &loaded.table)?;
-    let verdict = validate::examine(&loaded.table, &campaign, parts.as_ref());
+    let verdict = if loaded.table.campaign.is_empty() {
+        say(format_args!("note: {} holds no campaign: held to the laws alone", path.display()));
+        validate::examine_laws(&loaded.table, parts.as_ref())
+    } else {
+        validate::examine(&loaded.table, &campaign_of(path, &loaded.table)?, parts.as_ref())
+    };
     let mut out = Output::default();
     if arguments.json {
         out.json(&to_json(&verdict)?)?;
@@ -42,9 +46,6 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 
 /// The campaign that the table was measured by. Its faults are faults of the table's file.
 fn campaign_of(path: &Path, table: &BrdfTable) -> Result<Campaign> {
-    if table.campaign.is_empty() {
-        return Err(Error::format(path, "holds no campaign: what it should agree with is not known"));
-    }
     let folder = path.parent().unwrap_or(Path::new(""));
     match campaign::parse(&table.campaign, "campaign", folder) {
         Ok(parsed) => Ok(parsed.campaign),

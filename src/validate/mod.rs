@@ -11,4 +11,4 @@ pub mod quadrature;
 pub mod verdict;
 
 pub use bin_mean::{BinMean, BinMeans, albedo, source_nodes};
-pub use verdict::{Verdict, examine};
+pub use verdict::{Verdict, examine, examine_laws};
