@@ -22,7 +22,7 @@ pub const CONVENTION: &str = "tensor tree on Shirley-Chiu squares, BRDF in 1/sr,
 /// Levels that are divided whatever the values, and the last, by rank.
 const LEVELS: [(usize, usize); 2] = [(4, 7), (3, 5)];
 /// A cell is divided where its values spread by more than this share of their mean plus this much, 1/sr.
-const SPREAD: (f64, f64) = (0.04, 0.004);
+const SPREAD: (f64, f64) = (0.02, 0.002);
 /// Deeper than any file.
 const DEEPEST: usize = 16;
 
