@@ -1,7 +1,8 @@
-//! Files: whole or not at all when written, bounded when read; folders; SHA-256; EXR in memory.
+//! Files: whole or not at all when written, bounded when read; folders; SHA-256; EXR and NPY in memory.
 
 pub mod exr_header;
 pub mod image;
+pub mod npy;
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};

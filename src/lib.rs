@@ -6,6 +6,8 @@
 //! ```text
 //! campaign -> surface -> instrument -> trace -> measure -> table -> validate -> cli
 //!  (TOML)    (heights)   (arms, bins)  (walk)   (tallies)  (EXR)   (against theory)
+//!                                                            |
+//!                                                       interchange (other programs' formats)
 //! ```
 //!
 //! Frame: macro-normal +z, x the tangent (the axis of `alpha_x`), right-handed. All directions are unit vectors
@@ -34,6 +36,8 @@ pub mod optics;
 pub mod trace;
 
 pub mod table;
+
+pub mod interchange;
 
 pub mod measure;
 

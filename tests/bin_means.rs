@@ -24,9 +24,7 @@ fn regions(rows: usize, columns: usize, first_phi_deg: f64) -> Vec<Region> {
         phi_r_relative: false,
         theta_r_edges_deg: edges(rows, 90.0, 0.0),
         phi_r_edges_deg: edges(columns, 360.0, first_phi_deg),
-        theta_r_deg: vec![],
-        phi_r_deg: vec![],
-        aperture_deg: None,
+        ..Grid::default()
     };
     grid.regions(0)
 }

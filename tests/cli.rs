@@ -382,3 +382,41 @@ fn what_a_campaign_reads_is_not_overwritten() {
     assert!(stderr(&output).contains("read by this campaign"), "{}", stderr(&output));
     assert_eq!(fs::read(folder.path().join("patch_000.exr")).expect("readable"), before);
 }
+
+#[test]
+fn an_imported_table_is_held_to_the_laws() {
+    let here = TempDir::new().expect("temporary folder");
+    let csv = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,Y\n0,0,0,0,0.3\n0,0,30,180,0.2\n30,0,0,0,0.2\n30,0,30,180,0.4\n";
+    std::fs::write(here.path().join("t.csv"), csv).expect("written");
+    let words = ["import", "t.csv", "--from", "csv", "-o", "t.exr"];
+    let imported = gonio(here.path(), &words);
+    exits(&imported, 0);
+    assert!(stdout(&imported).contains("2 stops of 2 bins"), "{}", stdout(&imported));
+    let again = gonio(here.path(), &words);
+    exits(&again, 3);
+    assert!(stderr(&again).contains("--force"), "{}", stderr(&again));
+    let validated = gonio(here.path(), &["validate", "t.exr"]);
+    exits(&validated, 0);
+    assert!(stdout(&validated).contains("energy: not judged, points do not see"), "{}", stdout(&validated));
+}
+
+#[test]
+fn export_says_how_far_the_file_is_and_under_which_convention() {
+    let here = TempDir::new().expect("temporary folder");
+    let csv = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,Y\n0,0,0,0,0.3\n0,0,30,180,0.2\n";
+    std::fs::write(here.path().join("t.csv"), csv).expect("written");
+    exits(&gonio(here.path(), &["import", "t.csv", "--from", "csv", "-o", "t.exr"]), 0);
+    let exported = gonio(here.path(), &["export", "t.exr", "--to", "npz", "-o", "t.npz"]);
+    exits(&exported, 0);
+    for word in ["convention", "no cosine", "read back   L1 0.000e0"] {
+        assert!(stdout(&exported).replace('\n', " ").contains(word), "{}", stdout(&exported));
+    }
+    exits(&gonio(here.path(), &["export", "t.exr", "--to", "npz", "-o", "t.npz"]), 3);
+    exits(&gonio(here.path(), &["export", "t.exr", "--to", "npz", "-o", "t.npz", "--force", "--json"]), 0);
+    let refused = gonio(here.path(), &["export", "t.exr", "--to", "rgl", "-o", "t.bsdf"]);
+    exits(&refused, 4);
+    assert!(stderr(&refused).contains("no product of polar angles and azimuths"), "{}", stderr(&refused));
+    assert!(!here.path().join("t.bsdf").exists());
+    exits(&gonio(here.path(), &["export", "t.exr", "--to", "mrel", "-o", "t"]), 2);
+    exits(&gonio(here.path(), &["export", "t.csv", "--to", "npz", "-o", "u.npz"]), 3);
+}

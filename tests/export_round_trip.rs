@@ -38,9 +38,7 @@ fn grid() -> Grid {
         phi_r_relative: false,
         theta_r_edges_deg: (0..=7).map(|i| f64::from(i) / 7.0 * 90.0).collect(),
         phi_r_edges_deg: (0..=11).map(|i| f64::from(i) / 11.0 * 360.0 - 0.1).collect(),
-        theta_r_deg: vec![],
-        phi_r_deg: vec![],
-        aperture_deg: None,
+        ..Grid::default()
     }
 }
 

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The measuring side in the order of the data: a layer may import only what stands before it, or itself.
-const LAYERS: [&[&str]; 8] = [
+const LAYERS: [&[&str]; 9] = [
     &["error", "rng", "sphere", "stats", "files"],
     &["campaign"],
     &["surface"],
@@ -13,6 +13,7 @@ const LAYERS: [&[&str]; 8] = [
     &["optics"],
     &["trace"],
     &["table"],
+    &["interchange"],
     &["measure"],
 ];
 

@@ -14,7 +14,9 @@ mod bench;
 mod certificate_text;
 mod check;
 mod compare;
+mod export;
 mod fit;
+mod import;
 mod measure;
 mod output;
 mod plan_text;
@@ -54,6 +56,8 @@ enum Verb {
     Compare(compare::Arguments),
     Fit(fit::Arguments),
     Study(study::Arguments),
+    Export(export::Arguments),
+    Import(import::Arguments),
     Bench(bench::Arguments),
 }
 
@@ -66,6 +70,7 @@ impl Verb {
             Verb::Bench(arguments) => arguments.threads,
             Verb::Study(arguments) => arguments.threads,
             Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) => 0,
+            Verb::Export(_) | Verb::Import(_) => 0,
         }
     }
 
@@ -78,6 +83,8 @@ impl Verb {
             Verb::Compare(arguments) => compare::run(arguments),
             Verb::Fit(arguments) => fit::run(arguments),
             Verb::Study(arguments) => study::run(arguments),
+            Verb::Export(arguments) => export::run(arguments),
+            Verb::Import(arguments) => import::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
         }
     }

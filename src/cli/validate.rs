@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{Output, to_json};
+use super::output::{Output, say, to_json};
 use super::table_file;
 use crate::error::{Error, Result};
 use crate::validate;
@@ -24,9 +24,13 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let path = &arguments.table;
     let table = table_file::load(path)?;
-    let campaign = table_file::campaign_of(path, &table)?;
     let parts = table_file::realisations_beside(path, &table)?;
-    let verdict = validate::examine(&table, &campaign, parts.as_ref());
+    let verdict = if table.campaign.is_empty() {
+        say(format_args!("note: {} holds no campaign: held to the laws alone", path.display()));
+        validate::examine_laws(&table, parts.as_ref())
+    } else {
+        validate::examine(&table, &table_file::campaign_of(path, &table)?, parts.as_ref())
+    };
     let mut out = Output::default();
     if arguments.json {
         out.json(&to_json(&verdict)?)?;

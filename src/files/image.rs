@@ -127,6 +127,11 @@ fn text(text: &str) -> Text {
 /// The codec checks most of what it reads; should a damaged file still trip one of its assertions, that is an
 /// error of the file too.
 pub fn decode(bytes: &[u8]) -> Result<Vec<Part>, String> {
+    // Names of a damaged file reach the message: it stays one line.
+    decode_raw(bytes).map_err(|why| why.replace(char::is_control, "?"))
+}
+
+fn decode_raw(bytes: &[u8]) -> Result<Vec<Part>, String> {
     exr_header::check(bytes)?;
     let image = catch_unwind(AssertUnwindSafe(|| {
         read()

@@ -18,11 +18,7 @@ pub fn grid_of(campaign: &Campaign) -> Grid {
         theta_i_deg: campaign.light.theta_i_deg.clone(),
         phi_i_deg,
         phi_r_relative: relative,
-        theta_r_edges_deg: vec![],
-        phi_r_edges_deg: vec![],
-        theta_r_deg: vec![],
-        phi_r_deg: vec![],
-        aperture_deg: None,
+        ..Grid::default()
     };
     match &campaign.sensor {
         Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => Grid {

@@ -27,6 +27,9 @@ pub enum Sensor {
         /// Half-angle with a margin for the rounding of angles, rad.
         reach: f64,
     },
+    /// A list of `[theta_lo, theta_hi, phi_lo, phi_hi]` in degrees, half-open; a direction falls into those that
+    /// hold it.
+    Patches(Vec<[f64; 4]>),
 }
 
 /// One aperture of an arm.
@@ -85,13 +88,17 @@ impl Sensor {
                 theta: Edges::new(&grid.theta_r_edges_deg),
                 phi: Edges::new(&grid.phi_r_edges_deg),
             },
-            GridKind::Arm => Self::arm(grid),
+            GridKind::Arm => {
+                let phi = |&t: &f64| grid.phi_r_deg.iter().map(move |&p| (t, p)).collect::<Vec<_>>();
+                Self::arm(grid, grid.theta_r_deg.iter().flat_map(phi))
+            }
+            GridKind::Points => Self::arm(grid, grid.points_deg.iter().map(|&[t, p]| (t, p))),
+            GridKind::Patches => Sensor::Patches(grid.patches_deg.clone()),
         }
     }
 
-    fn arm(grid: &Grid) -> Self {
+    fn arm(grid: &Grid, positions: impl Iterator<Item = (f64, f64)>) -> Self {
         let half_angle = grid.aperture_deg.unwrap_or(0.0).to_radians();
-        let positions = grid.theta_r_deg.iter().flat_map(|&t| grid.phi_r_deg.iter().map(move |&p| (t, p)));
         let mut caps: Vec<Cap> = positions
             .enumerate()
             .map(|(bin, (theta, phi))| Cap {
@@ -139,6 +146,16 @@ impl Sensor {
                     }
                 }
             }
+            Sensor::Patches(patches) => {
+                // An angle of 90 degrees is the rounding of one just below.
+                let theta = sphere::theta(wo).to_degrees().min(90.0f64.next_down());
+                let phi = sphere::phi(wo).to_degrees();
+                let holds = |&[t1, t2, p1, p2]: &[f64; 4]| {
+                    let phi = p1 + (phi - p1).rem_euclid(360.0);
+                    t1 <= theta && theta < t2 && phi < p2
+                };
+                patches.iter().enumerate().filter(|(_, patch)| holds(patch)).for_each(|(bin, _)| visit(bin));
+            }
         }
     }
 }
@@ -185,9 +202,7 @@ mod tests {
             phi_r_relative: true,
             theta_r_edges_deg: vec![0.0, 2.5, 7.5, 85.0, 90.0],
             phi_r_edges_deg: (0..=36).map(|k| 10.0 * f64::from(k) - 5.0).collect(),
-            theta_r_deg: vec![],
-            phi_r_deg: vec![],
-            aperture_deg: None,
+            ..Grid::default()
         }
     }
 

@@ -9,17 +9,22 @@ use serde::{Deserialize, Serialize};
 use crate::sphere;
 
 /// The kinds of sensor geometry that a table may have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GridKind {
     /// Bins between edges of theta_r and phi_r.
+    #[default]
     Hemisphere,
     /// Circular apertures about single directions.
     Arm,
+    /// A list of patches, each between two polar angles and two azimuths (Klems).
+    Patches,
+    /// A list of directions; the values are those at the directions, not means.
+    Points,
 }
 
 /// The axes of a table: row = stop (theta_i major, phi_i minor), column = bin (theta_r major, phi_r minor).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Grid {
     /// What the columns are.
     pub kind: GridKind,
@@ -44,6 +49,15 @@ pub struct Grid {
     /// Arm: half-angle of the aperture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aperture_deg: Option<f64>,
+    /// The stops as a list of (theta_i, phi_i), where they are no product of the two axes, which are then empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stops_deg: Vec<[f64; 2]>,
+    /// Patches: `[theta_lo, theta_hi, phi_lo, phi_hi]` each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub patches_deg: Vec<[f64; 4]>,
+    /// Points: `[theta_r, phi_r]` each.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub points_deg: Vec<[f64; 2]>,
 }
 
 /// One sensor bin as a part of the hemisphere, in the stage's frame, radians.
@@ -83,7 +97,11 @@ impl Region {
 impl Grid {
     /// Number of light stops.
     pub fn stops(&self) -> usize {
-        self.theta_i_deg.len() * self.phi_i_deg.len()
+        if self.stops_deg.is_empty() {
+            self.theta_i_deg.len() * self.phi_i_deg.len()
+        } else {
+            self.stops_deg.len()
+        }
     }
 
     /// Number of sensor bins.
@@ -92,11 +110,16 @@ impl Grid {
         match self.kind {
             GridKind::Hemisphere => pairs(self.theta_r_edges_deg.len() - 1, self.phi_r_edges_deg.len() - 1),
             GridKind::Arm => pairs(self.theta_r_deg.len(), self.phi_r_deg.len()),
+            GridKind::Patches => self.patches_deg.len(),
+            GridKind::Points => self.points_deg.len(),
         }
     }
 
     /// (theta_i, phi_i) of a stop in degrees.
     pub fn stop_deg(&self, stop: usize) -> (f64, f64) {
+        if let Some(&[theta_i, phi_i]) = self.stops_deg.get(stop) {
+            return (theta_i, phi_i);
+        }
         let columns = self.phi_i_deg.len();
         (self.theta_i_deg[stop / columns], self.phi_i_deg[stop % columns])
     }
@@ -112,8 +135,22 @@ impl Grid {
         let origin_deg = if self.phi_r_relative { self.stop_deg(stop).1 } else { 0.0 };
         match self.kind {
             GridKind::Hemisphere => self.rectangles(origin_deg),
-            GridKind::Arm => self.caps(origin_deg),
+            GridKind::Arm => {
+                let positions =
+                    self.theta_r_deg.iter().flat_map(|&t| self.phi_r_deg.iter().map(move |&p| [t, p]));
+                self.caps(positions, origin_deg)
+            }
+            GridKind::Patches => self.patches(origin_deg),
+            GridKind::Points => self.caps(self.points_deg.iter().copied(), origin_deg),
         }
+    }
+
+    fn patches(&self, origin_deg: f64) -> Vec<Region> {
+        let region = |&[t1, t2, p1, p2]: &[f64; 4]| Region::Rectangle {
+            theta: [t1.to_radians(), t2.to_radians()],
+            phi: [(p1 + origin_deg).to_radians(), (p2 + origin_deg).to_radians()],
+        };
+        self.patches_deg.iter().map(region).collect()
     }
 
     fn rectangles(&self, origin_deg: f64) -> Vec<Region> {
@@ -129,16 +166,13 @@ impl Grid {
         self.theta_r_edges_deg.windows(2).flat_map(columns).collect()
     }
 
-    fn caps(&self, origin_deg: f64) -> Vec<Region> {
+    fn caps(&self, positions: impl Iterator<Item = [f64; 2]>, origin_deg: f64) -> Vec<Region> {
         let half_angle = self.aperture_deg.unwrap_or(0.0).to_radians();
-        let cap = |theta: f64, phi: f64| Region::Cap {
+        let cap = |[theta, phi]: [f64; 2]| Region::Cap {
             axis: sphere::direction_deg(theta, phi + origin_deg),
             half_angle,
         };
-        self.theta_r_deg
-            .iter()
-            .flat_map(|&theta| self.phi_r_deg.iter().map(move |&phi| cap(theta, phi)))
-            .collect()
+        positions.map(cap).collect()
     }
 }
 
@@ -156,9 +190,7 @@ mod tests {
             phi_r_relative: true,
             theta_r_edges_deg: vec![0.0, 2.5, 10.0, 60.0, 89.999, 90.0],
             phi_r_edges_deg: vec![-5.0, 5.0, 100.0, 355.0],
-            theta_r_deg: vec![],
-            phi_r_deg: vec![],
-            aperture_deg: None,
+            ..Grid::default()
         };
         let sum: f64 = grid.regions(0).iter().map(Region::projected_solid_angle).sum();
         // 15 terms of size below pi, each right to a few ulp.

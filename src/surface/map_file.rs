@@ -4,10 +4,9 @@ use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
 use crate::files::exr_header;
 use crate::files::image::{self, Samples};
+use crate::files::npy;
 
 const NPY_MAGIC: &[u8] = b"\x93NUMPY";
-/// Longest NPY header that a plain 2-D array needs, with room to spare.
-const MAX_NPY_HEADER: usize = 4096;
 
 /// How the file stores a height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +75,7 @@ fn read_exr(bytes: &[u8]) -> Result<MapFile, String> {
 }
 
 fn read_npy(bytes: &[u8]) -> Result<MapFile, String> {
-    check_npy_header(bytes)?;
+    npy::check_header(bytes, 2)?;
     let mut data = bytes;
     let header = NpyHeader::from_reader(&mut data).map_err(|e| format!("NPY header: {e}"))?;
     let &[rows, columns] = header.shape() else {
@@ -110,26 +109,6 @@ fn read_npy(bytes: &[u8]) -> Result<MapFile, String> {
     };
     let heights = if order == Order::Fortran { transposed(&heights, rows) } else { heights };
     Ok(MapFile { columns, rows, heights, stored, pitch: [None, None] })
-}
-
-/// Lets only headers through that a plain array can have: the general parser recurses and multiplies unchecked.
-fn check_npy_header(bytes: &[u8]) -> Result<(), String> {
-    let (start, length) = match bytes {
-        [_, _, _, _, _, _, 1, _, a, b, ..] => (10, usize::from(u16::from_le_bytes([*a, *b]))),
-        [_, _, _, _, _, _, _, _, a, b, c, d, ..] => (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize),
-        _ => return Err("the NPY header is cut off".into()),
-    };
-    if length > MAX_NPY_HEADER {
-        return Err(format!("an NPY header of {length} bytes is not that of a 2-D array"));
-    }
-    let text = bytes.get(start..start + length).ok_or("the NPY header is cut off")?;
-    let numbers = text.split(|b| !b.is_ascii_digit()).filter(|run| !run.is_empty());
-    let count = |wanted: &[u8]| text.iter().filter(|b| wanted.contains(b)).count();
-    let (numbers, longest) = numbers.fold((0, 0), |(n, most), run| (n + 1, most.max(run.len())));
-    if numbers > 4 || longest > 6 || count(b"(") > 1 || count(b"{") > 1 || count(b"[") > 0 {
-        return Err("the NPY header is not that of a 2-D array of numbers, at most 999999 a side".into());
-    }
-    Ok(())
 }
 
 fn values<T: Deserialize>(npy: NpyFile<&[u8]>, to_f64: impl Fn(T) -> f64) -> Result<Vec<f64>, String> {

@@ -15,10 +15,21 @@ pub(super) const DIGEST: &str = "gonio.digest";
 /// A reason, to be completed with the file's path.
 pub(super) type Reason<T> = Result<T, String>;
 
-/// Stops and bins of a grid whose axes are sound.
-pub(super) fn check_grid(grid: &Grid) -> Reason<(usize, usize)> {
-    axis("theta_i_deg", &grid.theta_i_deg, 1, 0.0..=90.0)?;
-    axis("phi_i_deg", &grid.phi_i_deg, 1, -360.0..=360.0)?;
+/// Stops and bins of a grid; an axis that no instrument has is a reason to refuse it.
+///
+/// Held by: `axes_that_no_instrument_has_are_refused`.
+pub fn check_grid(grid: &Grid) -> Result<(usize, usize), String> {
+    if grid.stops_deg.is_empty() {
+        axis("theta_i_deg", &grid.theta_i_deg, 1, 0.0..=90.0)?;
+        axis("phi_i_deg", &grid.phi_i_deg, 1, -360.0..=360.0)?;
+    } else {
+        if !grid.theta_i_deg.is_empty() || !grid.phi_i_deg.is_empty() {
+            return Err(format!(
+                "{GRID}: stops_deg beside the axes theta_i_deg and phi_i_deg: only one is allowed"
+            ));
+        }
+        directions("stops_deg", &grid.stops_deg)?;
+    }
     match grid.kind {
         GridKind::Hemisphere => {
             axis("theta_r_edges_deg", &grid.theta_r_edges_deg, 2, 0.0..=90.0)?;
@@ -31,6 +42,8 @@ pub(super) fn check_grid(grid: &Grid) -> Reason<(usize, usize)> {
             axis("phi_r_deg", &grid.phi_r_deg, 1, -360.0..=360.0)?;
             axis("aperture_deg", grid.aperture_deg.as_slice(), 1, 0.0..=90.0)?;
         }
+        GridKind::Points => directions("points_deg", &grid.points_deg)?,
+        GridKind::Patches => patches(&grid.patches_deg)?,
     }
     Ok((grid.stops(), grid.bins()))
 }
@@ -43,6 +56,20 @@ fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusiv
         Some(value) => {
             Err(format!("{GRID}: {name} = {value} lies outside [{}, {}]", range.start(), range.end()))
         }
+        None => Ok(()),
+    }
+}
+
+fn directions(name: &str, values: &[[f64; 2]]) -> Reason<()> {
+    axis(name, &values.iter().map(|d| d[0]).collect::<Vec<_>>(), 1, 0.0..=90.0)?;
+    axis(name, &values.iter().map(|d| d[1]).collect::<Vec<_>>(), 1, -360.0..=360.0)
+}
+
+fn patches(values: &[[f64; 4]]) -> Reason<()> {
+    axis("patches_deg", &values.iter().flat_map(|p| [p[0], p[1]]).collect::<Vec<_>>(), 2, 0.0..=90.0)?;
+    axis("patches_deg", &values.iter().flat_map(|p| [p[2], p[3]]).collect::<Vec<_>>(), 2, -720.0..=720.0)?;
+    match values.iter().find(|p| p[0] >= p[1] || p[2] >= p[3] || p[3] - p[2] > 360.0) {
+        Some(p) => Err(format!("{GRID}: the patch {p:?} is empty or wider than a turn")),
         None => Ok(()),
     }
 }

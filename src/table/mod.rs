@@ -8,3 +8,4 @@ pub mod store;
 mod test_tables;
 
 pub use brdf_table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
+pub use channels::check_grid;

@@ -14,9 +14,7 @@ pub(super) fn table(colours: usize) -> BrdfTable {
         phi_r_relative: true,
         theta_r_edges_deg: vec![0.0, 100.0 / 3.0, 90.0],
         phi_r_edges_deg: vec![-60.0, 60.0, 180.0, 300.0],
-        theta_r_deg: vec![],
-        phi_r_deg: vec![],
-        aperture_deg: None,
+        ..Grid::default()
     };
     BrdfTable {
         grid,

@@ -49,8 +49,9 @@ impl Energy {
         if !visibility {
             return Energy { skipped: Some("visibility is switched off".into()), ..none };
         }
-        if table.grid.kind == GridKind::Arm {
-            return Energy { skipped: Some("an arm does not see the whole hemisphere".into()), ..none };
+        if matches!(table.grid.kind, GridKind::Arm | GridKind::Points) {
+            let why = if table.grid.kind == GridKind::Arm { "an arm does" } else { "points do" };
+            return Energy { skipped: Some(format!("{why} not see the whole hemisphere")), ..none };
         }
         let mut energy = none;
         for stop in 0..table.grid.stops() {

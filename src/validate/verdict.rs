@@ -72,6 +72,29 @@ pub fn examine(table: &BrdfTable, campaign: &Campaign, realisations: Option<&Rea
     }
 }
 
+/// Holds a table without a campaign, as an imported one, to the laws alone.
+///
+/// Held by: `an_imported_table_is_held_to_the_laws` (tests/cli.rs).
+pub fn examine_laws(table: &BrdfTable, realisations: Option<&Realisations>) -> Verdict {
+    let energy = Energy::of(table, realisations, true);
+    // Values at directions are the same thing both ways round; means over bins of different shape are not.
+    let exact = table.grid.kind == GridKind::Points || table.grid.aperture_deg == Some(0.0);
+    let reciprocity = Reciprocity::of(table, realisations, exact, None);
+    let failures: Vec<String> = energy_failure(&energy)
+        .into_iter()
+        .chain(reciprocity.as_ref().and_then(reciprocity_failure))
+        .collect();
+    Verdict {
+        ok: failures.is_empty(),
+        failures,
+        comparisons: vec![],
+        energy,
+        reciprocity,
+        nearest_masking: None,
+        bar: None,
+    }
+}
+
 /// The number of realisations behind a table: the campaign's (a map's start regions included).
 fn realisations_of(campaign: &Campaign) -> usize {
     campaign.surface.realisations as usize

@@ -1,0 +1,111 @@
+//! `gonio export`: a table in another program's format.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::json;
+
+use super::output::{Output, to_json, warn, wrapped};
+use super::targets::in_the_way;
+use crate::error::{Error, Result};
+use crate::interchange::merl::Sampling;
+use crate::interchange::{self, Export, Format, Options};
+use crate::table::store;
+
+/// Write a table in another program's format, and say how far the file is from the table
+#[derive(Args)]
+#[command(
+    after_help = "Formats: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto\n\n\
+    Example: gonio export out/quickstart/quickstart.exr --to rgl -o quickstart.bsdf"
+)]
+pub struct Arguments {
+    /// The table
+    table: PathBuf,
+    /// One of the formats below
+    #[arg(long, value_name = "FORMAT")]
+    to: String,
+    /// The file (pabopto: a folder) to write
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// MERL: values at the cells' centres (for nearest-cell readers)
+    #[arg(long)]
+    merl_centre: bool,
+    /// RGL: spectral, wavelengths of B, G, R: 465,532,630
+    #[arg(long, value_name = "NM", value_delimiter = ',')]
+    wavelengths_nm: Vec<f64>,
+    /// Replace the file if it is there
+    #[arg(long)]
+    force: bool,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8> {
+    let format = format_of("--to", &arguments.to)?;
+    let options = options_of(arguments.merl_centre, &arguments.wavelengths_nm);
+    check_output(&arguments.table, &arguments.output, arguments.force)?;
+    let loaded = store::load(&arguments.table)?;
+    for warning in &loaded.warnings {
+        warn(format_args!("{}: {warning}", arguments.table.display()));
+    }
+    let export = interchange::export(&loaded.table, format, &options, &arguments.output)?;
+    for note in &export.notes {
+        warn(format_args!("{}: {note}", arguments.output.display()));
+    }
+    let mut out = Output::default();
+    if arguments.json {
+        let document = json!({
+            "file": arguments.output.display().to_string(),
+            "format": format.name(),
+            "convention": export.convention,
+            "notes": export.notes,
+            "read_back": to_json(&export.read_back)?,
+        });
+        out.json(&document)?;
+    } else {
+        out.lines(lines(format, &arguments.output, &export))?;
+    }
+    Ok(0)
+}
+
+/// What the options say about the file.
+pub fn options_of(merl_centre: bool, wavelengths_nm: &[f64]) -> Options {
+    let merl_sampling = if merl_centre { Sampling::Centre } else { Sampling::Node };
+    Options { merl_sampling, wavelengths_nm: wavelengths_nm.to_vec() }
+}
+
+/// A format by its name on the command line.
+pub fn format_of(option: &str, name: &str) -> Result<Format> {
+    name.parse().map_err(|why: String| Error::Usage(format!("{option} {name}: {why}")))
+}
+
+/// Refuses to write over what is read, and over what is there.
+pub fn check_output(input: &Path, output: &Path, force: bool) -> Result<()> {
+    let same =
+        |a: &Path, b: &Path| a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b);
+    if same(input, output) {
+        return Err(Error::format(output, "is the file that is read; choose another -o"));
+    }
+    if output.exists() && !force {
+        return Err(in_the_way(output, "is there already"));
+    }
+    Ok(())
+}
+
+fn lines(format: Format, output: &Path, export: &Export) -> Vec<String> {
+    let mut lines = vec![format!("file        {} ({})", output.display(), format.name())];
+    lines.extend(wrapped("convention  ", &export.convention));
+    lines.push(match &export.read_back {
+        None => "read back   the table holds nothing but zeros".into(),
+        Some(back) => format!("read back   L1 {:.3e} over {} bins", back.l1, back.bins),
+    });
+    lines.extend(export.read_back.as_ref().filter(|back| back.worst > 0.0).map(|back| {
+        let ((theta_i, phi_i), (theta_r, phi_r)) = (back.worst_stop_deg, back.worst_bin_deg);
+        format!(
+            "worst bin   {:.3e} of its stop's peak, light {theta_i:.2} {phi_i:.2}, sensor {theta_r:.2} {phi_r:.2}",
+            back.worst
+        )
+    }));
+    lines
+}

@@ -1,0 +1,126 @@
+//! `gonio import`: a table from another program's file, or campaigns from maps of GGX parameters.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde_json::json;
+
+use super::export::{check_output, format_of, options_of};
+use super::output::{Output, to_json, warn, wrapped};
+use super::targets::in_the_way;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::interchange::{self, maps};
+use crate::table::store;
+
+/// Make a table of another program's file
+#[derive(Args)]
+#[command(
+    after_help = "Formats: npz csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd; maps (GGX parameters)\n\n\
+    Example: gonio import gold.binary --from merl -o gold.exr"
+)]
+pub struct Arguments {
+    /// The file
+    file: PathBuf,
+    /// One of the formats below
+    #[arg(long, value_name = "FORMAT")]
+    from: String,
+    /// The table (maps: the folder) to write
+    #[arg(short, long, value_name = "TABLE.exr")]
+    output: PathBuf,
+    /// Average over this table's stops and bins
+    #[arg(long, value_name = "TABLE.exr")]
+    like: Option<PathBuf>,
+    /// MERL: values at the cells' centres
+    #[arg(long)]
+    merl_centre: bool,
+    /// Maps: a texel that becomes a campaign; several times for several
+    #[arg(long, value_name = "X,Y")]
+    texel: Vec<String>,
+    /// Maps: every N-th texel of both axes instead
+    #[arg(long, value_name = "N")]
+    every: Option<usize>,
+    /// Replace the table if it is there
+    #[arg(long)]
+    force: bool,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8> {
+    if arguments.from == "maps" {
+        return campaigns(arguments);
+    }
+    let format = format_of("--from", &arguments.from)?;
+    check_output(&arguments.file, &arguments.output, arguments.force)?;
+    let options = options_of(arguments.merl_centre, &[]);
+    let like = arguments.like.as_ref().map(|path| store::load(path)).transpose()?;
+    let grid = like.as_ref().map(|loaded| &loaded.table.grid);
+    let (table, notes) = interchange::import(&arguments.file, format, &options, grid)?;
+    store::save(&arguments.output, &table)?;
+    for note in &notes {
+        warn(format_args!("{}: {note}", arguments.file.display()));
+    }
+    let (stops, bins, colours) = (table.grid.stops(), table.grid.bins(), table.colours.len());
+    let kind = to_json(&table.grid.kind)?;
+    let mut out = Output::default();
+    if arguments.json {
+        let table = arguments.output.display().to_string();
+        let sizes = json!({ "table": table, "kind": kind, "stops": stops, "bins": bins, "colours": colours, "notes": notes });
+        out.json(&sizes)?;
+    } else {
+        let kind = kind.as_str().unwrap_or_default();
+        let text = format!(
+            "{} ({kind}): {stops} stops of {bins} bins, {colours} colour{}; no error bars unless the file has them",
+            arguments.output.display(),
+            if colours == 1 { "" } else { "s" },
+        );
+        out.lines(wrapped("table  ", &text))?;
+    }
+    Ok(0)
+}
+
+/// A campaign for each wanted texel, all checked before the first is written.
+fn campaigns(arguments: &Arguments) -> Result<u8> {
+    let maps = maps::load(&arguments.file)?;
+    let texels = texels(arguments, &maps)?;
+    let campaign = |&(column, row): &(usize, usize)| {
+        let text = maps.campaign(column, row).map_err(|why| Error::format(&arguments.file, why))?;
+        Ok((arguments.output.join(format!("texel_{column}_{row}.toml")), text))
+    };
+    let campaigns = texels.iter().map(campaign).collect::<Result<Vec<_>>>()?;
+    if let Some((path, _)) = campaigns.iter().find(|(path, _)| path.exists() && !arguments.force) {
+        return Err(in_the_way(path, "is there already"));
+    }
+    files::create_folder(&arguments.output)?;
+    for (path, text) in &campaigns {
+        files::write_atomically(path, text.as_bytes())?;
+    }
+    let paths: Vec<String> = campaigns.iter().map(|(path, _)| path.display().to_string()).collect();
+    let mut out = Output::default();
+    if arguments.json {
+        out.json(&json!({ "campaigns": paths }))?
+    } else {
+        out.lines(paths)?
+    }
+    Ok(0)
+}
+
+/// The texels of the command line, or every N-th.
+fn texels(arguments: &Arguments, maps: &maps::Maps) -> Result<Vec<(usize, usize)>> {
+    let pair = |text: &String| {
+        let numbers =
+            text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
+        numbers.ok_or_else(|| Error::Usage(format!("--texel {text}: COLUMN,ROW needed")))
+    };
+    match arguments.every {
+        Some(0) => Err(Error::Usage("--every 0: 1 or more needed".into())),
+        Some(step) if arguments.texel.is_empty() => {
+            let columns = |row| (0..maps.width).step_by(step).map(move |column| (column, row));
+            Ok((0..maps.height).step_by(step).flat_map(columns).collect())
+        }
+        None if !arguments.texel.is_empty() => arguments.texel.iter().map(pair).collect(),
+        _ => Err(Error::Usage("--from maps: either --texel X,Y or --every N needed".into())),
+    }
+}

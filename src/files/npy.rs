@@ -1,0 +1,131 @@
+//! NPY arrays in memory: plain numbers of any shape, little-endian, C order when written.
+//!
+//! Enters and leaves: bytes. Headers are looked at before the general parser sees them, as that recurses and
+//! multiplies unchecked.
+
+use std::io::{self, Write};
+
+use npyz::{AutoSerialize, DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder};
+
+const MAGIC: &[u8] = b"\x93NUMPY";
+/// Longest header that a plain array needs, with room to spare.
+const MAX_HEADER: usize = 4096;
+
+/// An array as its file has it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Array {
+    /// Lengths along the axes; none for a single number.
+    pub shape: Vec<usize>,
+    /// The values in C order.
+    pub values: Values,
+}
+
+/// The values of an array.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// f4.
+    F32(Vec<f32>),
+    /// f8, and integers of up to 53 bits that are none of the others.
+    F64(Vec<f64>),
+    /// u1 and b1.
+    U8(Vec<u8>),
+    /// u4.
+    U32(Vec<u32>),
+}
+
+impl Array {
+    /// Number of values.
+    pub fn len(&self) -> usize {
+        match &self.values {
+            Values::F32(v) => v.len(),
+            Values::F64(v) => v.len(),
+            Values::U8(v) => v.len(),
+            Values::U32(v) => v.len(),
+        }
+    }
+
+    /// Whether there are no values.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Lets only headers through that a plain array of at most `dimensions` can have.
+pub fn check_header(bytes: &[u8], dimensions: usize) -> Result<(), String> {
+    let (start, length) = match bytes {
+        [_, _, _, _, _, _, 1, _, a, b, ..] => (10, usize::from(u16::from_le_bytes([*a, *b]))),
+        [_, _, _, _, _, _, _, _, a, b, c, d, ..] => (12, u32::from_le_bytes([*a, *b, *c, *d]) as usize),
+        _ => return Err("the NPY header is cut off".into()),
+    };
+    if length > MAX_HEADER {
+        return Err(format!("an NPY header of {length} bytes is not that of a {dimensions}-D array"));
+    }
+    let text = bytes.get(start..start + length).ok_or("the NPY header is cut off")?;
+    let numbers = text.split(|b| !b.is_ascii_digit()).filter(|run| !run.is_empty());
+    let count = |wanted: &[u8]| text.iter().filter(|b| wanted.contains(b)).count();
+    let (numbers, longest) = numbers.fold((0, 0), |(n, most), run| (n + 1, most.max(run.len())));
+    let longest_side = if dimensions <= 2 { 6 } else { 9 };
+    if numbers > dimensions + 2
+        || longest > longest_side
+        || count(b"(") > 1
+        || count(b"{") > 1
+        || count(b"[") > 0
+    {
+        let side = "9".repeat(longest_side);
+        return Err(format!(
+            "the NPY header is not that of a {dimensions}-D array of numbers, at most {side} a side"
+        ));
+    }
+    Ok(())
+}
+
+/// The array in the bytes of a file, at most five axes, as many values as the bytes hold.
+pub fn decode(bytes: &[u8]) -> Result<Array, String> {
+    if !bytes.starts_with(MAGIC) {
+        return Err(if bytes.is_empty() { "the file is empty" } else { "not an NPY array" }.into());
+    }
+    check_header(bytes, 5)?;
+    let mut data = bytes;
+    let header = NpyHeader::from_reader(&mut data).map_err(|e| format!("NPY header: {e}"))?;
+    let shape: Vec<usize> = header.shape().iter().map(|&side| side as usize).collect();
+    let DType::Plain(kind) = header.dtype() else {
+        return Err("an array of records, plain numbers needed".into());
+    };
+    let wanted = shape.iter().try_fold(kind.size_field() as usize, |size, &side| size.checked_mul(side));
+    if wanted != Some(data.len()) {
+        return Err(format!("{} bytes of data do not make {shape:?} of type {kind}", data.len()));
+    }
+    if header.order() == Order::Fortran && shape.len() > 1 {
+        return Err("column-major (Fortran) order; save the array with numpy.ascontiguousarray".into());
+    }
+    let npy = NpyFile::with_header(header, data);
+    let values = match (kind.type_char(), kind.size_field()) {
+        (TypeChar::Float, 4) => Values::F32(read(npy)?),
+        (TypeChar::Float, 8) => Values::F64(read(npy)?),
+        (TypeChar::Uint, 1) => Values::U8(read(npy)?),
+        (TypeChar::Bool, 1) => Values::U8(read::<bool>(npy)?.into_iter().map(u8::from).collect()),
+        (TypeChar::Uint, 4) => Values::U32(read(npy)?),
+        (TypeChar::Int, 4) => Values::F64(read::<i32>(npy)?.into_iter().map(f64::from).collect()),
+        (TypeChar::Int, 8) => Values::F64(read::<i64>(npy)?.into_iter().map(|v| v as f64).collect()),
+        (TypeChar::Uint, 8) => Values::F64(read::<u64>(npy)?.into_iter().map(|v| v as f64).collect()),
+        _ => return Err(format!("type {kind} is not read; save the array as f4, f8, u1, u4 or integers")),
+    };
+    Ok(Array { shape, values })
+}
+
+fn read<T: Deserialize>(npy: NpyFile<&[u8]>) -> Result<Vec<T>, String> {
+    let data = npy.data::<T>().map_err(|e| e.to_string())?;
+    data.collect::<Result<Vec<T>, _>>().map_err(|e| e.to_string())
+}
+
+/// Writes an array, the values streamed.
+pub fn encode<T: AutoSerialize>(
+    out: impl Write,
+    shape: &[usize],
+    values: impl Iterator<Item = T>,
+) -> io::Result<()> {
+    let shape: Vec<u64> = shape.iter().map(|&side| side as u64).collect();
+    let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(out).begin_nd()?;
+    writer.extend(values)?;
+    writer.finish()
+}

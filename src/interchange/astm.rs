@@ -1,0 +1,81 @@
+//! ASTM E1392/E2387 text: one line a pair of directions, angles in radians.
+//!
+//! `KEY value` lines, the last `VARS theta_i,phi_i,theta_s,phi_s,<channels>`, then the samples. The standard's text is
+//! not free; this is the form that its readers share (libbsdf).
+
+use std::io::Write;
+
+use super::read_back::middle_deg;
+use super::samples::{self, Sample};
+use super::{Fail, Reason};
+use crate::table::BrdfTable;
+
+/// How the values are meant.
+pub const CONVENTION: &str = "one line a pair of directions, angles in radians, absolute azimuths, phi_s = phi_i + pi is the \
+    mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
+
+const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
+/// More lines than are worth reading as text.
+const MOST_LINES: usize = 1 << 26;
+
+/// Writes the totals.
+pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
+    let (stops, bins) = (table.grid.stops(), table.grid.bins());
+    writeln!(out, "LAB_NAME gonio\nSYSTEM_NAME gonio {}\nMEAS_NAME BRDF", table.version)?;
+    writeln!(out, "NUM_POINTS {}", stops * bins)?;
+    let channels = if table.colours.len() == 1 { "Y" } else { "R,G,B" };
+    writeln!(out, "VARS {},{channels}", ANGLES.join(","))?;
+    for stop in 0..stops {
+        let (theta_i, phi_i) = table.grid.stop_deg(stop);
+        for (bin, region) in table.grid.regions(stop).iter().enumerate() {
+            let (theta_s, phi_s) = middle_deg(region);
+            let angles = [theta_i, phi_i, theta_s, phi_s].map(|deg| format!("{:.12}", deg.to_radians()));
+            let values = table.colours.iter().map(|colour| colour.total[stop * bins + bin].to_string());
+            let line: Vec<String> = angles.into_iter().chain(values).collect();
+            writeln!(out, "{}", line.join(","))?;
+        }
+    }
+    Ok(())
+}
+
+/// The table of points of a file. Negative angles get a turn, negative values become 0; every stop must have the same
+/// directions.
+///
+/// Held by: `astm_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs).
+pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    let text = std::str::from_utf8(bytes).map_err(|_| "not a text in UTF-8")?;
+    let mut lines = text.lines().enumerate().map(|(k, line)| (k + 1, line.trim()));
+    let names = loop {
+        let Some((_, line)) = lines.next() else { return Err("no VARS line: not an ASTM file".into()) };
+        if let Some(names) = line.strip_prefix("VARS ") {
+            break names.split(',').map(str::trim).collect::<Vec<_>>();
+        }
+    };
+    let colours = names.len().saturating_sub(4);
+    if names.iter().take(4).ne(&ANGLES) || !matches!(colours, 1 | 3) {
+        return Err("VARS theta_i,phi_i,theta_s,phi_s and one or three channels needed".into());
+    }
+    let mut found = Vec::new();
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
+        let mut numbers = Vec::with_capacity(names.len());
+        for cell in line.split(',') {
+            let value: f64 =
+                cell.trim().parse().map_err(|_| format!("line {number}: not {} numbers", names.len()))?;
+            numbers.push(value);
+        }
+        if numbers.len() != names.len() || numbers.iter().any(|value| !value.is_finite()) {
+            return Err(format!("line {number}: {} finite numbers needed", names.len()));
+        }
+        for angle in &mut numbers[..4] {
+            let turned = if *angle < 0.0 { *angle + std::f64::consts::TAU } else { *angle };
+            // Degrees to eight digits: what twelve digits of radians are worth.
+            *angle = (turned.to_degrees() * 1e8).round() / 1e8;
+        }
+        numbers[4..].iter_mut().for_each(|value| *value = value.max(0.0));
+        if found.len() == MOST_LINES {
+            return Err(format!("more than {MOST_LINES} lines"));
+        }
+        found.push(Sample::of(&numbers));
+    }
+    samples::table(&found, colours)
+}

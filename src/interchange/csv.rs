@@ -1,0 +1,89 @@
+//! CSV: one line a bin, with a heading. Read back as a table of points in the order of the lines.
+
+use std::io::Write;
+
+use super::read_back::middle_deg;
+use super::samples::{self, Sample};
+use super::{Fail, Reason};
+use crate::instrument::Region;
+use crate::table::BrdfTable;
+
+/// How the values are meant.
+pub const CONVENTION: &str = "one line a bin; angles in degrees, absolute azimuths, mirror direction at phi_r = phi_i + 180; \
+    theta_r, phi_r the middle of the bin; BRDF in 1/sr, no cosine; projected_solid_angle in sr; stderr -1 = not available";
+
+const ANGLES: [&str; 4] = ["theta_i_deg", "phi_i_deg", "theta_r_deg", "phi_r_deg"];
+/// More lines than any table that is worth reading as text.
+const MOST_LINES: usize = 1 << 26;
+
+/// Writes the totals with their errors.
+pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
+    let mut writer = csv::Writer::from_writer(out);
+    let names = table.colour_names();
+    let mut heading: Vec<String> = ANGLES.iter().map(|name| name.to_string()).collect();
+    heading.push("projected_solid_angle".into());
+    heading.extend(names.iter().map(|name| name.to_string()));
+    heading.extend(names.iter().map(|name| format!("stderr.{name}")));
+    heading.push("hits".into());
+    writer.write_record(&heading).map_err(failed)?;
+    let bins = table.grid.bins();
+    for stop in 0..table.grid.stops() {
+        let (theta_i, phi_i) = table.grid.stop_deg(stop);
+        for (bin, region) in table.grid.regions(stop).iter().enumerate() {
+            let at = stop * bins + bin;
+            let (theta_r, phi_r) = middle_deg(region);
+            let size = Region::projected_solid_angle(region);
+            let angles = [theta_i, phi_i, theta_r, phi_r, size].map(|value| value.to_string());
+            let totals = table.colours.iter().map(|colour| colour.total[at].to_string());
+            let errors = table.colours.iter().map(|colour| colour.stderr[at].to_string());
+            let hits = std::iter::once(table.hits[at].to_string());
+            writer
+                .write_record(angles.into_iter().chain(totals).chain(errors).chain(hits))
+                .map_err(failed)?;
+        }
+    }
+    Ok(writer.flush()?)
+}
+
+fn failed(error: csv::Error) -> Fail {
+    Fail::Io(error.into())
+}
+
+/// A table of points from lines with `theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg` and `Y` or `R,G,B`; other columns are
+/// left out. Every stop must have the same directions.
+///
+/// Held by: `csv_comes_back`, `damaged_lines_are_refused` (tests/interchange_arrays.rs).
+pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
+    let heading = reader.headers().map_err(|e| one_line(&e))?.clone();
+    let column = |name: &str| heading.iter().position(|cell| cell == name);
+    let need = |name: &str| column(name).ok_or_else(|| format!("no column `{name}`"));
+    let mut columns = ANGLES.iter().map(|name| need(name)).collect::<Reason<Vec<usize>>>()?;
+    match (column("Y"), column("R")) {
+        (Some(y), None) => columns.push(y),
+        (None, Some(_)) => {
+            columns.extend(["R", "G", "B"].iter().map(|name| need(name)).collect::<Reason<Vec<_>>>()?)
+        }
+        _ => return Err("a column `Y` or columns `R`, `G`, `B` needed".into()),
+    }
+    let mut found = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|e| one_line(&e))?;
+        let line = record.position().map_or(0, |at| at.line());
+        let number = |&column: &usize| {
+            let cell = record.get(column).unwrap_or_default();
+            let value: f64 = cell.parse().map_err(|_| format!("line {line}: `{cell}` is no number"))?;
+            if value.is_finite() { Ok(value) } else { Err(format!("line {line}: {value} is not finite")) }
+        };
+        let numbers = columns.iter().map(number).collect::<Reason<Vec<f64>>>()?;
+        if found.len() == MOST_LINES {
+            return Err(format!("more than {MOST_LINES} lines"));
+        }
+        found.push(Sample::of(&numbers));
+    }
+    samples::table(&found, columns.len() - 4)
+}
+
+fn one_line(error: &csv::Error) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,133 @@
+//! EXR with one part for each stop of the light: x = phi_r, y = theta_r, an image of the lobe that any viewer opens.
+//!
+//! Channels and attributes are those of the native table, `gonio.stop`, `gonio.theta_i_deg` and `gonio.phi_i_deg`
+//! beside them; the campaign stands in the first part. Comes back bit for bit.
+
+use super::{Reason, npz};
+use crate::files::image::{self, Part, Samples};
+use crate::instrument::Grid;
+use crate::table::{BrdfTable, ColourChannels, check_grid};
+
+/// How the values are meant.
+pub const CONVENTION: &str = "one part a stop, named by its angles; column = phi_r, row = theta_r; FLOAT, BRDF in 1/sr, no \
+    cosine, bin means; attribute gonio.grid: the geometry as JSON; mirror direction at phi_r = phi_i + 180";
+
+const GRID: &str = "gonio.grid";
+const STOP: &str = "gonio.stop";
+/// Texts of the table that the first part carries.
+const TEXTS: [&str; 4] = ["gonio.campaign", "gonio.version", "gonio.seed", "gonio.patch_digest"];
+
+type Channel = (&'static str, fn(&ColourChannels) -> &Vec<f32>, fn(&mut ColourChannels) -> &mut Vec<f32>);
+const CHANNELS: [Channel; 5] = [
+    ("", |c| &c.total, |c| &mut c.total),
+    ("single.", |c| &c.single, |c| &mut c.single),
+    ("multiple.", |c| &c.multiple, |c| &mut c.multiple),
+    ("stderr.", |c| &c.stderr, |c| &mut c.stderr),
+    ("stderr.single.", |c| &c.stderr_single, |c| &mut c.stderr_single),
+];
+
+/// Width and height of a part: columns and rows of bins, or all bins in a row.
+fn size(grid: &Grid) -> (usize, usize) {
+    match npz::shape(grid, 1)[..] {
+        [_, _, rows, columns] => (columns, rows),
+        _ => (grid.bins(), 1),
+    }
+}
+
+/// The bytes of a file.
+pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
+    let grid = serde_json::to_string(&table.grid).map_err(|e| e.to_string())?;
+    let parts = (0..table.grid.stops()).map(|stop| part(table, stop, &grid)).collect();
+    image::encode(parts)
+}
+
+fn part(table: &BrdfTable, stop: usize, grid: &str) -> Part {
+    let (width, height) = size(&table.grid);
+    let here = stop * width * height..(stop + 1) * width * height;
+    let (theta_i, phi_i) = table.grid.stop_deg(stop);
+    let mut part = Part { width, height, ..Part::default() };
+    part.name = Some(format!("stop{stop:04}_thetaI{theta_i:05.1}_phiI{phi_i:05.1}"));
+    for (name, colour) in table.colour_names().iter().zip(&table.colours) {
+        for (layer, channel, _) in CHANNELS {
+            part.channels
+                .insert(format!("{layer}{name}"), Samples::F32(channel(colour)[here.clone()].to_vec()));
+        }
+    }
+    part.channels.insert("hits".into(), Samples::U32(table.hits[here.clone()].to_vec()));
+    if let Some(schlick) = &table.schlick {
+        part.channels.insert("schlick".into(), Samples::F32(schlick[here].to_vec()));
+    }
+    for (name, value) in [(STOP, stop as f64), ("gonio.theta_i_deg", theta_i), ("gonio.phi_i_deg", phi_i)] {
+        part.attributes.insert(name.into(), image::Attribute::Number(value));
+    }
+    if stop == 0 {
+        part.set_text(GRID, grid);
+        let seed = table.seed.to_string();
+        let texts = [&table.campaign, &table.version, &seed, &table.patch_digest];
+        TEXTS.iter().zip(texts).for_each(|(name, text)| part.set_text(name, text));
+    }
+    part
+}
+
+/// The table in the bytes of a file.
+///
+/// Held by: `exr_parts_come_back_bit_for_bit`, `damaged_parts_are_refused` (tests/interchange_points.rs).
+pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    let mut parts = image::decode(bytes)?;
+    let number = |part: &Part| part.number(STOP).filter(|&stop| stop >= 0.0 && stop.fract() == 0.0);
+    if let Some(part) = parts.iter().find(|part| number(part).is_none()) {
+        return Err(format!(
+            "part `{}` has no {STOP}: not written by this program",
+            part.name.as_deref().unwrap_or("")
+        ));
+    }
+    parts.sort_by(|a, b| number(a).unwrap_or(0.0).total_cmp(&number(b).unwrap_or(0.0)));
+    let text = parts[0].text(GRID).ok_or_else(|| format!("the first part has no {GRID}"))?;
+    let grid: Grid = serde_json::from_str(text).map_err(|e| format!("{GRID}: {e}"))?;
+    let (stops, _) = check_grid(&grid)?;
+    let (width, height) = size(&grid);
+    let fits = |(stop, part): (usize, &Part)| {
+        number(part) == Some(stop as f64) && (part.width, part.height) == (width, height)
+    };
+    if parts.len() != stops || !parts.iter().enumerate().all(fits) {
+        return Err(format!("{} parts do not make {stops} stops of {width} x {height} bins", parts.len()));
+    }
+    let names: &[&str] = if parts[0].channels.contains_key("Y") { &["Y"] } else { &["R", "G", "B"] };
+    let mut colours = vec![ColourChannels::default(); names.len()];
+    for (name, colour) in names.iter().zip(&mut colours) {
+        for (layer, _, place) in CHANNELS {
+            *place(colour) = floats(&mut parts, &format!("{layer}{name}"))?;
+        }
+    }
+    let mut hits = Vec::with_capacity(stops * width * height);
+    for part in &mut parts {
+        match part.channels.remove("hits") {
+            Some(Samples::U32(values)) => hits.extend(values),
+            _ => return Err("channel `hits` (UINT) is missing".into()),
+        }
+    }
+    let schlick =
+        parts[0].channels.contains_key("schlick").then(|| floats(&mut parts, "schlick")).transpose()?;
+    let [campaign, version, seed, patch_digest] =
+        TEXTS.map(|name| parts[0].text(name).unwrap_or_default().to_string());
+    let seed = seed.parse().map_err(|_| format!("gonio.seed = `{seed}` is no seed"))?;
+    Ok(BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick })
+}
+
+/// A FLOAT channel of all parts, one after the other.
+fn floats(parts: &mut [Part], name: &str) -> Reason<Vec<f32>> {
+    let mut all = Vec::new();
+    for (stop, part) in parts.iter_mut().enumerate() {
+        let Some(Samples::F32(values)) = part.channels.remove(name) else {
+            return Err(format!("stop {stop}: channel `{name}` (FLOAT) is missing"));
+        };
+        if let Some(bin) = values.iter().position(|value| !value.is_finite()) {
+            return Err(format!(
+                "stop {stop}, channel `{name}`, bin {bin}: {} is not a finite number",
+                values[bin]
+            ));
+        }
+        all.extend(values);
+    }
+    Ok(all)
+}

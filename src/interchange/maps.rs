@@ -1,0 +1,92 @@
+//! Maps of GGX parameters over a surface, as OpenSVBRDF and its kin publish them: a texel becomes a campaign.
+//!
+//! A folder with `ax_ay.exr` (R: alpha_x, G: alpha_y) and `ps.exr` (R, G, B: specular reflectance, taken as F0). Other maps
+//! of the folder (diffuse, normal, tangent) say nothing of the microsurface and are left alone.
+
+use std::path::Path;
+
+use super::Reason;
+use crate::campaign;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::files::image::{self, Part, Samples};
+
+/// The maps' files in their folder.
+pub const FILES: [&str; 2] = ["ax_ay.exr", "ps.exr"];
+
+/// Roughness and F0 by texel; row 0 is the top of the images.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Maps {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    alpha: [Vec<f32>; 2],
+    f0: [Vec<f32>; 3],
+}
+
+/// Reads the two maps of a folder.
+pub fn load(folder: &Path) -> Result<Maps> {
+    let [alpha, f0] = FILES.map(|name| folder.join(name));
+    read(&files::read(&alpha)?, &files::read(&f0)?).map_err(|why| Error::format(folder, why))
+}
+
+/// The maps in the bytes of `ax_ay.exr` and `ps.exr`, which must have one size.
+///
+/// Held by: `a_texel_becomes_a_campaign`, `damaged_maps_are_refused` (tests/interchange_maps.rs).
+pub fn read(alpha: &[u8], f0: &[u8]) -> Reason<Maps> {
+    let part = |name: &str, bytes: &[u8]| -> Reason<Part> {
+        let parts = image::decode(bytes).map_err(|why| format!("{name}: {why}"))?;
+        let [part] =
+            <[Part; 1]>::try_from(parts).map_err(|_| format!("{name}: several parts, one needed"))?;
+        Ok(part)
+    };
+    let (alpha_part, f0_part) = (part(FILES[0], alpha)?, part(FILES[1], f0)?);
+    let (width, height) = (alpha_part.width, alpha_part.height);
+    if (f0_part.width, f0_part.height) != (width, height) {
+        return Err(format!(
+            "{} is {width} x {height}, {} {} x {}: one size needed",
+            FILES[0], FILES[1], f0_part.width, f0_part.height
+        ));
+    }
+    let [x, y] = ["R", "G"].map(|name| channel(FILES[0], &alpha_part, name));
+    let [r, g, b] = ["R", "G", "B"].map(|name| channel(FILES[1], &f0_part, name));
+    Ok(Maps { width, height, alpha: [x?, y?], f0: [r?, g?, b?] })
+}
+
+fn channel(file: &str, part: &Part, name: &str) -> Reason<Vec<f32>> {
+    match part.channels.get(name) {
+        Some(Samples::F32(values)) => Ok(values.clone()),
+        Some(Samples::F16(values)) => Ok(values.iter().map(|value| value.to_f32()).collect()),
+        _ => Err(format!("{file}: no channel `{name}` of floats")),
+    }
+}
+
+impl Maps {
+    /// The campaign of a texel, as the text of its file. Equal roughnesses make a 3-D campaign, others a 4-D one.
+    ///
+    /// A texel whose values no campaign may have (roughness outside [1e-4, 10], F0 outside [0, 1], not finite) is refused.
+    pub fn campaign(&self, column: usize, row: usize) -> Reason<String> {
+        if column >= self.width || row >= self.height {
+            return Err(format!("texel {column},{row} lies outside {} x {}", self.width, self.height));
+        }
+        let at = row * self.width + column;
+        let [x, y] = [0, 1].map(|k| self.alpha[k][at]);
+        let [r, g, b] = [0, 1, 2].map(|k| self.f0[k][at]);
+        let roughness =
+            if x == y { format!("alpha = {x:?}") } else { format!("alpha_x = {x:?}\nalpha_y = {y:?}") };
+        let azimuth = if x == y {
+            "azimuth = \"relative\""
+        } else {
+            "azimuth = \"absolute\"\nphi_i_deg = { from = 0, to = 345, step = 15 }"
+        };
+        let text = format!(
+            "name = \"texel_{column}_{row}\"\nseed = 1\n\n[surface]\nrealisations = 16\ncells = 1024\n\
+             correlation_cells = 8.0\n[surface.ggx]\n{roughness}\n\n[light]\n\
+             theta_i_deg = {{ from = 0, to = 75, step = 15 }}\n{azimuth}\n\n[sensor.hemisphere]\ntheta_r_bins = 18\n\
+             phi_r_bins = 36\nbins = \"centred\"\n\n[optics]\nf0 = [{r:?}, {g:?}, {b:?}]\n\n[stop]\nsamples = 1_000_000\n"
+        );
+        let parsed = campaign::parse(&text, &format!("texel {column},{row}"), Path::new(""));
+        parsed.map(|_| text).map_err(|fault| fault.to_string().replace('\n', "; "))
+    }
+}

@@ -1,0 +1,268 @@
+//! NPZ: every array of the table for NumPy, stored in a zip without compression; comes back bit for bit.
+//!
+//! Arrays: `brdf` [theta_i, phi_i, theta_r, phi_r(, colour)] f4, `single`, `stderr`, `stderr_single` alike, `hits` u4
+//! (`schlick` f4) without colours, axes f8 in degrees, `phi_r_relative` u1, texts as u1: `campaign`, `grid` (JSON, the
+//! whole geometry), `version`, `seed`, `patch_digest`. Lists of patches or points have [stop, bin(, colour)].
+
+use std::io::{Cursor, Read, Write};
+
+use npyz::AutoSerialize;
+use zip::write::{SimpleFileOptions, StreamWriter};
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+use super::{Fail, Reason, foreign_table};
+use crate::files::npy::{self, Array, Values};
+use crate::instrument::{Grid, GridKind};
+use crate::table::{BrdfTable, ColourChannels, check_grid};
+
+/// How the values are meant.
+pub const CONVENTION: &str = "the table as it is: f4, C order, [theta_i, phi_i, theta_r, phi_r(, colour)]; BRDF in 1/sr, no \
+    cosine; bin means (array grid: the geometry as JSON); angles in degrees, mirror direction at phi_r = phi_i + 180";
+
+/// Deflate shrinks at most 1032-fold.
+const MAX_RATIO: u64 = 1032;
+/// More members than any table has.
+const MOST_MEMBERS: usize = 64;
+
+/// Lengths along the axes of a table's arrays.
+pub fn shape(grid: &Grid, colours: usize) -> Vec<usize> {
+    let product = |a: &[f64], b: &[f64]| vec![grid.theta_i_deg.len(), grid.phi_i_deg.len(), a.len(), b.len()];
+    let mut shape = match (grid.kind, grid.stops_deg.is_empty()) {
+        (GridKind::Hemisphere, true) => product(&grid.theta_r_edges_deg[1..], &grid.phi_r_edges_deg[1..]),
+        (GridKind::Arm, true) => product(&grid.theta_r_deg, &grid.phi_r_deg),
+        _ => vec![grid.stops(), grid.bins()],
+    };
+    if colours > 1 {
+        shape.push(colours);
+    }
+    shape
+}
+
+/// The colours' values side by side.
+pub fn interleaved<'a>(colours: &'a [&'a [f32]]) -> impl Iterator<Item = f32> + 'a {
+    (0..colours[0].len()).flat_map(move |pixel| colours.iter().map(move |values| values[pixel]))
+}
+
+/// The other way round.
+pub fn apart(values: &[f32], colours: usize) -> Vec<Vec<f32>> {
+    (0..colours).map(|colour| values.iter().skip(colour).step_by(colours).copied().collect()).collect()
+}
+
+/// Where a channel is read from, and where it is put.
+type Channel = fn(&ColourChannels) -> &Vec<f32>;
+type Place = fn(&mut ColourChannels) -> &mut Vec<f32>;
+
+/// The archive while it is written.
+struct Archive<W: Write> {
+    zip: ZipWriter<StreamWriter<W>>,
+}
+
+impl<W: Write> Archive<W> {
+    fn array<T: AutoSerialize>(
+        &mut self,
+        name: &str,
+        shape: &[usize],
+        values: impl Iterator<Item = T>,
+    ) -> Result<(), Fail> {
+        let bytes = shape.iter().product::<usize>() as u64 * 8;
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .large_file(bytes > u64::from(u32::MAX) / 2);
+        self.zip.start_file(format!("{name}.npy"), options).map_err(|e| Fail::Io(e.into()))?;
+        Ok(npy::encode(&mut self.zip, shape, values)?)
+    }
+
+    fn text(&mut self, name: &str, text: &str) -> Result<(), Fail> {
+        self.array(name, &[text.len()], text.bytes())
+    }
+
+    fn axis(&mut self, name: &str, values: &[f64]) -> Result<(), Fail> {
+        self.array(name, &[values.len()], values.iter().copied())
+    }
+}
+
+/// Writes every channel, array by array.
+pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
+    let mut archive = Archive { zip: ZipWriter::new_stream(out) };
+    let grid = &table.grid;
+    let shape_of = |colours: usize| shape(grid, colours);
+    let channels: [(&str, Channel); 5] = [
+        ("brdf", |c| &c.total),
+        ("single", |c| &c.single),
+        ("multiple", |c| &c.multiple),
+        ("stderr", |c| &c.stderr),
+        ("stderr_single", |c| &c.stderr_single),
+    ];
+    for (name, channel) in channels {
+        let values: Vec<&[f32]> = table.colours.iter().map(|colour| channel(colour).as_slice()).collect();
+        archive.array(name, &shape_of(values.len()), interleaved(&values))?;
+    }
+    archive.array("hits", &shape_of(1), table.hits.iter().copied())?;
+    if let Some(schlick) = &table.schlick {
+        archive.array("schlick", &shape_of(1), schlick.iter().copied())?;
+    }
+    for (name, axis) in axes(grid).into_iter().filter(|(_, axis)| !axis.is_empty()) {
+        archive.axis(name, axis)?;
+    }
+    archive.array("phi_r_relative", &[1], [u8::from(grid.phi_r_relative)].into_iter())?;
+    archive.text("grid", &serde_json::to_string(grid).map_err(|e| Fail::Refused(e.to_string()))?)?;
+    archive.text("campaign", &table.campaign)?;
+    archive.text("version", &table.version)?;
+    archive.text("seed", &table.seed.to_string())?;
+    archive.text("patch_digest", &table.patch_digest)?;
+    archive.zip.finish().map_err(|e| Fail::Io(e.into()))?;
+    Ok(())
+}
+
+fn axes(grid: &Grid) -> [(&'static str, &[f64]); 6] {
+    [
+        ("theta_i_deg", &grid.theta_i_deg),
+        ("phi_i_deg", &grid.phi_i_deg),
+        ("theta_r_edges_deg", &grid.theta_r_edges_deg),
+        ("phi_r_edges_deg", &grid.phi_r_edges_deg),
+        ("theta_r_deg", &grid.theta_r_deg),
+        ("phi_r_deg", &grid.phi_r_deg),
+    ]
+}
+
+/// An archive while it is read.
+struct Members<'a> {
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+    /// No member can hold more.
+    limit: u64,
+}
+
+impl Members<'_> {
+    fn open(bytes: &[u8]) -> Reason<Members<'_>> {
+        if bytes.is_empty() {
+            return Err("the file is empty".into());
+        }
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|e| format!("not an NPZ archive: {e}"))?;
+        if zip.len() > MOST_MEMBERS {
+            return Err(format!("{} members; a table has at most {MOST_MEMBERS}", zip.len()));
+        }
+        Ok(Members { zip, limit: MAX_RATIO.saturating_mul(bytes.len() as u64) })
+    }
+
+    fn array(&mut self, name: &str) -> Reason<Option<Array>> {
+        let file = format!("{name}.npy");
+        if self.zip.index_for_name(&file).is_none() {
+            return Ok(None);
+        }
+        let named = |e: String| format!("array `{name}`: {e}");
+        let mut member = self.zip.by_name(&file).map_err(|e| named(e.to_string()))?;
+        if member.size() > self.limit {
+            return Err(named(format!("claims {} bytes, more than the file can hold", member.size())));
+        }
+        let size = member.size();
+        let mut bytes = Vec::new();
+        // What the archive says is not believed beyond what the data give.
+        member.by_ref().take(size + 1).read_to_end(&mut bytes).map_err(|e| named(e.to_string()))?;
+        npy::decode(&bytes).map(Some).map_err(named)
+    }
+
+    fn need(&mut self, name: &str) -> Reason<Array> {
+        self.array(name)?.ok_or_else(|| format!("no array `{name}`"))
+    }
+
+    fn axis(&mut self, name: &str) -> Reason<Vec<f64>> {
+        let Some(array) = self.array(name)? else { return Ok(vec![]) };
+        match array.values {
+            Values::F64(values) => Ok(values),
+            Values::F32(values) => Ok(values.into_iter().map(f64::from).collect()),
+            _ => Err(format!("array `{name}`: floats needed")),
+        }
+    }
+
+    fn text(&mut self, name: &str) -> Reason<String> {
+        let Some(array) = self.array(name)? else { return Ok(String::new()) };
+        let Values::U8(bytes) = array.values else { return Err(format!("array `{name}`: u1 (text) needed")) };
+        String::from_utf8(bytes).map_err(|_| format!("array `{name}`: not UTF-8"))
+    }
+
+    fn grid(&mut self) -> Reason<Grid> {
+        let text = self.text("grid")?;
+        if !text.is_empty() {
+            return serde_json::from_str(&text).map_err(|e| format!("array `grid`: {e}"));
+        }
+        let mut grid = Grid {
+            theta_i_deg: self.axis("theta_i_deg")?,
+            phi_i_deg: self.axis("phi_i_deg")?,
+            theta_r_edges_deg: self.axis("theta_r_edges_deg")?,
+            phi_r_edges_deg: self.axis("phi_r_edges_deg")?,
+            ..Grid::default()
+        };
+        grid.phi_r_relative = match self.array("phi_r_relative")?.map(|array| array.values) {
+            Some(Values::U8(values)) => values.first() == Some(&1),
+            Some(_) => return Err("array `phi_r_relative`: u1 or bool needed".into()),
+            None => grid.phi_i_deg.len() <= 1,
+        };
+        if grid.phi_i_deg.is_empty() {
+            grid.phi_i_deg = vec![0.0];
+        }
+        Ok(grid)
+    }
+
+    /// A channel with one value per pixel and colour; of f8 arrays the nearest f4.
+    fn channel(&mut self, name: &str, shape: &[usize]) -> Reason<Option<Vec<f32>>> {
+        let Some(array) = self.array(name)? else { return Ok(None) };
+        if array.shape != shape {
+            return Err(format!("array `{name}` has shape {:?}, the axes make {shape:?}", array.shape));
+        }
+        let values = match array.values {
+            Values::F32(values) => values,
+            Values::F64(values) => values.into_iter().map(|v| v as f32).collect(),
+            _ => return Err(format!("array `{name}`: f4 or f8 needed")),
+        };
+        match values.iter().position(|value| !value.is_finite()) {
+            Some(at) => Err(format!("array `{name}`, value {at}: {} is not a finite number", values[at])),
+            None => Ok(Some(values)),
+        }
+    }
+}
+
+/// The table of an archive. Needed are `brdf` and the axes (or `grid`); what is left out is "not available".
+///
+/// Held by: `npz_comes_back_bit_for_bit`, `damaged_archives_are_refused` (tests/interchange_arrays.rs).
+pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    let mut members = Members::open(bytes)?;
+    let grid = members.grid()?;
+    check_grid(&grid)?;
+    let colours = match members.need("brdf")?.shape.len() as isize - shape(&grid, 1).len() as isize {
+        0 => 1,
+        1 => 3,
+        _ => return Err("array `brdf` has neither the table's axes nor one more for the colour".into()),
+    };
+    let wanted = shape(&grid, colours);
+    let total = members.channel("brdf", &wanted)?.ok_or("no array `brdf`")?;
+    let mut table = foreign_table(grid, apart(&total, colours))?;
+    let channels: [(&str, Place); 4] = [
+        ("single", |c| &mut c.single),
+        ("multiple", |c| &mut c.multiple),
+        ("stderr", |c| &mut c.stderr),
+        ("stderr_single", |c| &mut c.stderr_single),
+    ];
+    for (name, place) in channels {
+        if let Some(values) = members.channel(name, &wanted)? {
+            let channels = table.colours.iter_mut().zip(apart(&values, colours));
+            channels.for_each(|(colour, values)| *place(colour) = values);
+        }
+    }
+    let plain = shape(&table.grid, 1);
+    if let Some(array) = members.array("hits")? {
+        match array.values {
+            Values::U32(hits) if array.shape == plain => table.hits = hits,
+            _ => return Err(format!("array `hits`: u4 of shape {plain:?} needed")),
+        }
+    }
+    table.schlick = members.channel("schlick", &plain)?;
+    table.campaign = members.text("campaign")?;
+    table.patch_digest = members.text("patch_digest")?;
+    let version = members.text("version")?;
+    table.version = if version.is_empty() { table.version } else { version };
+    let seed = members.text("seed")?;
+    if !seed.is_empty() {
+        table.seed = seed.parse().map_err(|_| format!("array `seed`: `{seed}` is no seed"))?;
+    }
+    Ok(table)
+}

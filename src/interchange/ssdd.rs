@@ -1,0 +1,132 @@
+//! SSDD 0.2: an open text form of a 3-D or 4-D table over four lists of angles in degrees.
+//!
+//! `KEY value` lines, `PARAM0_LIST` .. `PARAM3_LIST` (theta_i, phi_i, theta_o, phi_o), `DATA ascii`, then one colour a
+//! line, theta_i fastest, phi_o slowest. Source: the SSDD 0.2 specification.
+
+use std::io::Write;
+
+use super::lookup::{bin_axes, stop_axes};
+use super::{Fail, Reason, foreign_table};
+use crate::instrument::{Grid, GridKind};
+use crate::table::{BrdfTable, check_grid};
+
+/// How the values are meant.
+pub const CONVENTION: &str = "spherical coordinates in degrees (theta_i, phi_i, theta_o, phi_o), phi_o = phi_i + 180 is the \
+    mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
+
+/// Writes the totals of a table whose stops and bins are products of angles.
+pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
+    let grid = &table.grid;
+    if grid.phi_r_relative && grid.phi_i_deg.len() > 1 {
+        return Err("phi_r counts from the light at several azimuths; SSDD has absolute ones"
+            .to_string()
+            .into());
+    }
+    let ((theta_i, phi_i), (theta_r, phi_r)) = (stop_axes(grid)?, bin_axes(grid)?);
+    if theta_r.iter().any(|&theta| theta < 0.0) {
+        return Err("an arm with negative polar angles has no list of spherical angles".to_string().into());
+    }
+    let model = if table.colours.len() == 1 { "monochrome" } else { "rgb" };
+    writeln!(
+        out,
+        "VERSION 0.2\nDATA_TYPE brdf\nCOLOR_MODEL {model}\nPARAM_TYPE spherical_coordinate_system"
+    )?;
+    for (k, list) in [&theta_i, &phi_i, &theta_r, &phi_r].into_iter().enumerate() {
+        let list: Vec<String> = list.iter().map(f64::to_string).collect();
+        writeln!(out, "PARAM{k}_LIST {}", list.join(" "))?;
+    }
+    writeln!(out, "SOURCE_TYPE generated\nDATA ascii")?;
+    let bins = theta_r.len() * phi_r.len();
+    for pr in 0..phi_r.len() {
+        for tr in 0..theta_r.len() {
+            for pi in 0..phi_i.len() {
+                for ti in 0..theta_i.len() {
+                    let at = (ti * phi_i.len() + pi) * bins + tr * phi_r.len() + pr;
+                    let values: Vec<String> = table.colours.iter().map(|c| c.total[at].to_string()).collect();
+                    writeln!(out, "{}", values.join(" "))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The table of points of an ASCII file in spherical coordinates; negative values become 0.
+///
+/// Held by: `ssdd_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs).
+pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    let text = std::str::from_utf8(bytes).map_err(|_| "not a text in UTF-8: only `DATA ascii` is read")?;
+    let mut lines =
+        text.lines().enumerate().map(|(k, line)| (k + 1, line.trim())).filter(|(_, line)| !line.is_empty());
+    if lines.next().is_none_or(|(_, line)| !line.starts_with("VERSION ")) {
+        return Err("no VERSION line: not an SSDD file".into());
+    }
+    let mut lists: [Vec<f64>; 4] = Default::default();
+    let mut colours = 0;
+    loop {
+        let Some((number, line)) = lines.next() else { return Err("no DATA line".into()) };
+        let (key, value) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let needs = |wanted: &str| {
+            if value == wanted { Ok(()) } else { Err(format!("line {number}: {key} {wanted} needed")) }
+        };
+        match key {
+            "DATA" => break needs("ascii")?,
+            "DATA_TYPE" => needs("brdf")?,
+            "PARAM_TYPE" => needs("spherical_coordinate_system")?,
+            "REDUCTION_TYPE" => return Err(format!("line {number}: reduced tables are not read")),
+            "COLOR_MODEL" if value == "monochrome" => colours = 1,
+            "COLOR_MODEL" if value == "rgb" => colours = 3,
+            "COLOR_MODEL" => return Err(format!("line {number}: COLOR_MODEL monochrome or rgb needed")),
+            _ => {
+                let list = key.strip_prefix("PARAM").and_then(|rest| rest.strip_suffix("_LIST"));
+                if let Some(k) = list.and_then(|k| k.parse::<usize>().ok()).filter(|&k| k < 4) {
+                    let angles = value.split_whitespace().map(str::parse).collect::<Result<_, _>>();
+                    lists[k] = angles.map_err(|_| format!("line {number}: {key}: numbers needed"))?;
+                }
+            }
+        }
+    }
+    if lists[1].is_empty() {
+        lists[1] = vec![0.0];
+    }
+    let [theta_i_deg, phi_i_deg, theta_r, phi_r] = lists;
+    let points_deg = theta_r.iter().flat_map(|&t| phi_r.iter().map(move |&p| [t, p])).collect();
+    let relative = phi_i_deg.len() == 1;
+    let grid = Grid {
+        kind: GridKind::Points,
+        theta_i_deg,
+        phi_i_deg,
+        phi_r_relative: relative,
+        points_deg,
+        ..Grid::default()
+    };
+    let (stops, bins) = check_grid(&grid)?;
+    let pixels = stops.checked_mul(bins).filter(|&pixels| pixels <= bytes.len());
+    let pixels =
+        pixels.ok_or_else(|| format!("{stops} stops of {bins} directions: more than the file holds"))?;
+    let mut total = vec![vec![0.0f32; pixels]; colours];
+    let (thetas, phis, columns) = (grid.theta_i_deg.len(), grid.phi_i_deg.len(), phi_r.len());
+    let mut count = 0;
+    for (number, line) in lines {
+        let values: Vec<f32> = line
+            .split_whitespace()
+            .map(str::parse)
+            .collect::<Result<_, _>>()
+            .map_err(|_| format!("line {number}: no number"))?;
+        if values.len() != colours || count == pixels {
+            return Err(format!("line {number}: {pixels} lines of {colours} values needed"));
+        }
+        let (ti, pi, rest) = (count % thetas, count / thetas % phis, count / (thetas * phis));
+        let (tr, pr) = (rest % theta_r.len(), rest / theta_r.len());
+        let at = (ti * phis + pi) * bins + tr * columns + pr;
+        total
+            .iter_mut()
+            .zip(values)
+            .for_each(|(total, value)| total[at] = if value < 0.0 { 0.0 } else { value });
+        count += 1;
+    }
+    if count != pixels {
+        return Err(format!("{count} lines of values, {pixels} needed"));
+    }
+    foreign_table(grid, total)
+}

@@ -1,0 +1,304 @@
+//! Radiance XML with a tensor tree: cells of equal projected solid angle, divided where the BRDF changes.
+//!
+//! Coordinates in [0, 1]: rank 4 (anisotropic) the Shirley-Chiu squares of (-wi.x, -wi.y) and (wo.x, wo.y); rank 3
+//! (isotropic) 0.5 - 0.5 sin theta_i and the square of wo turned so that -wi lies on +x. Text: a branch holds 2^rank
+//! groups, bit k of the number is the half of axis k; a leaf holds a grid of values, the last axis fastest.
+//! Source: Radiance's bsdf_t.c.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::fmt::Write;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::radiance_xml::{self, short};
+use super::{Brdf, Colour, Lookup, Reason};
+use crate::sphere;
+
+/// How the values are meant.
+pub const CONVENTION: &str = "tensor tree on Shirley-Chiu squares, BRDF in 1/sr, no cosine, constant in each cell; \
+    Reflection Back is the +z side; incident coordinates are those of -wi; Visible only";
+
+/// Levels that are divided whatever the values, and the last, by rank.
+const LEVELS: [(usize, usize); 2] = [(4, 7), (3, 5)];
+/// A cell is divided where its values spread by more than this share of their mean plus this much, 1/sr.
+const SPREAD: (f64, f64) = (0.02, 0.002);
+/// Deeper than any file.
+const DEEPEST: usize = 16;
+
+/// A group of the tree.
+#[derive(Debug, Clone, PartialEq)]
+enum Tree {
+    /// 2^rank children.
+    Branch(Vec<Tree>),
+    /// A grid with so many cells a side.
+    Leaf(usize, Vec<f32>),
+}
+
+/// The square's point of a point of the unit disc.
+fn square(x: f64, y: f64) -> [f64; 2] {
+    let (r, mut phi) = (x.hypot(y), y.atan2(x));
+    if phi < -FRAC_PI_4 {
+        phi += 2.0 * PI;
+    }
+    let (a, b) = if phi < FRAC_PI_4 {
+        (r, phi * r / FRAC_PI_4)
+    } else if phi < 3.0 * FRAC_PI_4 {
+        (-(phi - FRAC_PI_2) * r / FRAC_PI_4, r)
+    } else if phi < 5.0 * FRAC_PI_4 {
+        (-r, -(phi - PI) * r / FRAC_PI_4)
+    } else {
+        ((phi - 1.5 * PI) * r / FRAC_PI_4, -r)
+    };
+    [0.5 * a + 0.5, 0.5 * b + 0.5]
+}
+
+/// The disc's point of a point of the square.
+fn disc([x, y]: [f64; 2]) -> (f64, f64) {
+    let (a, b) = (2.0 * x - 1.0, 2.0 * y - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return (0.0, 0.0);
+    }
+    let (r, phi) =
+        if a.abs() > b.abs() { (a, FRAC_PI_4 * b / a) } else { (b, FRAC_PI_2 - FRAC_PI_4 * a / b) };
+    (r * phi.cos(), r * phi.sin())
+}
+
+fn above(x: f64, y: f64) -> DVec3 {
+    DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
+}
+
+/// The directions of a point; none for the unused half of rank 3.
+fn directions(rank: usize, at: &[f64; 4]) -> Option<(DVec3, DVec3)> {
+    if rank == 4 {
+        let (to, out) = (disc([at[0], at[1]]), disc([at[2], at[3]]));
+        return Some((above(-to.0, -to.1), above(out.0, out.1)));
+    }
+    let sin = 1.0 - 2.0 * at[0];
+    let out = disc([at[1], at[2]]);
+    (sin > 0.0).then(|| (above(-sin, 0.0), above(out.0, out.1)))
+}
+
+/// The point of a pair of directions.
+fn coordinates(rank: usize, wi: DVec3, wo: DVec3) -> [f64; 4] {
+    if rank == 4 {
+        let (to, out) = (square(-wi.x, -wi.y), square(wo.x, wo.y));
+        return [to[0], to[1], out[0], out[1]];
+    }
+    let sin = wi.x.hypot(wi.y);
+    let turned = if sin > 0.0 { sphere::turned(wo, (wi.y / sin, -wi.x / sin)) } else { wo };
+    let out = square(turned.x, turned.y);
+    [0.5 - 0.5 * sin, out[0], out[1], 0.0]
+}
+
+/// Builds the cells of a function.
+struct Builder<'a> {
+    lookup: &'a Lookup,
+    rank: usize,
+}
+
+impl Builder<'_> {
+    /// Values in the middles of a cell's 2^rank parts, in the order of branches.
+    fn parts(&self, corner: &[f64; 4], side: f64) -> Vec<f64> {
+        let value = |part: usize| {
+            let at = std::array::from_fn(|k| corner[k] + side * (0.25 + 0.5 * ((part >> k) & 1) as f64));
+            directions(self.rank, &at).map_or(0.0, |(wi, wo)| {
+                if wi.z > 0.0 && wo.z > 0.0 { self.lookup.brdf(wi, wo)[0] } else { 0.0 }
+            })
+        };
+        (0..1 << self.rank).map(value).collect()
+    }
+
+    /// A cell whose middle has the value `centre`, which is all that the last level looks at.
+    fn cell(&self, corner: [f64; 4], level: usize, centre: f64) -> Tree {
+        let (first, last) = LEVELS[self.rank - 3];
+        if level >= last {
+            return Tree::Leaf(1, vec![centre as f32]);
+        }
+        let side = 0.5f64.powi(level as i32);
+        let parts = self.parts(&corner, side);
+        let mean = parts.iter().sum::<f64>() / parts.len() as f64;
+        let (least, most) = parts.iter().fold((f64::MAX, 0.0f64), |(a, b), &v| (a.min(v), b.max(v)));
+        if level >= first && most - least <= SPREAD.0 * mean + SPREAD.1 {
+            return Tree::Leaf(1, vec![mean as f32]);
+        }
+        let child = |part: usize| {
+            let at = std::array::from_fn(|k| corner[k] + 0.5 * side * ((part >> k) & 1) as f64);
+            self.cell(at, level + 1, parts[part])
+        };
+        let count = 1 << self.rank;
+        let children: Vec<Tree> = if level < 2 {
+            (0..count).into_par_iter().map(child).collect()
+        } else {
+            (0..count).map(child).collect()
+        };
+        self.joined(children)
+    }
+
+    /// Children that are all single values become one grid; where they are equal, one value.
+    fn joined(&self, children: Vec<Tree>) -> Tree {
+        let single = |child: &Tree| match child {
+            Tree::Leaf(1, values) => Some(values[0]),
+            _ => None,
+        };
+        let Some(values) = children.iter().map(single).collect::<Option<Vec<f32>>>() else {
+            return Tree::Branch(children);
+        };
+        if values.iter().all(|&value| value == values[0]) {
+            return Tree::Leaf(1, vec![values[0]]);
+        }
+        // In a grid the last axis runs fastest, in a branch the first.
+        let reversed =
+            |k: usize| (0..self.rank).fold(0, |part, bit| part | ((k >> bit) & 1) << (self.rank - 1 - bit));
+        Tree::Leaf(2, (0..values.len()).map(|k| values[reversed(k)]).collect())
+    }
+}
+
+/// The text of a file of a table with one colour: rank 3 where it is isotropic, else 4.
+pub fn write(lookup: &Lookup) -> String {
+    let rank = if lookup.is_isotropic() { 3 } else { 4 };
+    let tree = Builder { lookup, rank }.cell([0.0; 4], 0, 0.0);
+    let mut data = String::new();
+    print(&tree, &mut data);
+    data.push('\n');
+    let basis = "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>\n";
+    radiance_xml::write(&format!("TensorTree{rank}"), "", basis, &data)
+}
+
+fn print(tree: &Tree, out: &mut String) {
+    out.push('{');
+    match tree {
+        Tree::Branch(children) => {
+            for child in children {
+                print(child, out);
+                out.push('\n');
+            }
+        }
+        Tree::Leaf(_, values) => {
+            for value in values {
+                // Writing into a String does not fail.
+                let _written = write!(out, " {value:.6e}");
+            }
+            out.push(' ');
+        }
+    }
+    out.push('}');
+}
+
+/// A file as a function: constant in each cell.
+pub struct TensorTree {
+    rank: usize,
+    tree: Tree,
+}
+
+impl TensorTree {
+    /// Whether the file has rank 3.
+    pub fn is_isotropic(&self) -> bool {
+        self.rank == 3
+    }
+}
+
+/// Reads a file; negative values become 0, as Radiance has it.
+pub fn read(bytes: &[u8]) -> Reason<TensorTree> {
+    let document = radiance_xml::read(bytes)?;
+    let rank = match document.structure.as_str() {
+        "TensorTree3" => 3,
+        "TensorTree4" => 4,
+        other => {
+            return Err(format!(
+                "IncidentDataStructure {:?}: TensorTree3 or TensorTree4 needed",
+                short(other)
+            ));
+        }
+    };
+    let mut parser = Parser { rest: document.reflection()?.data.trim_start(), rank };
+    let tree = parser.group(0)?;
+    if !parser.rest.trim().is_empty() {
+        return Err(format!("{:?} stands behind the tree", short(parser.rest.trim())));
+    }
+    Ok(TensorTree { rank, tree })
+}
+
+struct Parser<'a> {
+    rest: &'a str,
+    rank: usize,
+}
+
+impl Parser<'_> {
+    /// A group from its brace to its brace.
+    fn group(&mut self, depth: usize) -> Reason<Tree> {
+        if depth > DEEPEST {
+            return Err(format!("branches {DEEPEST} deep: no such tree is"));
+        }
+        self.rest = self.rest.strip_prefix('{').ok_or("a brace is missing in the tree")?.trim_start();
+        if self.rest.starts_with('{') {
+            let children =
+                (0..1 << self.rank).map(|_| self.group(depth + 1)).collect::<Reason<Vec<Tree>>>()?;
+            self.close()?;
+            return Ok(Tree::Branch(children));
+        }
+        let end = self.rest.find(['{', '}']).ok_or("the tree is cut off")?;
+        let cells =
+            self.rest[..end].split(|c: char| c == ',' || c.is_whitespace()).filter(|cell| !cell.is_empty());
+        let value = |cell: &str| match cell.parse::<f32>() {
+            Ok(value) if value.is_finite() => Ok(value.max(0.0)),
+            _ => Err(format!("{:?} is no finite number", short(cell))),
+        };
+        let values = cells.map(value).collect::<Reason<Vec<f32>>>()?;
+        self.rest = &self.rest[end..];
+        self.close()?;
+        let side =
+            (0..12).map(|k| 1usize << k).find(|side| side.pow(self.rank as u32) >= values.len()).unwrap_or(0);
+        if values.is_empty() || side.checked_pow(self.rank as u32) != Some(values.len()) {
+            return Err(format!("a leaf of {} values; 2^({} k) needed", values.len(), self.rank));
+        }
+        Ok(Tree::Leaf(side, values))
+    }
+
+    fn close(&mut self) -> Reason<()> {
+        self.rest = self.rest.strip_prefix('}').ok_or("a group has too many values or no end")?.trim_start();
+        Ok(())
+    }
+}
+
+impl Brdf for TensorTree {
+    fn colours(&self) -> usize {
+        1
+    }
+
+    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
+        let mut at = coordinates(self.rank, wi, wo);
+        let mut tree = &self.tree;
+        while let Tree::Branch(children) = tree {
+            let mut part = 0;
+            for (k, x) in at.iter_mut().take(self.rank).enumerate() {
+                let upper = *x >= 0.5;
+                part |= usize::from(upper) << k;
+                *x = 2.0 * *x - if upper { 1.0 } else { 0.0 };
+            }
+            tree = &children[part];
+        }
+        let Tree::Leaf(side, values) = tree else { return [0.0; 3] };
+        let index = |x: f64| ((x * *side as f64) as usize).min(side - 1);
+        let cell = at.iter().take(self.rank).fold(0, |cell, &x| cell * side + index(x));
+        [f64::from(values[cell]); 3]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_and_coordinates_agree() {
+        for (rank, at) in [(4, [0.1, 0.7, 0.9, 0.3]), (4, [0.5, 0.2, 0.45, 0.8]), (3, [0.3, 0.6, 0.1, 0.0])] {
+            let (wi, wo) = directions(rank, &at).expect("used");
+            let found = coordinates(rank, wi, wo);
+            // A few operations on numbers of order 1, and a square root near the disc's edge.
+            assert!(found.iter().zip(at).all(|(f, w)| (f - w).abs() < 1e-12), "{found:?}");
+        }
+        // The corners of the published map: +x is the middle of the right side.
+        assert_eq!(square(1.0, 0.0), [1.0, 0.5]);
+        assert!((square(0.0, -0.5)[0] - 0.5).abs() < 1e-15 && (square(0.0, -0.5)[1] - 0.25).abs() < 1e-15);
+    }
+}

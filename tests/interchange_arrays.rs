@@ -1,0 +1,170 @@
+//! Promise: NPZ comes back bit for bit, NPY and CSV hold what they say, and damaged files are refused in one line.
+
+#[path = "common/analytic.rs"]
+mod analytic;
+#[path = "common/mutations.rs"]
+mod mutations;
+
+use std::path::Path;
+
+use analytic::{Ggx, hemisphere, measured_looking, points, steps, table};
+use gonio::error::Error;
+use gonio::files::npy::{self, Values};
+use gonio::instrument::{Grid, GridKind};
+use gonio::interchange::{self, Format, Options, csv, npz};
+use gonio::table::{BrdfTable, store};
+
+fn npz_of(table: &BrdfTable) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    npz::write(table, &mut bytes).expect("written");
+    bytes
+}
+
+fn small(colours: usize) -> BrdfTable {
+    let mut ggx = Ggx::new(0.3, 0.5);
+    ggx.tint = vec![1.0, 0.5, 0.25][..colours].to_vec();
+    measured_looking(&ggx, &hemisphere(vec![0.0, 40.0], Some(steps(90.0, 4)), 3, 4))
+}
+
+#[test]
+fn npz_comes_back_bit_for_bit() {
+    let mut with_schlick = small(1);
+    with_schlick.schlick = Some(with_schlick.colours[0].multiple.clone());
+    let listed =
+        measured_looking(&Ggx::new(0.3, 0.3), &points(vec![10.0], vec![0.0], &[0.0, 30.0], &[0.0, 90.0]));
+    let patches = Grid {
+        kind: GridKind::Patches,
+        stops_deg: vec![[0.0, 0.0], [30.0, 10.0]],
+        patches_deg: vec![[0.0, 45.0, 0.0, 360.0], [45.0, 90.0, -5.0, 355.0]],
+        ..Grid::default()
+    };
+    let patches = measured_looking(&Ggx::new(0.3, 0.3), &patches);
+    for wanted in [small(1), small(3), with_schlick, listed, patches] {
+        let found = npz::read(&npz_of(&wanted)).expect("readable");
+        assert!(found == wanted);
+    }
+}
+
+#[test]
+fn the_members_of_an_npz_are_stored_arrays_that_numpy_reads() {
+    let table = small(3);
+    let bytes = npz_of(&table);
+    let mut zip = zip::ZipArchive::new(std::io::Cursor::new(&bytes)).expect("a zip");
+    let mut member = |name: &str| {
+        let mut bytes = Vec::new();
+        std::io::Read::read_to_end(&mut zip.by_name(name).expect("there"), &mut bytes).expect("readable");
+        bytes
+    };
+    let brdf = member("brdf.npy");
+    // Version 1.0, a header that ends at a multiple of 64 with a line feed, C order, little-endian f4.
+    assert_eq!(&brdf[..8], b"\x93NUMPY\x01\x00");
+    let length = usize::from(u16::from_le_bytes([brdf[8], brdf[9]]));
+    assert!((10 + length).is_multiple_of(64) && brdf[9 + length] == b'\n');
+    let header = String::from_utf8_lossy(&brdf[10..10 + length]).replace(' ', "");
+    for word in ["'descr':'<f4'", "'fortran_order':False", "'shape':(2,4,3,4,3"] {
+        assert!(header.contains(word), "{header}");
+    }
+    assert_eq!(brdf.len(), 10 + length + 4 * 2 * 4 * 3 * 4 * 3);
+    // Stop 1 (theta_i 0, phi_i 90), bin (row 2, column 1), green.
+    let at = ((12 + 2 * 4 + 1) * 3 + 1) * 4 + 10 + length;
+    let value = f32::from_le_bytes([brdf[at], brdf[at + 1], brdf[at + 2], brdf[at + 3]]);
+    assert_eq!(value, table.colours[1].total[12 + 2 * 4 + 1]);
+    let edges = npy::decode(&member("phi_r_edges_deg.npy")).expect("an array");
+    assert_eq!((edges.shape, edges.values), (vec![5], Values::F64(table.grid.phi_r_edges_deg.clone())));
+}
+
+#[test]
+fn csv_comes_back() {
+    let table = small(3);
+    let mut bytes = Vec::new();
+    csv::write(&table, &mut bytes).expect("written");
+    let text = String::from_utf8(bytes.clone()).expect("text");
+    let mut lines = text.lines();
+    let heading = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,projected_solid_angle,R,G,B,stderr.R,stderr.G,stderr.B,hits";
+    assert_eq!(lines.next(), Some(heading));
+    assert!(
+        lines.next().expect("a line").starts_with("0,0,15,45,0.19634954084936"),
+        "pi/16 is the bin's size: {text}"
+    );
+    let found = csv::read(&bytes).expect("readable");
+    assert_eq!(found.grid.kind, GridKind::Points);
+    assert_eq!(found.grid.theta_i_deg, table.grid.theta_i_deg);
+    assert_eq!(found.grid.points_deg[5], [45.0, 135.0]);
+    for (found, wanted) in found.colours.iter().zip(&table.colours) {
+        assert_eq!(found.total, wanted.total);
+    }
+}
+
+#[test]
+fn damaged_lines_are_refused() {
+    let reason = |text: &str| csv::read(text.as_bytes()).expect_err("must be refused");
+    let head = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,Y\n";
+    assert!(reason("").contains("theta_i_deg"));
+    assert!(reason("theta_i_deg,phi_i_deg,theta_r_deg,Y\n1,2,3,4\n").contains("no column `phi_r_deg`"));
+    assert!(reason(&format!("{head}1,2,3,4,nan\n")).contains("line 2: NaN is not finite"));
+    assert!(reason(&format!("{head}1,2,3,4\n")).contains("line"));
+    assert!(reason(&format!("{head}1,2,3,4,5\n1,2,3,4,6\n")).contains("do not make"));
+    assert!(reason(&format!("{head}1,2,3,4,-5\n")).contains("no BRDF value"));
+    assert!(reason(&format!("{head}1,2,95,4,5\n")).contains("outside"));
+    let crlf =
+        csv::read(b"theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,Y\r\n\"1\",2, 3,4,5\r\n").expect("quoted");
+    assert_eq!(crlf.colours[0].total, [5.0]);
+    let mut good = Vec::new();
+    csv::write(&table(&Ggx::new(0.3, 0.3), &hemisphere(vec![0.0, 40.0], None, 2, 2)), &mut good)
+        .expect("written");
+    let refused = mutations::survives(&good, 100_000, csv::read);
+    assert!(refused > 20_000, "{refused}");
+}
+
+#[test]
+fn damaged_archives_are_refused() {
+    let good = npz_of(&table(&Ggx::new(0.3, 0.3), &hemisphere(vec![0.0], None, 2, 2)));
+    assert!(npz::read(&good).is_ok());
+    let refused = mutations::survives(&good, 100_000, npz::read);
+    // A third of the changes cut the archive off; most others break a checksum or a header.
+    assert!(refused > 50_000, "{refused}");
+}
+
+#[test]
+fn nan_and_negative_values_are_refused() {
+    let grid = hemisphere(vec![0.0], None, 1, 2);
+    for bad in [f32::NAN, f32::INFINITY, -1e-9] {
+        let reason = interchange::foreign_table(grid.clone(), vec![vec![1.0, bad]]).expect_err("refused");
+        assert!(reason.contains("stop 0, bin 1"), "{reason}");
+    }
+    assert!(interchange::foreign_table(grid, vec![vec![1.0]]).is_err());
+}
+
+#[test]
+fn an_export_says_how_far_it_is_and_refuses_what_it_cannot_hold() {
+    let folder = tempfile::tempdir().expect("folder");
+    let table = small(3);
+    for format in ["npz", "npy", "csv"] {
+        let path = folder.path().join(format);
+        let format: Format = format.parse().expect("known");
+        let export = interchange::export(&table, format, &Options::default(), &path).expect("written");
+        let back = export.read_back.expect("not all zero");
+        // f32 as the shortest decimals come back exactly.
+        assert_eq!((back.l1, back.worst), (0.0, 0.0), "{format:?}");
+        assert!(export.convention.contains("cosine"));
+    }
+    let path = folder.path().join("no.binary");
+    let refused =
+        interchange::export(&table, Format::Merl, &Options::default(), &path).expect_err("anisotropic");
+    assert!(matches!(&refused, Error::Refused(why) if why.contains("anisotropic")), "{refused}");
+    assert!(!path.exists());
+    assert!("mrel".parse::<Format>().expect_err("unknown").contains("merl"));
+}
+
+#[test]
+fn an_imported_table_is_a_table() {
+    let folder = tempfile::tempdir().expect("folder");
+    let (path, exr) = (folder.path().join("t.npz"), folder.path().join("t.exr"));
+    std::fs::write(&path, npz_of(&small(1))).expect("written");
+    let (found, _) = interchange::import(&path, Format::Npz, &Options::default(), None).expect("read");
+    store::save(&exr, &found).expect("saved");
+    assert!(store::load(Path::new(&exr)).expect("loaded").table == small(1));
+    std::fs::write(&path, b"GIF89a").expect("written");
+    let wrong = interchange::import(&path, Format::Npz, &Options::default(), None).expect_err("mislabelled");
+    assert!(matches!(wrong, Error::Format { .. }) && wrong.to_string().contains("t.npz"), "{wrong}");
+}
