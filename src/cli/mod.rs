@@ -19,6 +19,7 @@ mod measure;
 mod output;
 mod plan_text;
 mod progress;
+mod report;
 mod resolution_text;
 mod scene;
 mod study;
@@ -55,6 +56,7 @@ enum Verb {
     Fit(fit::Arguments),
     Study(study::Arguments),
     Bench(bench::Arguments),
+    Report(report::Arguments),
 }
 
 impl Verb {
@@ -65,7 +67,7 @@ impl Verb {
             Verb::Measure(arguments) => arguments.threads,
             Verb::Bench(arguments) => arguments.threads,
             Verb::Study(arguments) => arguments.threads,
-            Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) => 0,
+            Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) | Verb::Report(_) => 0,
         }
     }
 
@@ -79,6 +81,7 @@ impl Verb {
             Verb::Fit(arguments) => fit::run(arguments),
             Verb::Study(arguments) => study::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
+            Verb::Report(arguments) => report::run(arguments),
         }
     }
 }
