@@ -41,9 +41,7 @@ fn table(values: [f32; 2], stderr: [f32; 2]) -> BrdfTable {
         phi_r_relative: true,
         theta_r_edges_deg: vec![0.0, 30.0, 90.0],
         phi_r_edges_deg: vec![0.0, 360.0],
-        theta_r_deg: vec![],
-        phi_r_deg: vec![],
-        aperture_deg: None,
+        ..Grid::default()
     };
     let channels = ColourChannels {
         total: values.to_vec(),

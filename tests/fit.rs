@@ -30,9 +30,7 @@ fn grid(theta_i_deg: &[f64], phi_i_deg: &[f64], relative: bool) -> Grid {
         phi_r_relative: relative,
         theta_r_edges_deg: edges(12, 90.0, 0.0),
         phi_r_edges_deg: edges(24, 360.0, -7.5),
-        theta_r_deg: vec![],
-        phi_r_deg: vec![],
-        aperture_deg: None,
+        ..Grid::default()
     }
 }
 

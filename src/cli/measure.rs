@@ -8,22 +8,26 @@ use serde_json::Value;
 use super::output::{self, Output, duration, grouped, json_text, say, warn, with_error};
 use super::plan_text;
 use super::progress::Progress;
+use super::report::{Sources, page_of};
 use super::targets::{self, Target};
 use crate::campaign::{self, Campaign, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::measure::{self, Cost, Measured, Patches, Plan, StopResult, StoppedBy};
 use crate::report::summary::summary;
+use crate::report::{Scene, specimen, terminal};
 use crate::stats;
 use crate::table::realisations::{self, Kept};
 use crate::table::store;
-use crate::validate::{self, Verdict};
+use crate::validate::{self, Prediction, Verdict};
 
 /// Measure a campaign: table, realisations, summary and report
 #[derive(Args)]
-#[command(after_help = "Writes <name>.exr, <name>.realisations.exr and, last, <name>.json to the folder;\n\
-    several roughnesses give one set each, <name>_alpha_<value>.\n\n\
-    Example: gonio measure configs/quickstart.toml --threads 2")]
+#[command(
+    after_help = "Writes <name>.exr, <name>.realisations.exr, <name>.html (the page to look at) and, last,\n\
+    <name>.json to the folder; several roughnesses give one set each, <name>_alpha_<value>.\n\n\
+    Example: gonio measure configs/quickstart.toml --threads 2"
+)]
 pub struct Arguments {
     /// The campaign, a TOML file
     campaign: PathBuf,
@@ -104,19 +108,26 @@ fn measure_all(campaign: &Campaign, open: &[&Target], arguments: &Arguments, out
     let (results, cost) = measure::measure(campaign, &plan, &patches, &|starts| progress.add(starts))?;
     progress.finish();
     for (measured, target) in results.iter().zip(open) {
-        let verdict = validate::examine(&measured.table, &measured.campaign, Some(&measured.realisations));
+        let Measured { table, campaign, .. } = measured;
+        let prediction = Prediction::of(campaign, &table.grid);
+        let verdict =
+            validate::examine_against(table, campaign, Some(&measured.realisations), prediction.as_ref());
         let document = summary(measured, &plan, &cost, &verdict);
-        let kept = write(measured, &document, target)?;
+        let specimen = specimen::of_patches(&patches, campaign)?;
+        let sources = Sources { table, campaign: Some(campaign), prediction: prediction.as_ref(), specimen };
+        let page = page_of(sources, &document, None);
+        let kept = write(measured, &document, &page, target)?;
         verdict.failures.iter().for_each(warn);
         if !json {
             report(out, measured, &plan, &verdict)?;
+            out.lines(lobes(measured, prediction.as_ref()))?;
             out.lines(files_written(target, kept))?;
         }
     }
     if json { Ok(()) } else { out.lines(cost_lines(&cost)) }
 }
 
-fn write(measured: &Measured, summary: &Value, target: &Target) -> Result<Kept> {
+fn write(measured: &Measured, summary: &Value, page: &str, target: &Target) -> Result<Kept> {
     // Without its summary a table counts as unfinished, whatever happens from here on.
     targets::remove(&target.summary)?;
     store::save(&target.table, &measured.table)?;
@@ -125,6 +136,7 @@ fn write(measured: &Measured, summary: &Value, target: &Target) -> Result<Kept> 
     if kept == Kept::Nothing {
         targets::remove(&target.realisations)?;
     }
+    files::write_atomically(&target.page, page.as_bytes())?;
     files::write_atomically(&target.summary, format!("{}\n", json_text(summary)?).as_bytes())?;
     Ok(kept)
 }
@@ -132,6 +144,18 @@ fn write(measured: &Measured, summary: &Value, target: &Target) -> Result<Kept> 
 fn read_summary(path: &Path) -> Result<Value> {
     let bytes = files::read(path)?;
     serde_json::from_slice(&bytes).map_err(|e| Error::format(path, format!("is no summary: {e}")))
+}
+
+/// The lobe in the plane of incidence, for the eye.
+fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
+    let campaign = &measured.campaign;
+    let realisations = campaign.surface.realisations as usize;
+    let scene = Scene { table: &measured.table, prediction, realisations };
+    let masking = prediction.and_then(|prediction| {
+        prediction.model.maskings().iter().position(|name| *name == validate::expect::masking(campaign))
+    });
+    let lines = terminal::lobes(&scene, masking.unwrap_or(0));
+    if lines.is_empty() { lines } else { [vec![String::new()], lines].concat() }
 }
 
 /// Albedos of every stop, and the verdict.
@@ -221,7 +245,8 @@ fn files_written(target: &Target, kept: Kept) -> Vec<String> {
         }
         Kept::Nothing => format!("{:<14}left out: they would exceed {limit} MB", "realisations"),
     };
-    vec![String::new(), line("table", &target.table), realisations, line("summary", &target.summary)]
+    let summary = line("summary", &target.summary);
+    vec![String::new(), line("table", &target.table), realisations, summary, line("report", &target.page)]
 }
 
 fn cost_lines(cost: &Cost) -> [String; 2] {

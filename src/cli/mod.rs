@@ -21,6 +21,7 @@ mod measure;
 mod output;
 mod plan_text;
 mod progress;
+mod report;
 mod resolution_text;
 mod scene;
 mod study;
@@ -59,6 +60,7 @@ enum Verb {
     Export(export::Arguments),
     Import(import::Arguments),
     Bench(bench::Arguments),
+    Report(report::Arguments),
 }
 
 impl Verb {
@@ -69,7 +71,7 @@ impl Verb {
             Verb::Measure(arguments) => arguments.threads,
             Verb::Bench(arguments) => arguments.threads,
             Verb::Study(arguments) => arguments.threads,
-            Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) => 0,
+            Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) | Verb::Report(_) => 0,
             Verb::Export(_) | Verb::Import(_) => 0,
         }
     }
@@ -86,6 +88,7 @@ impl Verb {
             Verb::Export(arguments) => export::run(arguments),
             Verb::Import(arguments) => import::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
+            Verb::Report(arguments) => report::run(arguments),
         }
     }
 }

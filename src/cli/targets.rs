@@ -26,14 +26,19 @@ pub fn spare_inputs(outputs: &[&Path], file: &Path, campaign: &Campaign) -> Resu
         SurfaceKind::File(map) => Some(map.resolved_path.as_path()),
         _ => None,
     };
-    let inputs: Vec<PathBuf> = [Some(file), map].into_iter().flatten().flat_map(fs::canonicalize).collect();
-    let is_input = |path: &Path| fs::canonicalize(path).is_ok_and(|path| inputs.contains(&path));
-    match outputs.iter().find(|path| is_input(path)) {
-        Some(path) => {
-            Err(Error::format(path, "is read by this campaign and would be overwritten; choose another -o"))
-        }
-        None => Ok(()),
+    let inputs: Vec<&Path> = [Some(file), map].into_iter().flatten().collect();
+    outputs.iter().try_for_each(|output| spare(output, inputs.iter().copied(), "campaign"))
+}
+
+/// Refuses to write over a file that is read.
+pub fn spare(output: &Path, inputs: impl IntoIterator<Item = impl AsRef<Path>>, by: &str) -> Result<()> {
+    let Ok(there) = fs::canonicalize(output) else { return Ok(()) };
+    let is_input = |path: &Path| fs::canonicalize(path).is_ok_and(|path| path == there);
+    if inputs.into_iter().any(|path| is_input(path.as_ref())) {
+        let what = format!("is read by this {by} and would be overwritten; choose another -o");
+        return Err(Error::format(output, what));
     }
+    Ok(())
 }
 
 /// Removes a file if it is there.
@@ -54,6 +59,8 @@ pub struct Target {
     pub realisations: PathBuf,
     /// Its summary.
     pub summary: PathBuf,
+    /// Its page.
+    pub page: PathBuf,
     campaign: String,
 }
 
@@ -73,6 +80,7 @@ impl Target {
                 table: folder.join(format!("{stem}.exr")),
                 realisations: folder.join(format!("{stem}.realisations.exr")),
                 summary: folder.join(format!("{stem}.json")),
+                page: folder.join(format!("{stem}.html")),
                 campaign: campaign::to_toml(&one),
             }
         };
@@ -99,8 +107,8 @@ impl Target {
     }
 
     /// All its files.
-    pub fn paths(&self) -> [&Path; 3] {
-        [&self.table, &self.realisations, &self.summary]
+    pub fn paths(&self) -> [&Path; 4] {
+        [&self.table, &self.realisations, &self.summary, &self.page]
     }
 }
 

@@ -112,10 +112,11 @@ impl Sensor {
         Sensor::Arm { caps, chord2: chord * chord, reach: half_angle + 1e-12 }
     }
 
-    /// The axes of the apertures and their half-angle (rad) with a margin for rounding; `None` for a hemisphere.
+    /// The axes of the apertures and their half-angle (rad) with a margin for rounding; `None` for bins of
+    /// another shape.
     pub fn cones(&self) -> Option<(impl Iterator<Item = DVec3>, f64)> {
         match self {
-            Sensor::Hemisphere { .. } => None,
+            Sensor::Hemisphere { .. } | Sensor::Patches(_) => None,
             Sensor::Arm { caps, reach, .. } => Some((caps.iter().map(|cap| cap.axis), *reach)),
         }
     }

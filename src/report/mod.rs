@@ -1,3 +1,16 @@
-//! 9. What a measurement says to its reader.
+//! 9. What a measurement says to its reader: the summary, the page, the plot in the terminal.
 
+pub mod chart;
+pub mod convergence;
+pub mod inline;
+pub mod page;
+pub mod plots;
+pub mod polar;
+mod sections;
+pub mod slices;
+pub mod specimen;
 pub mod summary;
+pub mod terminal;
+
+pub use page::{Page, page};
+pub use slices::Scene;

@@ -2,8 +2,11 @@
 
 use serde_json::{Value, json};
 
+use crate::campaign::Surface;
+use crate::instrument::grid::GridKind;
 use crate::measure::{Cost, Measured, Plan, StopResult, stopping};
 use crate::stats;
+use crate::table::{BrdfTable, ColourChannels};
 use crate::validate::Verdict;
 
 /// The summary document of one table. What is not available is null.
@@ -32,6 +35,54 @@ pub fn summary(measured: &Measured, plan: &Plan, cost: &Cost, verdict: &Verdict)
         "patch_digest": measured.table.patch_digest,
         "ok": verdict.ok,
         "failures": verdict.failures,
+    })
+}
+
+/// What a summary says of a table whose own summary is not at hand: no cost, albedos from the bins, their errors null.
+pub fn of_table(
+    name: &str,
+    table: &BrdfTable,
+    surface: Option<&Surface>,
+    verdict: Option<&Verdict>,
+) -> Value {
+    let stops: Vec<Value> = (0..table.grid.stops()).map(|stop| table_stop(table, stop)).collect();
+    json!({
+        "name": name,
+        "seed": table.seed,
+        "version": table.version,
+        "surface": surface,
+        "stops": stops,
+        "comparisons": verdict.map(|verdict| &verdict.comparisons),
+        "energy": verdict.map(|verdict| &verdict.energy),
+        "reciprocity": verdict.map(|verdict| &verdict.reciprocity),
+        "nearest_masking": verdict.and_then(|verdict| verdict.nearest_masking.as_ref()),
+        "patch_digest": table.patch_digest,
+        "ok": verdict.map(|verdict| verdict.ok),
+        "failures": verdict.map(|verdict| &verdict.failures),
+    })
+}
+
+/// Flux over all bins, mean of the colours; an arm does not gather all flux.
+fn table_stop(table: &BrdfTable, stop: usize) -> Value {
+    let (theta_i_deg, phi_i_deg) = table.grid.stop_deg(stop);
+    let (bins, regions) = (table.grid.bins(), table.grid.regions(stop));
+    let flux = |values: &[f32]| {
+        let here = values[stop * bins..].iter().zip(&regions);
+        here.map(|(&value, region)| f64::from(value) * region.projected_solid_angle()).sum::<f64>()
+    };
+    let mean = |pick: fn(&ColourChannels) -> &Vec<f32>| {
+        let whole = table.grid.kind == GridKind::Hemisphere;
+        whole.then(|| stats::mean(&table.colours.iter().map(|colour| flux(pick(colour))).collect::<Vec<_>>()))
+    };
+    let (single, total) = (mean(|colour| &colour.single), mean(|colour| &colour.total));
+    json!({
+        "theta_i_deg": theta_i_deg,
+        "phi_i_deg": phi_i_deg,
+        "albedo_single": single,
+        "albedo_single_se": null,
+        "albedo_total": total,
+        "albedo_total_se": null,
+        "albedo_by_order": null,
     })
 }
 

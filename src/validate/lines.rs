@@ -31,7 +31,7 @@ impl Verdict {
 
     fn comparison_lines(&self, first: &Comparison) -> Vec<String> {
         let short = |masking: &str| masking.replace("_correlated", "").replace("direction", "direct.");
-        let mut head = format!("{:>9} {:>7} {:>8}", "theta_i", "phi_i", "noise");
+        let mut head = format!("{:>8} {:>7} {:>8}", "theta_i", "phi_i", "noise");
         for comparison in &self.comparisons {
             head += &format!(" {:>10}", short(&comparison.masking));
         }
@@ -40,7 +40,7 @@ impl Verdict {
         let number = |value: Option<f64>| value.map_or("n/a".into(), |v| format!("{v:.4}"));
         for (k, stop) in first.stops.iter().enumerate() {
             let mut line =
-                format!("{:>9} {:>7} {:>8}", stop.theta_i_deg, stop.phi_i_deg, number(stop.figures.l1_noise));
+                format!("{:>8} {:>7} {:>8}", stop.theta_i_deg, stop.phi_i_deg, number(stop.figures.l1_noise));
             for comparison in &self.comparisons {
                 let figures = comparison.stops[k].figures;
                 line += &format!(" {:>10}", number(figures.l1_model.or(figures.l1)));
@@ -50,7 +50,7 @@ impl Verdict {
             }
             lines.push(line);
         }
-        let mut line = format!("{:>9} {:>7} {:>8}", "mean", "", number(first.figures.l1_noise));
+        let mut line = format!("{:>8} {:>7} {:>8}", "mean", "", number(first.figures.l1_noise));
         for comparison in &self.comparisons {
             line += &format!(" {:>10}", number(comparison.figures.l1_model.or(comparison.figures.l1)));
         }

@@ -12,4 +12,4 @@ pub mod two_tables;
 pub mod verdict;
 
 pub use bin_mean::{BinMean, BinMeans, albedo, source_nodes};
-pub use verdict::{Verdict, examine, examine_laws};
+pub use verdict::{Prediction, Verdict, examine, examine_against, examine_laws};

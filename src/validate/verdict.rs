@@ -36,24 +36,43 @@ pub struct Verdict {
     pub bar: Option<Bar>,
 }
 
+/// What theory predicts for every stop and bin of a table.
+pub struct Prediction {
+    /// The model of the table's surface.
+    pub model: Model,
+    /// Its means, stop by stop.
+    pub means: Vec<StopMeans>,
+}
+
+impl Prediction {
+    /// The prediction for a table's grid; `None` where theory has nothing to say of the surface.
+    pub fn of(campaign: &Campaign, grid: &Grid) -> Option<Self> {
+        let model = Model::of(campaign)?;
+        let means = (0..grid.stops()).into_par_iter().map(|stop| model.means(campaign, grid, stop)).collect();
+        Some(Prediction { model, means })
+    }
+}
+
 /// Holds a table to the laws and to the models that fit its campaign.
 pub fn examine(table: &BrdfTable, campaign: &Campaign, realisations: Option<&Realisations>) -> Verdict {
-    let model = Model::of(campaign);
-    let means: Option<Vec<StopMeans>> = model.as_ref().map(|model| {
-        (0..table.grid.stops()).into_par_iter().map(|stop| model.means(campaign, &table.grid, stop)).collect()
-    });
-    let comparisons = match (&model, &means) {
-        (Some(model), Some(means)) => compare(table, campaign, model, means),
-        _ => Vec::new(),
-    };
+    examine_against(table, campaign, realisations, Prediction::of(campaign, &table.grid).as_ref())
+}
+
+/// The same against a prediction that is at hand: bin means are the dear part of a verdict.
+pub fn examine_against(
+    table: &BrdfTable,
+    campaign: &Campaign,
+    realisations: Option<&Realisations>,
+    prediction: Option<&Prediction>,
+) -> Verdict {
+    let means = prediction.map(|prediction| &prediction.means[..]);
+    let comparisons = prediction
+        .map_or(Vec::new(), |prediction| compare(table, campaign, &prediction.model, &prediction.means));
     let energy = Energy::of(table, realisations, campaign.trace.visibility);
     let exact =
         table.grid.kind == GridKind::Arm && table.grid.aperture_deg == Some(campaign.light.aperture_deg);
-    let reciprocity = if campaign.trace.visibility {
-        Reciprocity::of(table, realisations, exact, means.as_deref())
-    } else {
-        None
-    };
+    let reciprocity =
+        if campaign.trace.visibility { Reciprocity::of(table, realisations, exact, means) } else { None };
     let bar = expect::bar(campaign, &table.grid);
     let mut failures = Vec::new();
     failures.extend(energy_failure(&energy));

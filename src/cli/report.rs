@@ -1,0 +1,126 @@
+//! `gonio report`: the page of a stored table.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::Value;
+
+use super::output::{Output, bytes, say, warn};
+use super::{table_file, targets};
+use crate::campaign::Campaign;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::report::{self, Page, Scene, specimen, summary};
+use crate::table::BrdfTable;
+use crate::validate::{self, Prediction};
+
+/// Make one self-contained page of a table: figures, plots, pictures and a 3-D viewer
+#[derive(Args)]
+#[command(
+    after_help = "The page asks for nothing over the network. <stem>.json and <stem>.realisations.exr beside the\n\
+    table are used where they are there.\n\nExample: gonio report out/quickstart/quickstart.exr -o quickstart.html"
+)]
+pub struct Arguments {
+    /// The table
+    table: PathBuf,
+    /// The page [default: <stem>.html beside the table]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// The answer of `gonio bench`, for the plot of error against samples
+    #[arg(long, value_name = "FILE")]
+    bench: Option<PathBuf>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8> {
+    let path = &arguments.table;
+    let table = table_file::load(path)?;
+    let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));
+    targets::spare(&output, [Some(path), arguments.bench.as_ref()].into_iter().flatten(), "command")?;
+    let bench = arguments.bench.as_deref().map(read_json).transpose()?;
+    let text = stored_page(path, &table, bench.as_ref())?;
+    files::write_atomically(&output, text.as_bytes())?;
+    Output::default().line(format_args!(
+        "report        {} ({})",
+        output.display(),
+        bytes(text.len() as u64)
+    ))?;
+    Ok(0)
+}
+
+/// The page of a table from its file and what lies beside it.
+fn stored_page(path: &Path, table: &BrdfTable, bench: Option<&Value>) -> Result<String> {
+    let campaign = table_file::campaign_if_any(path, table)?;
+    let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
+    let summary = match summary_beside(path, table)? {
+        Some(summary) => summary,
+        None => examined(path, table, campaign.as_ref(), prediction.as_ref())?,
+    };
+    let specimen = match &campaign {
+        Some(campaign) => specimen::remade(campaign)?,
+        None => Err("The table holds no campaign: its surface cannot be made anew.".into()),
+    };
+    Ok(page_of(
+        Sources { table, campaign: campaign.as_ref(), prediction: prediction.as_ref(), specimen },
+        &summary,
+        bench,
+    ))
+}
+
+/// Where a page comes from besides its summary.
+pub struct Sources<'a> {
+    /// The table.
+    pub table: &'a BrdfTable,
+    /// What it was measured by.
+    pub campaign: Option<&'a Campaign>,
+    /// What theory says of it.
+    pub prediction: Option<&'a Prediction>,
+    /// Its first patch.
+    pub specimen: specimen::Shown,
+}
+
+/// The page, alike for a table just measured and for one from its file.
+pub fn page_of(sources: Sources, summary: &Value, bench: Option<&Value>) -> String {
+    let Sources { table, campaign, prediction, specimen } = sources;
+    let realisations = campaign.map_or(0, |campaign| campaign.surface.realisations as usize);
+    let masking = campaign.map(validate::expect::masking);
+    let scene = Scene { table, prediction, realisations };
+    report::page(&Page { scene, campaign, masking, summary, specimen, bench })
+}
+
+/// The summary that `measure` wrote beside the table, if it is this table's.
+fn summary_beside(path: &Path, table: &BrdfTable) -> Result<Option<Value>> {
+    let beside = path.with_extension("json");
+    if !beside.is_file() {
+        say(format_args!("note: {} is absent: cost and albedo by order are not known", beside.display()));
+        return Ok(None);
+    }
+    let summary = read_json(&beside)?;
+    let stops = summary["stops"].as_array().map_or(0, Vec::len);
+    let same = summary["seed"] == table.seed
+        && summary["patch_digest"] == *table.patch_digest
+        && stops == table.grid.stops();
+    if !same {
+        warn(format_args!("{} belongs to another table and is not used", beside.display()));
+    }
+    Ok(same.then_some(summary))
+}
+
+fn read_json(path: &Path) -> Result<Value> {
+    serde_json::from_slice(&files::read(path)?).map_err(|e| Error::format(path, format!("is no JSON: {e}")))
+}
+
+/// A summary from the table alone.
+fn examined(
+    path: &Path,
+    table: &BrdfTable,
+    campaign: Option<&Campaign>,
+    prediction: Option<&Prediction>,
+) -> Result<Value> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let Some(campaign) = campaign else {
+        return Ok(summary::of_table(&stem, table, None, None));
+    };
+    let parts = table_file::realisations_beside(path, table)?;
+    let verdict = validate::examine_against(table, campaign, parts.as_ref(), prediction);
+    Ok(summary::of_table(&campaign.name, table, Some(&campaign.surface), Some(&verdict)))
+}

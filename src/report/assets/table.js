@@ -1,0 +1,179 @@
+// The table: half floats out of base64, bins by direction, values between measured light directions.
+
+const RAD = Math.PI / 180;
+
+function bytesOf(base64) {
+  return Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+}
+
+// IEEE half, without its infinities: the page holds finite values only.
+function fromHalf(bits) {
+  const exponent = (bits >> 10) & 31, fraction = bits & 1023;
+  const size = exponent === 0 ? fraction * 2 ** -24 : (1 + fraction / 1024) * 2 ** (exponent - 15);
+  return bits & 0x8000 ? -size : size;
+}
+
+function decoded(base64, scale) {
+  const bytes = bytesOf(base64);
+  const halfs = new Uint16Array(bytes.buffer);
+  return Float32Array.from(halfs, (bits) => scale * fromHalf(bits));
+}
+
+function direction(theta, phi) {
+  return [Math.sin(theta) * Math.cos(phi), Math.sin(theta) * Math.sin(phi), Math.cos(theta)];
+}
+
+function dot(a, b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+function normalised(a) {
+  const length = Math.hypot(a[0], a[1], a[2]);
+  return a.map((x) => x / length);
+}
+
+// x modulo m, in [0, m).
+function wrapped(x, m) {
+  return x - m * Math.floor(x / m);
+}
+
+class Table {
+  constructor(data) {
+    Object.assign(this, data);
+    this.rows = data.theta_edges.length - 1;
+    this.columns = data.phi_edges.length - 1;
+    this.bins = this.rows * this.columns;
+    this.stops = data.theta_i.length * data.phi_i.length;
+    const middles = (edges) => edges.slice(1).map((edge, k) => (edge + edges[k]) / 2);
+    this.theta_middles = middles(data.theta_edges);
+    this.phi_middles = middles(data.phi_edges);
+    for (const layer of this.layers) layer.values = decoded(layer.data, data.scale);
+    // Azimuths between which the light is interpolated, in the sample's frame; a mirrored law needs a quarter only.
+    const azimuths = data.phi_i.map((phi, index) => ({ phi: this.folded(phi - data.rotation).phi, index, raw: phi }));
+    const sorted = azimuths.sort((a, b) => a.phi - b.phi);
+    this.azimuths = sorted.filter((a, k) => k === 0 || a.phi > sorted[k - 1].phi + 1e-6);
+  }
+
+  // An azimuth in degrees brought into the measured range: `x`, `y` are -1 where the sample is mirrored.
+  folded(phi) {
+    phi = wrapped(phi, 360);
+    if (!this.mirrored || this.relative) return { phi, x: 1, y: 1 };
+    const y = phi > 180 ? -1 : 1;
+    phi = y < 0 ? 360 - phi : phi;
+    const x = phi > 90 ? -1 : 1;
+    return { phi: x < 0 ? 180 - phi : phi, x, y };
+  }
+
+  // Index of the bin row that holds theta, in degrees.
+  row(theta) {
+    let row = 0;
+    while (row + 1 < this.rows && theta >= this.theta_edges[row + 1]) row += 1;
+    return row;
+  }
+
+  column(phi) {
+    const first = this.phi_edges[0];
+    phi = first + wrapped(phi - first, 360);
+    let column = 0;
+    while (column + 1 < this.columns && phi >= this.phi_edges[column + 1]) column += 1;
+    return column;
+  }
+
+  // Where a bin of a stop lies among a layer's values.
+  at(colour, stop, bin) {
+    return (colour * this.stops + stop) * this.bins + bin;
+  }
+
+  // The two rows whose middles enclose theta (degrees), and how far it is from the lower one.
+  rowsAt(theta) {
+    const rows = this.theta_middles;
+    let low = this.row(theta);
+    if (theta < rows[low] && low > 0) low -= 1;
+    const high = Math.min(low + 1, this.rows - 1);
+    const t = high === low ? 0 : Math.min(Math.max((theta - rows[low]) / (rows[high] - rows[low]), 0), 1);
+    return { low, high, t };
+  }
+
+  columnsAt(phi) {
+    const columns = this.phi_middles;
+    let left = this.column(phi);
+    if (wrapped(phi - columns[left] + 180, 360) < 180) left = (left + this.columns - 1) % this.columns;
+    const right = (left + 1) % this.columns;
+    const width = wrapped(columns[right] - columns[left], 360) || 360;
+    return { left, right, s: Math.min(wrapped(phi - columns[left], 360) / width, 1) };
+  }
+
+  // Bilinear between the middles of bins.
+  mixed(layer, first, { low, high, t }, { left, right, s }) {
+    const values = layer.values, n = this.columns;
+    const line = (row) => values[first + row * n + left] * (1 - s) + values[first + row * n + right] * s;
+    return line(low) * (1 - t) + line(high) * t;
+  }
+
+  smooth(layer, colour, stop, theta, phi) {
+    return this.mixed(layer, this.at(colour, stop, 0), this.rowsAt(theta), this.columnsAt(phi));
+  }
+
+  // Neighbouring light directions of (theta, phi) in the sample's frame, degrees, with weights.
+  neighbours(theta, phi) {
+    const angles = this.theta_i;
+    let low = 0;
+    while (low + 1 < angles.length - 1 && theta >= angles[low + 1]) low += 1;
+    const high = Math.min(low + 1, angles.length - 1);
+    const t = high === low ? 0 : Math.min(Math.max((theta - angles[low]) / (angles[high] - angles[low]), 0), 1);
+    const around = this.relative ? [{ azimuth: null, weight: 1 }] : this.between(phi);
+    const found = [];
+    for (const [row, weight] of [[low, 1 - t], [high, t]]) {
+      for (const { azimuth, weight: part } of around) {
+        if (weight * part > 0) found.push({ row, azimuth, weight: weight * part });
+      }
+    }
+    return found;
+  }
+
+  between(phi) {
+    const all = this.azimuths;
+    let left = all.length - 1;
+    for (let k = 0; k < all.length; k += 1) if (all[k].phi <= phi) left = k;
+    const wraps = !this.mirrored;
+    if (phi < all[0].phi) left = wraps ? all.length - 1 : 0;
+    const right = wraps ? (left + 1) % all.length : Math.min(left + 1, all.length - 1);
+    const width = wrapped(all[right].phi - all[left].phi, 360) || 360;
+    const s = right === left ? 0 : Math.min(wrapped(phi - all[left].phi, 360) / width, 1);
+    return [{ azimuth: all[left], weight: 1 - s }, { azimuth: all[right], weight: s }];
+  }
+
+  // BRDF for any two directions (stage's frame, angles of the light in degrees). Neighbouring stops are looked up
+  // at the same half vector, so that the lobe moves instead of doubling; f (cos_i + cos_o) is what changes slowly.
+  value(layer, colour, theta_i, phi_i, wo) {
+    const turn = this.relative ? phi_i : this.rotation;
+    const fold = this.relative ? { phi: 0, x: 1, y: 1 } : this.folded(phi_i - this.rotation);
+    const [c, s] = [Math.cos(turn * RAD), Math.sin(turn * RAD)];
+    const out = [fold.x * (wo[0] * c + wo[1] * s), fold.y * (wo[1] * c - wo[0] * s), wo[2]];
+    const wi = direction(theta_i * RAD, fold.phi * RAD);
+    const h = normalised([wi[0] + out[0], wi[1] + out[1], wi[2] + out[2]]);
+    let sum = 0, weights = 0;
+    for (const near of this.neighbours(theta_i, fold.phi)) {
+      const there = direction(this.theta_i[near.row] * RAD, near.azimuth === null ? 0 : near.azimuth.phi * RAD);
+      const twice = 2 * dot(h, there);
+      const w = [twice * h[0] - there[0], twice * h[1] - there[1], twice * h[2] - there[2]];
+      if (w[2] <= 0) continue;
+      sum += near.weight * this.lookUp(layer, colour, near, w) * (there[2] + w[2]);
+      weights += near.weight;
+    }
+    return weights > 0 ? sum / weights / (wi[2] + out[2]) : 0;
+  }
+
+  // A direction of the sample's frame in the bins of a neighbour.
+  lookUp(layer, colour, near, w) {
+    const theta = Math.atan2(Math.hypot(w[0], w[1]), w[2]) / RAD;
+    const phi = Math.atan2(w[1], w[0]) / RAD;
+    const azimuth = near.azimuth;
+    const stop = near.row * this.phi_i.length + (azimuth === null ? 0 : azimuth.index);
+    if (azimuth === null) return this.smooth(layer, colour, stop, theta, phi);
+    // Where the stop itself was folded into the quarter, the sensor is mirrored with it.
+    const fold = this.folded(azimuth.raw - this.rotation);
+    const turned = Math.atan2(fold.y * Math.sin(phi * RAD), fold.x * Math.cos(phi * RAD)) / RAD;
+    return this.smooth(layer, colour, stop, theta, turned + this.rotation);
+  }
+}

@@ -1,0 +1,202 @@
+//! The table as the page's pictures and its viewer take it: half floats in base64, reduced where it is large.
+//!
+//! Enters: a scene on a hemisphere of bins. Leaves: JSON with the axes and one block of halfs for each layer,
+//! [colour][stop][theta_r][phi_r], values over `scale`.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use half::f16;
+use serde_json::{Value, json};
+
+use super::slices::Scene;
+use crate::campaign::{Campaign, SurfaceKind};
+use crate::instrument::Grid;
+use crate::instrument::grid::GridKind;
+
+/// Bytes of all layers in base64 at most: the rest of a page is below 1 MB.
+const LARGEST: usize = 4_500_000;
+/// Bins are merged down to about so many rows and columns before stops are left out.
+const FEWEST: [usize; 2] = [24, 48];
+/// Light angles and azimuths that the viewer interpolates between.
+const MOST_STOPS: usize = 64;
+/// Largest half float that stored values may reach.
+const HALF: f64 = 32_768.0;
+
+/// What the page holds of a table.
+pub struct Inline {
+    /// For the script.
+    pub data: Value,
+    /// What was left out, in words; empty where nothing was.
+    pub notes: Vec<String>,
+}
+
+/// How a table is reduced.
+#[derive(Debug, Clone, PartialEq)]
+struct Reduction {
+    /// Rows and columns merged into one.
+    merge: [usize; 2],
+    /// The light angles and azimuths that are kept.
+    theta: Vec<usize>,
+    phi: Vec<usize>,
+    /// The maskings that are kept.
+    maskings: Vec<usize>,
+}
+
+/// The table and its models for the page; `None` for other grids than a hemisphere of bins. `masking` is the model
+/// that stays where there is room for one only.
+pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize) -> Option<Inline> {
+    let grid = &scene.table.grid;
+    if grid.kind != GridKind::Hemisphere {
+        return None;
+    }
+    let (plan, notes) = reduction(scene, masking);
+    let layers = layers(scene, &plan);
+    let highest = layers.iter().flat_map(|layer| &layer.values).copied().fold(0.0, f64::max);
+    let scale = if highest > HALF { 2f64.powf((highest / HALF).log2().ceil()) } else { 1.0 };
+    let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect::<Vec<_>>();
+    let alpha = campaign.and_then(|campaign| campaign.alphas().first().copied().flatten());
+    let data = json!({
+        "colours": scene.table.colour_names(),
+        "theta_i": pick(&grid.theta_i_deg, &plan.theta),
+        "phi_i": pick(&grid.phi_i_deg, &plan.phi),
+        "relative": grid.phi_r_relative,
+        "mirrored": campaign.is_some_and(|campaign| is_mirrored(campaign, grid)),
+        "rotation": campaign.map_or(0.0, |campaign| campaign.surface.rotation_deg),
+        "theta_edges": merged_edges(&grid.theta_r_edges_deg, plan.merge[0]),
+        "phi_edges": merged_edges(&grid.phi_r_edges_deg, plan.merge[1]),
+        "alpha": alpha.map(|alpha| [alpha.x, alpha.y]),
+        "scale": scale,
+        "chosen": scene.maskings().get(masking).map(|name| model_name(name)),
+        "layers": layers.iter().map(|layer| layer.json(scale)).collect::<Vec<_>>(),
+    });
+    Some(Inline { data, notes })
+}
+
+/// Whether azimuths of the light that were not measured follow from those that were: the law of the surface is its
+/// own mirror image about both axes of the sample.
+fn is_mirrored(campaign: &Campaign, grid: &Grid) -> bool {
+    let symmetric = !matches!(campaign.surface.kind, SurfaceKind::File(_));
+    let (first, last) = (grid.phi_i_deg[0], grid.phi_i_deg[grid.phi_i_deg.len() - 1]);
+    symmetric && !grid.phi_r_relative && last - first < 180.0
+}
+
+/// Merges bins, leaves out stops, until the layers fit.
+fn reduction(scene: &Scene, masking: usize) -> (Reduction, Vec<String>) {
+    let grid = &scene.table.grid;
+    let [rows, columns] = [grid.theta_r_edges_deg.len() - 1, grid.phi_r_edges_deg.len() - 1];
+    let all = |count: usize| super::plots::spread(count, MOST_STOPS);
+    let maskings = (0..scene.maskings().len()).collect::<Vec<_>>();
+    let (theta, phi) = (all(grid.theta_i_deg.len()), all(grid.phi_i_deg.len()));
+    let mut plan = Reduction { merge: [1, 1], theta, phi, maskings };
+    let measured = 1 + usize::from(scene.has_multiple());
+    let bytes = |plan: &Reduction| {
+        let bins = rows.div_ceil(plan.merge[0]) * columns.div_ceil(plan.merge[1]);
+        let values = bins * plan.theta.len() * plan.phi.len() * scene.table.colours.len();
+        values * (measured + plan.maskings.len()) * 2 * 4 / 3
+    };
+    let mut notes = Vec::new();
+    if bytes(&plan) > LARGEST && plan.maskings.len() > 1 {
+        plan.maskings = vec![masking];
+        notes.push(format!("only the model with {} masking", scene.maskings()[masking]));
+    }
+    while bytes(&plan) > LARGEST {
+        let [merged_rows, merged_columns] = [rows.div_ceil(plan.merge[0]), columns.div_ceil(plan.merge[1])];
+        if merged_rows > FEWEST[0] || merged_columns > FEWEST[1] {
+            plan.merge[usize::from(merged_columns * FEWEST[0] >= merged_rows * FEWEST[1])] += 1;
+        } else if plan.phi.len() >= plan.theta.len() && plan.phi.len() > 2 {
+            plan.phi = super::plots::spread(grid.phi_i_deg.len(), plan.phi.len() - 1);
+        } else if plan.theta.len() > 2 {
+            plan.theta = super::plots::spread(grid.theta_i_deg.len(), plan.theta.len() - 1);
+        } else {
+            break;
+        }
+    }
+    if plan.merge != [1, 1] {
+        notes.push(format!("{} x {} bins merged into one", plan.merge[0], plan.merge[1]));
+    }
+    let kept = plan.theta.len() * plan.phi.len();
+    if kept < grid.stops() {
+        notes.push(format!("{kept} of {} light directions", grid.stops()));
+    }
+    (plan, notes)
+}
+
+/// Every `merge`th edge, and the last.
+fn merged_edges(edges: &[f64], merge: usize) -> Vec<f64> {
+    let last = edges.len() - 1;
+    let mut kept: Vec<f64> = edges[..last].iter().step_by(merge).copied().collect();
+    kept.push(edges[last]);
+    kept
+}
+
+/// A model's layer by its masking.
+fn model_name(masking: &str) -> String {
+    format!("model, {masking}")
+}
+
+/// One layer of values, 1/sr.
+struct Layer {
+    name: String,
+    kind: &'static str,
+    values: Vec<f64>,
+}
+
+impl Layer {
+    fn json(&self, scale: f64) -> Value {
+        let halfs = self.values.iter().map(|value| f16::from_f64(value / scale));
+        let bytes: Vec<u8> = halfs.flat_map(f16::to_le_bytes).collect();
+        json!({ "name": self.name, "kind": self.kind, "data": STANDARD.encode(bytes) })
+    }
+}
+
+fn layers(scene: &Scene, plan: &Reduction) -> Vec<Layer> {
+    let table = scene.table;
+    let bins = table.grid.bins();
+    let stored = |pick: &dyn Fn(usize, usize) -> f32| {
+        reduced(scene, plan, &|colour, stop, bin| f64::from(pick(colour, stop * bins + bin)))
+    };
+    let single = stored(&|colour, at| table.colours[colour].single[at]);
+    let mut layers = vec![Layer { name: "measured".into(), kind: "measured", values: single }];
+    if scene.has_multiple() {
+        layers[0].name = "measured, order 1".into();
+        let values = stored(&|colour, at| table.colours[colour].total[at]);
+        layers.push(Layer { name: "measured, all orders".into(), kind: "measured", values });
+    }
+    if let Some(prediction) = scene.prediction {
+        for &index in &plan.maskings {
+            let value =
+                |colour: usize, stop: usize, bin: usize| prediction.means[stop].values[index][colour][bin];
+            let name = model_name(&scene.maskings()[index]);
+            layers.push(Layer { name, kind: "model", values: reduced(scene, plan, &value) });
+        }
+    }
+    layers
+}
+
+/// [colour][stop][bin] after the reduction: means over merged bins by projected solid angle.
+fn reduced(scene: &Scene, plan: &Reduction, value: &dyn Fn(usize, usize, usize) -> f64) -> Vec<f64> {
+    let grid = &scene.table.grid;
+    let sizes: Vec<f64> = grid.regions(0).iter().map(|region| region.projected_solid_angle()).collect();
+    let [rows, columns] = [grid.theta_r_edges_deg.len() - 1, grid.phi_r_edges_deg.len() - 1];
+    let [by_row, by_column] = plan.merge;
+    let mut values = Vec::new();
+    for colour in 0..scene.table.colours.len() {
+        for stop in plan.theta.iter().flat_map(|t| plan.phi.iter().map(move |p| t * grid.phi_i_deg.len() + p))
+        {
+            for (row, column) in
+                (0..rows).step_by(by_row).flat_map(|r| (0..columns).step_by(by_column).map(move |c| (r, c)))
+            {
+                let (mut flux, mut size) = (0.0, 0.0);
+                for r in row..(row + by_row).min(rows) {
+                    for c in column..(column + by_column).min(columns) {
+                        let bin = r * columns + c;
+                        flux += sizes[bin] * value(colour, stop, bin);
+                        size += sizes[bin];
+                    }
+                }
+                values.push(flux / size);
+            }
+        }
+    }
+    values
+}

@@ -1,0 +1,335 @@
+//! The page's sections as HTML: what was measured, the verdict, the figures, the patch, the plots.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+use super::chart::escaped;
+use super::convergence;
+use super::page::Page;
+use super::plots::{self, shown_stops, spread};
+use super::polar::polar;
+use super::specimen::Specimen;
+use crate::campaign::{Optics, SurfaceKind};
+use crate::instrument::grid::GridKind;
+
+/// Rows of the tables of stops before the middle is left out.
+const MOST_ROWS: usize = 48;
+
+/// Name, what was measured, the verdict.
+pub fn head(page: &Page) -> String {
+    let ok = page.summary["ok"].as_bool();
+    let class = match ok {
+        Some(true) => "ok",
+        Some(false) => "failed",
+        None => "unknown",
+    };
+    let failures = page.summary["failures"].as_array().into_iter().flatten().filter_map(Value::as_str);
+    let failures: String = failures.map(|failure| format!("<li>{}</li>", escaped(failure))).collect();
+    let failures = if failures.is_empty() { failures } else { format!("<ul>{failures}</ul>") };
+    format!(
+        "<h1>{}</h1>\n<p id=\"what\">{}</p>\n<p id=\"verdict\" class=\"{class}\">{}</p>{failures}",
+        escaped(page.name()),
+        escaped(&measured(page)),
+        escaped(&verdict(page, ok))
+    )
+}
+
+/// What was measured, one sentence.
+fn measured(page: &Page) -> String {
+    let grid = &page.scene.table.grid;
+    let surface = page.campaign.map_or("A table without a campaign".into(), surface);
+    let angles: Vec<String> = grid.theta_i_deg.iter().map(f64::to_string).collect();
+    let angles = match angles.len() {
+        0..=12 => angles.join(", "),
+        count => format!("{count} angles from {} to {}", angles[0], angles[count - 1]),
+    };
+    let azimuths = match grid.phi_i_deg.len() {
+        1 if grid.phi_r_relative => " (azimuth relative)".into(),
+        1 => format!(", phi_i {}°", grid.phi_i_deg[0]),
+        count => format!(", {count} azimuths from {}° to {}°", grid.phi_i_deg[0], grid.phi_i_deg[count - 1]),
+    };
+    let sensor = match grid.kind {
+        GridKind::Hemisphere => {
+            let (rows, columns) = (grid.theta_r_edges_deg.len() - 1, grid.phi_r_edges_deg.len() - 1);
+            format!("a hemisphere of {rows} x {columns} bins")
+        }
+        _ => format!("{} single sensor positions", grid.bins()),
+    };
+    let optics = page.campaign.map_or(String::new(), |campaign| match &campaign.optics {
+        Optics::PerfectMirror => "; facets reflect everything (F = 1)".into(),
+        Optics::Schlick { f0, .. } => {
+            format!("; Schlick's Fresnel with F0 = {}, {}, {}", f0[0], f0[1], f0[2])
+        }
+    });
+    format!("{surface}; light at theta_i {angles} degrees{azimuths}; {sensor}{optics}.")
+}
+
+fn surface(campaign: &crate::campaign::Campaign) -> String {
+    let alpha = match campaign.alphas().first().copied().flatten() {
+        Some(alpha) if alpha.x == alpha.y => format!(", alpha {}", alpha.x),
+        Some(alpha) => format!(", alpha {} along x and {} along y", alpha.x, alpha.y),
+        None => String::new(),
+    };
+    let surface = &campaign.surface;
+    let cells = format!("{} patches of {} x {} cells", surface.realisations, surface.cells, surface.cells);
+    match &surface.kind {
+        SurfaceKind::Ggx(_) => format!("A random GGX surface{alpha}, {cells}"),
+        SurfaceKind::Beckmann(_) => format!("A Gaussian (Beckmann) surface{alpha}, {cells}"),
+        SurfaceKind::Smith(_) => format!("A statistical Smith surface{alpha}"),
+        SurfaceKind::Mirror => "A flat mirror".into(),
+        SurfaceKind::VGroove { slope } => format!("V-grooves along y of slope {slope}"),
+        SurfaceKind::File(map) => format!("The height map {}", map.path),
+    }
+}
+
+/// The verdict, one sentence.
+fn verdict(page: &Page, ok: Option<bool>) -> String {
+    let laws = match ok {
+        Some(true) => "The table breaks no law and meets its expectation",
+        Some(false) => "FAILED",
+        None => return "Nothing is known that this table should agree with.".into(),
+    };
+    let comparisons = &page.summary["comparisons"];
+    let nearest = page.summary["nearest_masking"].as_str().unwrap_or_default();
+    let with = |masking: &str| comparisons.as_array()?.iter().find(|c| c["masking"] == masking).cloned();
+    let Some(comparison) = with(nearest) else {
+        return format!("{laws}.");
+    };
+    let number = |key: &str| comparison[key].as_f64().map_or("n/a".into(), |value| format!("{value:.4}"));
+    let distance = if comparison["l1_model"].is_null() { "l1" } else { "l1_model" };
+    format!(
+        "{laws}: of the maskings, {} is nearest, {} of the flux away ({distance}; noise {}).",
+        nearest.replace('_', "-"),
+        number(distance),
+        number("l1_noise")
+    )
+}
+
+/// The comparisons, the albedos, the cost.
+pub fn figures(page: &Page) -> String {
+    [comparisons(page), albedos(page), cost(page.summary)].concat()
+}
+
+/// A number with `decimals` digits behind its key, or a dash.
+fn cell(value: &Value, key: &str, decimals: usize) -> String {
+    let text = value[key].as_f64().map_or("–".into(), |number| format!("{number:.decimals$}"));
+    format!("<td data-key=\"{key}\">{text}</td>")
+}
+
+fn comparisons(page: &Page) -> String {
+    let Some(all) = page.summary["comparisons"].as_array().filter(|all| !all.is_empty()) else {
+        return "<p>No model speaks of this surface: nothing to compare with.</p>".into();
+    };
+    let several = page.scene.table.grid.phi_i_deg.len() > 1;
+    let maskings = all.iter().filter_map(|c| c["masking"].as_str());
+    let heads: String =
+        maskings.map(|name| format!("<th>{}</th>", escaped(&name.replace('_', "-")))).collect();
+    let stops = all[0]["stops"].as_array().map_or(0, Vec::len);
+    let distance = |value: &Value| {
+        if value["l1_model"].is_null() { cell(value, "l1", 4) } else { cell(value, "l1_model", 4) }
+    };
+    let row = |stop: usize| {
+        let here = |c: &Value| c["stops"][stop].clone();
+        let azimuth = if several { cell(&here(&all[0]), "phi_i_deg", 1) } else { String::new() };
+        let cells: String = all.iter().map(|c| distance(&here(c))).collect();
+        let first = here(&all[0]);
+        format!("<tr>{}{azimuth}{}{cells}</tr>", cell(&first, "theta_i_deg", 1), cell(&first, "l1_noise", 4))
+    };
+    let rows: String = spread(stops, MOST_ROWS).into_iter().map(row).collect();
+    let mean: String = all.iter().map(distance).collect();
+    let azimuth = if several { ["<th>phi_i</th>", "<td></td>"] } else { ["", ""] };
+    let model = escaped(&all[0]["model"].as_str().unwrap_or("model").replace('_', " "));
+    format!(
+        "<h2>Against the {model} model</h2>\n<p>Flux-weighted L1 distance of order 1 from the model's bin means, by \
+         masking, with the noise taken off.{}</p>\n<div class=\"scroll\"><table id=\"comparisons\"><thead><tr>\
+         <th>theta_i</th>{}<th>noise</th>{heads}</tr></thead>\n<tbody>{rows}</tbody>\n<tfoot><tr><td>mean</td>{}{}{mean}\
+         </tr></tfoot></table></div>\n",
+        left_out(stops),
+        azimuth[0],
+        azimuth[1],
+        cell(&all[0], "l1_noise", 4)
+    )
+}
+
+fn left_out(stops: usize) -> String {
+    if stops > MOST_ROWS {
+        format!(" {MOST_ROWS} of {stops} light directions are listed.")
+    } else {
+        String::new()
+    }
+}
+
+fn albedos(page: &Page) -> String {
+    let Some(stops) = page.summary["stops"].as_array() else { return String::new() };
+    let several = page.scene.table.grid.phi_i_deg.len() > 1;
+    let keys = ["albedo_single", "albedo_single_se", "albedo_total", "albedo_total_se"];
+    let known = |key: &str| stops.iter().any(|stop| stop[key].is_number());
+    let shown: Vec<&str> = keys.iter().copied().filter(|key| known(key)).collect();
+    if shown.is_empty() {
+        return String::new();
+    }
+    let heads: String = shown.iter().map(|key| format!("<th>{}</th>", heading(key))).collect();
+    let row = |index: usize| {
+        let stop = &stops[index];
+        let azimuth = if several { cell(stop, "phi_i_deg", 1) } else { String::new() };
+        let cells: String = shown.iter().map(|key| cell(stop, key, 5)).collect();
+        format!("<tr>{}{azimuth}{cells}</tr>", cell(stop, "theta_i_deg", 1))
+    };
+    let rows: String = spread(stops.len(), MOST_ROWS).into_iter().map(row).collect();
+    let azimuth = if several { "<th>phi_i</th>" } else { "" };
+    format!(
+        "<h2>Albedo</h2>\n<p>Share of the light that leaves after one bounce, and after all that were followed; ±: \
+         standard error over patches.{}</p>\n<div class=\"scroll\"><table id=\"albedos\"><thead><tr><th>theta_i</th>\
+         {azimuth}{heads}</tr></thead><tbody>{rows}</tbody></table></div>\n",
+        left_out(stops.len())
+    )
+}
+
+/// What stands over a column of albedos.
+fn heading(key: &str) -> &str {
+    match key {
+        "albedo_single" => "one bounce",
+        "albedo_total" => "all",
+        _ => "±",
+    }
+}
+
+fn cost(summary: &Value) -> String {
+    let cost = &summary["cost"];
+    let number = |key: &str| cost[key].as_f64();
+    let Some((wall, cpu)) = number("wall_s").zip(number("cpu_s")) else {
+        return "<p id=\"cost\">What the measurement cost stands in its summary, which is not beside the table.</p>\n".into();
+    };
+    let stopped = summary["stopped_by"].as_str().map(|by| format!(" Stopped by: {}.", by.replace('_', " ")));
+    let stopped = escaped(&stopped.unwrap_or_default());
+    let count = |key: &str| number(key).map_or("n/a".into(), |count| format!("{:.2} million", count / 1e6));
+    format!(
+        "<p id=\"cost\">Cost: {wall:.1} s, {cpu:.1} s of processor time on {} threads; {} samples, {} rays, {:.0} MB of \
+         memory.{stopped}</p>\n",
+        cost["threads"],
+        count("samples"),
+        count("rays_traced"),
+        number("peak_bytes").unwrap_or(0.0) / 1e6
+    )
+}
+
+/// The picture's data for the script.
+pub fn picture(specimen: &Specimen) -> Value {
+    json!({
+        "columns": specimen.cells[0],
+        "rows": specimen.cells[1],
+        "aspect": specimen.aspect,
+        "shades": STANDARD.encode(&specimen.shades),
+    })
+}
+
+/// The patch, its certificate and its slopes.
+pub fn specimen(page: &Page) -> String {
+    let specimen = match &page.specimen {
+        Ok(specimen) => specimen,
+        Err(why) => return format!("<p id=\"no-patch\">{}</p>", escaped(why)),
+    };
+    let c = &specimen.certificate;
+    let (least, most) = c.azimuth_extremes();
+    let rows = [
+        (
+            "distance from the slope law (Kolmogorov-Smirnov)",
+            c.ks.map_or("no law wanted".into(), |ks| format!("{ks:.5}")),
+        ),
+        ("facets by azimuth, least to most (1 is even)", format!("{least:.3} to {most:.3}")),
+        ("rank correlation of slope with height", format!("{:.4}", c.rank_correlation_height)),
+        ("... with squared height", format!("{:.4}", c.rank_correlation_height_squared)),
+        (
+            "skewness and kurtosis of the heights",
+            format!("{:.3}, {:.3}", c.height_skewness, c.height_kurtosis),
+        ),
+        ("lowest to highest, cells (alpha = 1)", format!("{:.2}", c.height_range)),
+        ("median slope, units of alpha", format!("{:.4}", c.median_slope)),
+    ];
+    let rows: String =
+        rows.iter().map(|(what, value)| format!("<tr><th>{what}</th><td>{value}</td></tr>")).collect();
+    let [columns, lines] = specimen.cells;
+    format!(
+        "<div class=\"charts\"><figure><canvas id=\"patch\" role=\"img\" aria-label=\"Shaded patch\"></canvas>\
+         <figcaption>{columns} x {lines} cells of patch 0, x to the right, lit from the upper left; slopes are scaled to a \
+         median of 0.45.</figcaption></figure>\n<figure>{}</figure>\n<div class=\"scroll\"><table class=\"facts\"><caption>\
+         Certificate of patch 0</caption>{rows}</table></div></div>",
+        specimen.slopes().svg()
+    )
+}
+
+/// All plots, and what cannot be plotted.
+pub fn plots(page: &Page) -> String {
+    let scene = &page.scene;
+    let mut shown = Vec::new();
+    let mut absent = Vec::new();
+    let stops = shown_stops(scene);
+    for &stop in &stops {
+        shown.extend(plots::lobe(scene, stop).map(|chart| chart.svg()));
+        shown.extend(plots::ratio(scene, stop).map(|chart| chart.svg()));
+    }
+    if shown.is_empty() {
+        absent.push("No bins lie in the plane of incidence: no in-plane lobes.".into());
+    } else if stops.len() < scene.table.grid.stops() {
+        absent.push(format!("{} of {} light directions have plots.", stops.len(), scene.table.grid.stops()));
+    }
+    for azimuth in spread(scene.table.grid.phi_i_deg.len(), 3) {
+        shown.extend(polar(scene, &spread_stops(scene.stops_at(azimuth)), page.masking_index()));
+        shown.extend(plots::albedo(scene, &page.summary["stops"], azimuth).map(|chart| chart.svg()));
+    }
+    match plots::anisotropy(scene) {
+        Some(chart) => shown.push(chart.svg()),
+        None => absent.push(
+            "One azimuth of the light (or none of its own): no plot of anisotropy against azimuth.".into(),
+        ),
+    }
+    match page.bench.map(convergence::charts) {
+        Some(Ok(charts)) => shown.extend(charts.iter().map(|chart| chart.svg())),
+        Some(Err(why)) => absent.push(format!("Error against samples: the document {why}.")),
+        None => absent.push(
+            "Error against samples: `gonio bench` measures it; give its answer with `gonio report --bench FILE`.".into(),
+        ),
+    }
+    absent.push("Masking given the normal (G1) is not part of a table: left out.".into());
+    let figures: String = shown.iter().map(|svg| format!("<figure>{svg}</figure>\n")).collect();
+    let absent: String = absent.iter().map(|why: &String| format!("<li>{}</li>", escaped(why))).collect();
+    format!("<div class=\"charts\">\n{figures}</div>\n<ul class=\"absent\">{absent}</ul>")
+}
+
+fn spread_stops(stops: Vec<usize>) -> Vec<usize> {
+    spread(stops.len(), 8).into_iter().map(|index| stops[index]).collect()
+}
+
+/// What the pictures and the viewer do not show; `None`: they have nothing to show.
+pub fn reduced(page: &Page, notes: Option<&[String]>) -> String {
+    match notes {
+        None => {
+            let kind = serde_json::to_value(page.scene.table.grid.kind).unwrap_or_default();
+            let kind = kind.as_str().unwrap_or("other").replace('_', " ");
+            format!(
+                "<p id=\"no-pictures\">This table's grid is of the kind “{}”, not a hemisphere of bins: no pictures of \
+                 slices and no viewer.</p>",
+                escaped(&kind)
+            )
+        }
+        Some([]) => String::new(),
+        Some(notes) => format!(
+            "<p id=\"reduced\">This table is large: the page's pictures and viewer hold {}. Plots and figures above are of \
+             the whole table.</p>",
+            escaped(&notes.join("; "))
+        ),
+    }
+}
+
+/// Version and conventions.
+pub fn foot(page: &Page) -> String {
+    let table = page.scene.table;
+    let version = if table.version.is_empty() { "unknown" } else { &table.version };
+    format!(
+        "<p>gonio {}, seed {}. {}</p>",
+        escaped(version),
+        table.seed,
+        escaped(crate::table::store::CONVENTION_TEXT)
+    )
+}

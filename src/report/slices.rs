@@ -1,0 +1,205 @@
+//! Cuts through a table: the bins in the plane of incidence, in the mirror direction, and their values.
+//!
+//! Enters: a table, its prediction. Leaves: numbers by signed polar angle, the same bins for measurement and model.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+
+use crate::instrument::{Grid, Region};
+use crate::sphere;
+use crate::stats;
+use crate::table::{BrdfTable, ColourChannels};
+use crate::validate::Prediction;
+
+/// A table and what stands beside it.
+#[derive(Clone, Copy)]
+pub struct Scene<'a> {
+    /// The table.
+    pub table: &'a BrdfTable,
+    /// The models' means over its bins.
+    pub prediction: Option<&'a Prediction>,
+    /// Independent groups behind its error bars; fewer than 2: none.
+    pub realisations: usize,
+}
+
+/// A bin in the plane of incidence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cut {
+    /// Its middle, degrees from the normal: positive on the mirror's side, negative on the light's.
+    pub theta_deg: f64,
+    /// The bin.
+    pub bin: usize,
+}
+
+/// The bins that the plane of incidence cuts, from the light's horizon to the mirror's.
+///
+/// A bin between edges counts on the side whose azimuth its half-open interval holds; a circular aperture counts
+/// where the plane passes through it. Held by: `the_plane_of_incidence_cuts_a_row_on_either_side`.
+pub fn in_plane(grid: &Grid, stop: usize) -> Vec<Cut> {
+    let phi_i = grid.stop_deg(stop).1.to_radians();
+    let mut cuts = Vec::new();
+    for (bin, region) in grid.regions(stop).iter().enumerate() {
+        match *region {
+            Region::Rectangle { theta, phi } => {
+                let middle = 0.5 * (theta[0] + theta[1]).to_degrees();
+                let sides = [(phi_i + PI, 1.0), (phi_i, -1.0)];
+                let held = sides.into_iter().filter(|&(azimuth, _)| holds(phi, azimuth));
+                cuts.extend(held.map(|(_, side)| Cut { theta_deg: side * middle, bin }));
+            }
+            Region::Cap { axis, half_angle } => {
+                let (sin, cos) = phi_i.sin_cos();
+                let across = axis.y * cos - axis.x * sin;
+                let along = -(axis.x * cos + axis.y * sin);
+                if across.abs() <= half_angle.sin().max(1e-9) {
+                    cuts.push(Cut { theta_deg: along.atan2(axis.z).to_degrees(), bin });
+                }
+            }
+        }
+    }
+    cuts.sort_by(|a, b| a.theta_deg.total_cmp(&b.theta_deg));
+    cuts
+}
+
+/// Whether an interval of azimuths, [lower, upper), holds an azimuth up to whole turns.
+fn holds(phi: [f64; 2], azimuth: f64) -> bool {
+    let beyond = (azimuth - phi[0]).rem_euclid(TAU);
+    // A lower edge that rounding has moved past the azimuth is still the azimuth.
+    let beyond = if beyond > TAU - 1e-9 { 0.0 } else { beyond };
+    beyond < phi[1] - phi[0] - 1e-9
+}
+
+/// The bin nearest to the mirror direction of a stop.
+pub fn mirror_bin(grid: &Grid, stop: usize) -> Option<usize> {
+    let wi = grid.wi(stop);
+    let mirror = DVec3::new(-wi.x, -wi.y, wi.z);
+    let distance = |region: &Region| middle(region).distance_squared(mirror);
+    let regions = grid.regions(stop);
+    let nearest = regions.iter().enumerate().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+    nearest.map(|(bin, _)| bin)
+}
+
+/// The direction in the middle of a bin.
+pub fn middle(region: &Region) -> DVec3 {
+    match *region {
+        Region::Rectangle { theta, phi } => {
+            sphere::direction(0.5 * (theta[0] + theta[1]), 0.5 * (phi[0] + phi[1]))
+        }
+        Region::Cap { axis, .. } => axis,
+    }
+}
+
+impl Scene<'_> {
+    /// The colour that the plots show: the only one, or green.
+    pub fn colour(&self) -> usize {
+        self.table.colours.len() / 2
+    }
+
+    /// Its name in captions.
+    pub fn colour_note(&self) -> &'static str {
+        if self.table.colours.len() > 1 { " (green)" } else { "" }
+    }
+
+    fn channels(&self) -> &ColourChannels {
+        &self.table.colours[self.colour()]
+    }
+
+    /// Whether light of higher orders was measured.
+    pub fn has_multiple(&self) -> bool {
+        self.table.colours.iter().any(|colour| colour.multiple.iter().any(|&value| value > 0.0))
+    }
+
+    /// Order 1 of a bin, 1/sr.
+    pub fn single(&self, stop: usize, bin: usize) -> f64 {
+        f64::from(self.channels().single[stop * self.table.grid.bins() + bin])
+    }
+
+    /// All orders of a bin, 1/sr.
+    pub fn total(&self, stop: usize, bin: usize) -> f64 {
+        f64::from(self.channels().total[stop * self.table.grid.bins() + bin])
+    }
+
+    /// Half-width of the 95 % interval of a bin's order 1, 1/sr; `None` without error bars.
+    pub fn half_width(&self, stop: usize, bin: usize) -> Option<f64> {
+        let se = f64::from(self.channels().stderr_single[stop * self.table.grid.bins() + bin]);
+        (se >= 0.0 && self.realisations > 1).then(|| se * stats::student_limit(0.05, self.realisations - 1))
+    }
+
+    /// The mean of the model with the masking `index` over a bin, 1/sr.
+    pub fn model(&self, index: usize, stop: usize, bin: usize) -> Option<f64> {
+        Some(self.prediction?.means[stop].values[index][self.colour()][bin])
+    }
+
+    /// Names of the maskings, in words.
+    pub fn maskings(&self) -> Vec<String> {
+        self.prediction.map_or(Vec::new(), |prediction| {
+            prediction.model.maskings().iter().map(|name| name.replace('_', "-")).collect()
+        })
+    }
+
+    /// The stops of one azimuth of the light, by theta_i.
+    pub fn stops_at(&self, azimuth: usize) -> Vec<usize> {
+        let columns = self.table.grid.phi_i_deg.len();
+        (0..self.table.grid.theta_i_deg.len()).map(|row| row * columns + azimuth).collect()
+    }
+
+    /// The model's flux at a stop over the incident one, the plots' colour.
+    pub fn model_albedo(&self, index: usize, stop: usize) -> Option<f64> {
+        let means = &self.prediction?.means[stop].values[index][self.colour()];
+        let sizes = self.table.grid.regions(stop);
+        Some(means.iter().zip(&sizes).map(|(mean, region)| mean * region.projected_solid_angle()).sum())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::instrument::grid::GridKind;
+
+    fn grid() -> Grid {
+        Grid {
+            kind: GridKind::Hemisphere,
+            theta_i_deg: vec![30.0],
+            phi_i_deg: vec![0.0, 45.0],
+            phi_r_relative: false,
+            theta_r_edges_deg: vec![0.0, 20.0, 40.0, 90.0],
+            phi_r_edges_deg: (0..=8).map(|k| 45.0 * f64::from(k)).collect(),
+            ..Grid::default()
+        }
+    }
+
+    #[test]
+    fn the_plane_of_incidence_cuts_a_row_on_either_side() {
+        // Columns of 45 degrees: light at 0 lies on the lower edge of column 0, its mirror at 180 on that of 4.
+        for (stop, light, mirror) in [(0, 0, 4), (1, 1, 5)] {
+            let cuts = in_plane(&grid(), stop);
+            let found: Vec<(i64, usize)> = cuts.iter().map(|c| (c.theta_deg.round() as i64, c.bin)).collect();
+            let wanted = [
+                (-65, 16 + light),
+                (-30, 8 + light),
+                (-10, light),
+                (10, mirror),
+                (30, 8 + mirror),
+                (65, 16 + mirror),
+            ];
+            assert_eq!(found, wanted, "stop {stop}");
+        }
+    }
+
+    #[test]
+    fn apertures_of_an_arm_lie_in_the_plane_by_their_axes() {
+        let arm = Grid {
+            kind: GridKind::Arm,
+            theta_r_edges_deg: vec![],
+            phi_r_edges_deg: vec![],
+            theta_r_deg: vec![-30.0, 10.0],
+            phi_r_deg: vec![90.0, 180.0],
+            aperture_deg: Some(1.0),
+            phi_i_deg: vec![0.0],
+            ..grid()
+        };
+        let cuts = in_plane(&arm, 0);
+        assert_eq!(cuts.iter().map(|c| c.bin).collect::<Vec<_>>(), [1, 3]);
+        assert!((cuts[0].theta_deg + 30.0).abs() < 1e-9 && (cuts[1].theta_deg - 10.0).abs() < 1e-9);
+    }
+}

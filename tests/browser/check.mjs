@@ -1,0 +1,196 @@
+// Promise: the page loads from a file without an error or a request, its controls work, and its numbers are the
+// summary's.
+//
+//   node tests/browser/check.mjs PAGE.html SUMMARY.json [FOLDER]
+//
+// Writes screenshots at 1280 and 400 pixels to FOLDER. CHROMIUM names another program than `chromium`.
+
+import { readFileSync, writeFileSync, mkdirSync } from "node:fs";
+import { join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+
+import { Browser, WITH_GL, WITHOUT_GL } from "./browser.mjs";
+
+const [page, summaryFile, folder] = process.argv.slice(2);
+const url = pathToFileURL(resolve(page)).href;
+const summary = JSON.parse(readFileSync(summaryFile, "utf8"));
+const program = process.env.CHROMIUM ?? "chromium";
+const failures = [];
+
+function hold(what, holds, found = "") {
+  if (!holds) failures.push(`${what}${found === "" ? "" : `: ${JSON.stringify(found).slice(0, 600)}`}`);
+}
+
+function quiet(browser, when) {
+  hold(`${when}: no complaint`, browser.complaints.length === 0, browser.complaints);
+  const strange = browser.requests.filter((request) => request !== url && !request.startsWith("data:"));
+  hold(`${when}: no request but for the file itself`, strange.length === 0, strange);
+}
+
+// Every number of a table on the page, by row and key.
+const TABLE = (id) => `[...document.querySelectorAll("#${id} tbody tr")].map((row) =>
+  [...row.querySelectorAll("td[data-key]")].map((cell) => [cell.dataset.key, cell.textContent]))`;
+
+async function numbers(browser) {
+  const maskings = summary.comparisons;
+  const shown = await browser.evaluate(TABLE("comparisons"));
+  const all = maskings[0].stops.length;
+  hold("all light directions are listed", shown.length === Math.min(all, 48), shown.length);
+  if (shown.length === all) {
+    shown.forEach((row, stop) => {
+      const wanted = [["theta_i_deg", maskings[0].stops[stop].theta_i_deg.toFixed(1)]];
+      if (row.some(([key]) => key === "phi_i_deg")) wanted.push(["phi_i_deg", maskings[0].stops[stop].phi_i_deg.toFixed(1)]);
+      wanted.push(["l1_noise", maskings[0].stops[stop].l1_noise.toFixed(4)]);
+      maskings.forEach((masking) => wanted.push(["l1_model", masking.stops[stop].l1_model.toFixed(4)]));
+      hold(`figures of stop ${stop}`, JSON.stringify(row) === JSON.stringify(wanted), [row, wanted]);
+    });
+    const albedos = await browser.evaluate(TABLE("albedos"));
+    albedos.forEach((row, stop) => row.filter(([key]) => key.startsWith("albedo")).forEach(([key, text]) => {
+      hold(`${key} of stop ${stop}`, text === summary.stops[stop][key].toFixed(5), [text, summary.stops[stop][key]]);
+    }));
+    hold("albedos are there", albedos.length === summary.stops.length);
+  }
+  const verdict = await browser.evaluate("document.getElementById('verdict').textContent");
+  const nearest = maskings.find((masking) => masking.masking === summary.nearest_masking);
+  hold("the verdict names the nearest masking and its distance",
+    verdict.includes(nearest.masking.replace("_", "-")) && verdict.includes(nearest.l1_model.toFixed(4)), verdict);
+}
+
+const shot = (id) => `document.getElementById("${id}").toDataURL()`;
+
+// Sets a control as a hand would, and waits for the picture.
+async function set(browser, id, value) {
+  const drawn = await browser.evaluate("Number(document.body.dataset.drawn)");
+  await browser.evaluate(`(() => { const control = document.getElementById("${id}"); control.value = ${JSON.stringify(value)};
+    control.dispatchEvent(new Event("input", { bubbles: true })); })()`);
+  await browser.until(`Number(document.body.dataset.drawn) > ${drawn}`);
+}
+
+async function changes(browser, id, value, pictures) {
+  const before = await Promise.all(pictures.map((picture) => browser.evaluate(shot(picture))));
+  const old = await browser.evaluate(`document.getElementById("${id}").value`);
+  await set(browser, id, value);
+  for (const [k, picture] of pictures.entries()) {
+    hold(`${id} = ${value} changes ${picture}`, (await browser.evaluate(shot(picture))) !== before[k]);
+  }
+  await set(browser, id, old);
+  for (const [k, picture] of pictures.entries()) {
+    hold(`${id} = ${old} brings ${picture} back`, (await browser.evaluate(shot(picture))) === before[k]);
+  }
+}
+
+async function controls(browser) {
+  await changes(browser, "theta", "15", ["lobe", "scene"]);
+  await changes(browser, "phi", "40", ["lobe", "scene"]);
+  await changes(browser, "radius", "linear", ["lobe"]);
+  await changes(browser, "lamp", "sky", ["scene"]);
+  await changes(browser, "halves", "one", ["scene"]);
+  await changes(browser, "exposure", "2", ["scene"]);
+  await changes(browser, "which", "model", ["lobe"]);
+  for (const id of ["lobe", "scene"]) {
+    const before = await browser.evaluate(shot(id));
+    await browser.evaluate(`document.getElementById("${id}").focus()`);
+    for (const type of ["keyDown", "keyUp"]) {
+      await browser.send("Input.dispatchKeyEvent", { type, key: "ArrowLeft", code: "ArrowLeft", windowsVirtualKeyCode: 37 });
+    }
+    hold(`an arrow key turns ${id}`, (await browser.evaluate(shot(id))) !== before);
+  }
+  const hemispheres = "[...document.querySelectorAll('#hemispheres canvas')].map((c) => c.toDataURL()).join()";
+  const before = await browser.evaluate(hemispheres);
+  await browser.evaluate(`(() => { const scale = document.getElementById("scale"); scale.value = "linear";
+    scale.dispatchEvent(new Event("input", { bubbles: true })); })()`);
+  hold("the scale changes the hemispheres", (await browser.evaluate(hemispheres)) !== before);
+}
+
+// Height over width of the highlight on the measured sphere, by second moments of its bright pixels, with the lamp
+// over the viewer's shoulder.
+const HIGHLIGHT = `(() => {
+  const scene = document.getElementById("scene"), copy = document.createElement("canvas");
+  [copy.width, copy.height] = [scene.width, scene.height];
+  const g = copy.getContext("2d");
+  g.drawImage(scene, 0, 0);
+  const { width, height } = copy, { data } = g.getImageData(0, 0, width, height);
+  const bright = [];
+  let most = 0;
+  const grey = (k) => data[4 * k + 1];
+  // A disc well inside the sphere on the left.
+  const inside = (x, y) => (x - width / 4) ** 2 + (y - height * .45) ** 2 < (width / 8) ** 2;
+  for (let y = 0; y < height; y += 1) for (let x = 0; x < width / 2; x += 1) if (inside(x, y)) most = Math.max(most, grey(y * width + x));
+  for (let y = 0; y < height; y += 1) for (let x = 0; x < width / 2; x += 1) if (inside(x, y) && grey(y * width + x) > .75 * most) bright.push([x, y]);
+  const spread = (axis) => {
+    const mean = bright.reduce((sum, p) => sum + p[axis], 0) / bright.length;
+    return Math.sqrt(bright.reduce((sum, p) => sum + (p[axis] - mean) ** 2, 0) / bright.length);
+  };
+  return spread(1) / spread(0);
+})()`;
+
+async function highlight(browser) {
+  const alpha = await browser.evaluate("JSON.parse(document.getElementById('data').textContent).table.alpha");
+  await set(browser, "phi", "50");
+  const ratio = await browser.evaluate(HIGHLIGHT);
+  // Brushed along x: facets tilt alpha_y / alpha_x times as far across it. A round highlight is wider than high or
+  // higher than wide by the light's height alone.
+  if (alpha[1] >= 3 * alpha[0]) hold("brushed metal has a long highlight", ratio > 2, ratio);
+  if (alpha[1] === alpha[0]) hold("an isotropic surface has a round highlight", ratio > 1 / 1.5 && ratio < 1.5, ratio);
+  console.log(`highlight: ${ratio.toFixed(2)} times as high as wide`);
+}
+
+// What a picture must have at any width: nothing beyond the page, no text of a plot upon another, none too small.
+const LAYOUT = `(() => {
+  const found = [];
+  if (document.documentElement.scrollWidth > innerWidth) found.push("page wider than the window: " + document.documentElement.scrollWidth);
+  for (const svg of document.querySelectorAll("svg.chart")) {
+    const outer = svg.getBoundingClientRect(), name = svg.getAttribute("aria-label");
+    const boxes = [...svg.querySelectorAll("text:not(.halo)")].map((text) => [text.textContent, text.getBoundingClientRect()]);
+    boxes.forEach(([text, box], k) => {
+      if (box.left < outer.left - 1 || box.right > outer.right + 1) found.push(name + ": beyond the picture: " + text);
+      const other = boxes.slice(k + 1).find(([, b]) => b.left < box.right - 1 && b.right > box.left + 1 && b.top < box.bottom - 3 && b.bottom > box.top + 3);
+      if (other) found.push(name + ": " + text + " over " + other[0]);
+    });
+    const size = 14 * outer.width / svg.viewBox.baseVal.width;
+    if (size < 9.5) found.push(name + ": letters of " + size.toFixed(1) + " px");
+  }
+  return found;
+})()`;
+
+async function withViewer() {
+  const browser = new Browser(program, WITH_GL);
+  await browser.open(url, 1280, 900);
+  await browser.until("document.body.dataset.drawn > 0");
+  hold("WebGL 2 is there", await browser.evaluate("document.getElementById('no-webgl').hidden"));
+  for (const width of [1280, 400]) {
+    await browser.resize(width, 900);
+    // The pictures follow the window.
+    await browser.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
+    const found = await browser.evaluate(LAYOUT);
+    hold(`layout at ${width} px`, found.length === 0, found);
+    if (folder) writeFileSync(join(folder, `page-${width}.png`), await browser.picture());
+  }
+  await browser.resize(1280, 900);
+  await browser.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
+  await numbers(browser);
+  await highlight(browser);
+  await set(browser, "phi", "0");
+  await controls(browser);
+  quiet(browser, "with WebGL");
+  await browser.close();
+}
+
+async function withoutWebGl() {
+  const browser = new Browser(program, WITHOUT_GL);
+  await browser.open(url, 800, 900);
+  await browser.until("document.body.dataset.drawn > 0");
+  hold("the fallback says so", !(await browser.evaluate("document.getElementById('no-webgl').hidden")));
+  hold("no sphere without WebGL", await browser.evaluate("document.getElementById('scene-figure').hidden"));
+  await changes(browser, "theta", "15", ["lobe"]);
+  quiet(browser, "without WebGL");
+  if (folder) writeFileSync(join(folder, "no-webgl.png"), await browser.picture("#viewer"));
+  await browser.close();
+}
+
+if (folder) mkdirSync(folder, { recursive: true });
+await withViewer();
+await withoutWebGl();
+for (const failure of failures) console.error(`failed: ${failure}`);
+console.log(failures.length === 0 ? "browser: ok" : `browser: ${failures.length} failures`);
+process.exit(failures.length === 0 ? 0 : 1);
