@@ -146,7 +146,7 @@ pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
 /// Whether an index of the facets is worth its making: whether at every stop the apertures, mirrored ones included,
 /// cover little enough of the hemisphere.
 ///
-/// Measured break-even: see `LARGEST_SHARE`. Held by: `the_facet_index_changes_nothing_but_noise` in `tests/skips.rs`.
+/// Estimated break-even: see `LARGEST_SHARE`. Held by: `the_facet_index_changes_nothing_but_noise` in `tests/skips.rs`.
 fn few_apertures(grid: &Grid, folded: &[bool]) -> bool {
     folded.iter().enumerate().all(|(stop, &folded)| {
         let share = aperture_share(&grid.regions(stop));
