@@ -180,6 +180,19 @@ fn results_are_the_same_bytes_for_any_number_of_threads() {
 }
 
 #[test]
+fn patches_of_any_side_are_measured() {
+    // 33 is no power of two: neither lanes nor sweeps serve it.
+    let odd = SMALL.replace("cells = 32", "cells = 33");
+    let hemisphere = "[sensor.hemisphere]\ntheta_r_bins = 6\nphi_r_bins = 12\n";
+    let arm = "[sensor.arm]\ntheta_r_deg = [-40, 0, 40]\nphi_r_deg = [180]\naperture_deg = 2.0\n";
+    let orders = "[trace]\nbounces = 3\n[stop]\n";
+    for text in [odd.clone(), odd.replace("[stop]\n", orders), odd.replace(hemisphere, arm)] {
+        let folder = folder(&text);
+        exits(&gonio(folder.path(), &["measure", "small.toml", "-o", "out"]), 0);
+    }
+}
+
+#[test]
 fn a_finished_table_is_left_alone_and_another_needs_force() {
     let folder = folder(SMALL);
     let out = folder.path().join("out").join("small");

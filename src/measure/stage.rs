@@ -74,10 +74,12 @@ impl Mounted {
             Specimen::Patch(patch) => {
                 let walker = Walker::new(&patch.field);
                 let lanes = self.lanes.as_ref().map(|lanes| LaneWalker::new(walker, lanes, kernel));
-                // Lines cross the whole of a field, start regions of a map are parts of it.
-                let whole = campaign.surface.kind.is_random_heights() && campaign.trace.visibility;
                 let index = self.index.as_ref();
-                let layout = if whole && index.is_none() { Layout::new(&patch.field) } else { None };
+                // Lines cross the whole of a field, start regions of a map are parts of it; and what they see goes
+                // on through the lanes, which serve sides of a power of two.
+                let random = campaign.surface.kind.is_random_heights();
+                let swept = random && lanes.is_some() && index.is_none();
+                let layout = if swept { Layout::new(&patch.field) } else { None };
                 let alpha = patch.alpha(alpha);
                 Stage::Heights(Heights { patch, walker, lanes, layout, index, alpha })
             }
