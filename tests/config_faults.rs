@@ -404,8 +404,10 @@ fn height_maps_are_described_completely() {
     one_fault(&exr("tiles = 65\n"), "tiles", "surface.file.tiles", "[1, 64]");
     one_fault(&exr("detrend = \"sphere\"\n"), "detrend", "surface.file.detrend", "\"plane\" or \"none\"");
     let path = "surface.file.path";
-    one_fault(&text("scan.npy", "scan.gsf"), "path", path, "not yet: ");
-    one_fault(&text("scan.npy", "scan.png"), "path", path, "must end in .exr or .npy");
+    for name in ["scan.gsf", "scan.xyz", "scan.txt", "scan.exr"] {
+        accepted(&text("scan.npy", name));
+    }
+    one_fault(&text("scan.npy", "scan.png"), "path", path, "must end in .exr, .npy, .gsf");
     one_fault(&text("scan.npy", ""), "path", path, "must be a file name");
     one_fault(&text("path = \"scan.npy\"\n", ""), heading, path, "required");
 }

@@ -224,7 +224,7 @@ fn isotropic_alphas(item: &Item<'_>) -> Option<Vec<Alpha>> {
 fn height_map(table: Table<'_>, folder: &Path) -> Option<HeightMap> {
     let [path, pitch_x, pitch_y, height_unit, periodic, detrend, tiles] =
         table.keys(["path", "pitch_x_um", "pitch_y_um", "height_unit_um", "periodic", "detrend", "tiles"]);
-    let path = path.required("the height map, .exr or .npy").and_then(map_path);
+    let path = path.required("the height map, .exr, .npy, .gsf or .xyz").and_then(map_path);
     let lengths = [&pitch_x, &pitch_y, &height_unit];
     let needed = path.and_then(|path| all_or_none(&lengths, is_npy(path)));
     let lengths = lengths.map(|slot| slot.or(None, |i| i.float(&LENGTH_UM).map(Some)));
@@ -264,13 +264,12 @@ fn map_path<'a>(item: &Item<'a>) -> Option<&'a str> {
         return item.refuse("must be a file name without control characters");
     }
     match extension(path).as_str() {
-        "exr" | "npy" => Some(path),
-        "gsf" | "txt" => item.refuse("not yet: this version reads .exr and .npy height maps"),
-        _ => item.refuse("must end in .exr or .npy"),
+        "exr" | "npy" | "gsf" | "txt" | "xyz" => Some(path),
+        _ => item.refuse("must end in .exr, .npy, .gsf (Gwyddion simple field), .xyz or .txt (lines of x y z)"),
     }
 }
 
-/// Pitches and unit: an EXR may hold its own, and then none of the three is mixed with the file's.
+/// Pitches and unit: all but NPY may hold their own, and then none of the three is mixed with the file's.
 fn all_or_none(lengths: &[&Slot<'_>; 3], required: bool) -> Option<()> {
     let given = lengths.iter().filter(|slot| slot.given().is_some()).count();
     if given == 3 || (given == 0 && !required) {

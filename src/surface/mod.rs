@@ -6,6 +6,8 @@ mod feedback;
 pub mod heightfield;
 pub mod import;
 pub mod map_file;
+mod map_gsf;
+mod map_xyz;
 mod ranks;
 mod remap;
 pub mod slope_law;
