@@ -27,7 +27,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Err(error @ Error::Campaign(_)) if arguments.json => return answer(&error),
         parsed => parsed?,
     };
-    let Parsed { campaign, notes } = parsed;
+    let Parsed { campaign, notes, preset } = parsed;
     let plan = measure::plan(&campaign);
     let mut out = Output::default();
     if arguments.json {
@@ -39,11 +39,13 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
                 Value::Null
             }
         };
-        out.json(&json!({ "faults": [], "plan": plan, "notes": notes }))?;
+        let preset = to_json(&preset)?;
+        out.json(&json!({ "faults": [], "plan": plan, "notes": notes, "preset": preset }))?;
         return Ok(code);
     }
     notes.iter().for_each(warn);
     let plan = plan?;
+    out.lines(preset.iter().flat_map(plan_text::preset))?;
     out.lines(plan_text::facts(&campaign, &plan))?;
     out.lines(plan_text::skipped(&plan))?;
     Ok(0)

@@ -17,4 +17,4 @@ pub mod synthesis;
 pub use certificate::{Certificate, SlopeCounts};
 pub use heightfield::Heightfield;
 pub use slope_law::SlopeLaw;
-pub use synthesis::Synthesiser;
+pub use synthesis::{Spectrum, Synthesiser};
