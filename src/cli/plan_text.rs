@@ -6,6 +6,7 @@ use crate::campaign::{
     SmithNdf, SurfaceKind,
 };
 use crate::measure::{Plan, Skip};
+use crate::validate::aperture::ApertureBias;
 
 /// Room for the words on the left.
 const HEAD: usize = 14;
@@ -46,6 +47,29 @@ pub fn preset(preset: &Preset) -> Vec<String> {
         ("", format!("not emulated: {}", preset.left_out)),
     ];
     facts.iter().flat_map(|(head, text)| line(head, text)).collect()
+}
+
+/// What the apertures are predicted to do.
+pub fn aperture(bias: &ApertureBias) -> Vec<String> {
+    let percent = |bias: f64| {
+        let percent = 100.0 * bias;
+        // Three digits, however small.
+        let digits = (2.0 - percent.abs().max(1e-6).log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{percent:+.digits$} %")
+    };
+    let angle = |angle: f64| (angle * 1e4).round() / 1e4;
+    let text = format!(
+        "{} on the value at theta_i {}, theta_r {}, phi_r {} from the light (model: mean over the cones against the \
+         value at their axes; the largest of {} stops); with half the apertures {}, extrapolated from both {}",
+        percent(bias.bias),
+        bias.theta_i_deg,
+        angle(bias.theta_r_deg),
+        angle(bias.phi_r_deg),
+        bias.stops,
+        percent(bias.bias_of_half),
+        percent(bias.bias_extrapolated)
+    );
+    line("apertures", &text)
 }
 
 /// What is skipped, why, and what that saves.
