@@ -117,6 +117,10 @@ fn albedo_over_slopes(model: &Microfacet, theta_i_deg: f64) -> [f64; 2] {
             let p22 = match model.ndf {
                 Ndf::Ggx => 1.0 / (PI * (1.0 + r2).powi(2)),
                 Ndf::Beckmann => (-r2).exp() / PI,
+                student => {
+                    let gamma = student.gamma(model.alpha_x * model.alpha_y);
+                    (1.0 + r2 / (gamma - 1.0)).powf(-gamma) / PI
+                }
             };
             let towards = wi.z - wi.x * p; // (wi.m)/m.z with m = (-p, -q, 1)/|...|, turned to rise along the light
             let mz2 = 1.0 / (1.0 + p * p + q * q);

@@ -2,12 +2,15 @@
 
 use gonio::rng::{self, Purpose, StreamId};
 use gonio::stats::{mean_and_se, sidak, student_limit};
-use gonio::surface::{Certificate, Heightfield, SlopeLaw, Synthesiser};
+use gonio::surface::{Certificate, Heightfield, SlopeLaw, Spectrum, Synthesiser};
 use rayon::prelude::*;
 
 /// The patches that a campaign of seed 1 would be measured on.
 fn patches(law: SlopeLaw, cells: usize, correlation: f64, count: u64) -> Vec<(Heightfield, Certificate)> {
-    let synthesiser = Synthesiser::new(law, cells, correlation);
+    made_by(&Synthesiser::new(law, cells, correlation), law, count)
+}
+
+fn made_by(synthesiser: &Synthesiser, law: SlopeLaw, count: u64) -> Vec<(Heightfield, Certificate)> {
     let patch = |realisation: u64| {
         let id = StreamId { seed: 1, purpose: Purpose::Surface, realisation, stop: 0, block: 0 };
         let field = synthesiser.patch(&mut rng::stream(id));
@@ -138,6 +141,35 @@ fn ks_together(patches: &[(Heightfield, Certificate)]) -> f64 {
         largest = largest.max((running as f64 / total - (class + 1) as f64 / CLASSES as f64).abs());
     }
     largest
+}
+
+#[test]
+fn patches_of_students_laws_hold_them() {
+    for law in [SlopeLaw::student_t(3.0), SlopeLaw::blinn_phong(48.0)] {
+        let patches = patches(law, 512, 8.0, 4);
+        // The bounds of GGX patches of this size.
+        let bounds = Bounds { ks: 2e-3, rank_height: 0.005, rank_height_squared: 0.02 };
+        for (field, certificate) in &patches {
+            let (ks, rank) = (certificate.ks.expect("a law"), certificate.rank_correlation_height);
+            println!("{law:?}: KS {ks:.5}, rank correlation {rank:.4}");
+            assert!(ks <= bounds.ks && rank.abs() <= bounds.rank_height, "{law:?}: {ks} {rank}");
+            assert!(certificate.rank_correlation_height_squared.abs() <= bounds.rank_height_squared);
+            closes(field, certificate);
+        }
+        harmonics_are_even(&patches);
+    }
+}
+
+#[test]
+fn gaussian_heights_of_another_spectrum_have_the_same_slopes() {
+    let law = SlopeLaw::Beckmann;
+    let patches = made_by(&Synthesiser::with_spectrum(law, 512, 8.0, Spectrum::Exponential), law, 8);
+    let together = ks_together(&patches);
+    println!("KS of all together {together:.5}");
+    // As for the Gaussian spectrum on four times the cells and twice the patches.
+    assert!(together <= 0.004, "{together}");
+    patches.iter().for_each(|(field, certificate)| closes(field, certificate));
+    harmonics_are_even(&patches);
 }
 
 #[test]

@@ -404,8 +404,10 @@ fn height_maps_are_described_completely() {
     one_fault(&exr("tiles = 65\n"), "tiles", "surface.file.tiles", "[1, 64]");
     one_fault(&exr("detrend = \"sphere\"\n"), "detrend", "surface.file.detrend", "\"plane\" or \"none\"");
     let path = "surface.file.path";
-    one_fault(&text("scan.npy", "scan.gsf"), "path", path, "not yet: ");
-    one_fault(&text("scan.npy", "scan.png"), "path", path, "must end in .exr or .npy");
+    for name in ["scan.gsf", "scan.xyz", "scan.txt", "scan.exr"] {
+        accepted(&text("scan.npy", name));
+    }
+    one_fault(&text("scan.npy", "scan.png"), "path", path, "must end in .exr, .npy, .gsf");
     one_fault(&text("scan.npy", ""), "path", path, "must be a file name");
     one_fault(&text("path = \"scan.npy\"\n", ""), heading, path, "required");
 }
@@ -514,14 +516,64 @@ fn stopping_rules_outside_their_ranges_are_refused() {
 #[test]
 fn what_is_not_there_yet_says_so() {
     let alpha = "[surface.ggx]\nalpha = 0.2\n";
-    for kind in ["artist", "student_t", "blinn_phong"] {
-        let heading = format!("[surface.{kind}]");
-        let text = with(alpha, &format!("{heading}\nalpha = 0.2\n"));
-        one_fault(&text, &heading, &format!("surface.{kind}"), "not yet: ");
+    let text = with(alpha, "[surface.artist]\nalpha = 0.2\n");
+    one_fault(&text, "[surface.artist]", "surface.artist", "not yet: ");
+}
+
+#[test]
+fn further_laws_are_checked() {
+    let law = |table: &str| with("[surface.ggx]\nalpha = 0.2\n", table);
+    let student = "surface.student_t.gamma";
+    one_fault(&law("[surface.student_t]\nalpha = 0.2\n"), "[surface.student_t]", student, "required");
+    let gamma = |value: &str| law(&format!("[surface.student_t]\nalpha = 0.2\ngamma = {value}\n"));
+    accepted(&gamma("2"));
+    for (value, allowed) in
+        [("1.9", "must lie in [2, 100]; 2 is ggx"), ("101", "use beckmann"), ("nan", "must be finite")]
+    {
+        one_fault(&gamma(value), "gamma", student, allowed);
     }
-    let light = &GOOD[GOOD.find("[light]").unwrap()..GOOD.find("[optics]").unwrap()];
-    let text = with(light, "[preset]\nname = \"utia\"\n");
-    one_fault(&text, "[preset]", "preset", "not yet: ");
+    let exponent = |value: &str| law(&format!("[surface.blinn_phong]\nexponent = {value}\n"));
+    let SurfaceKind::BlinnPhong { alphas, .. } = accepted(&exponent("48")).campaign.surface.kind else {
+        panic!()
+    };
+    assert_eq!((alphas[0].x, alphas[0].y), (0.2, 0.2));
+    one_fault(&exponent("-1"), "exponent", "surface.blinn_phong.exponent", "must lie in [0, 20000]");
+    let alpha = law("[surface.blinn_phong]\nexponent = 48\nalpha = 0.2\n");
+    one_fault(&alpha, "alpha", "surface.blinn_phong.alpha", "unknown key");
+    let spectrum = law("[surface.beckmann]\nalpha = 0.2\nspectrum = \"white\"\n");
+    one_fault(&spectrum, "spectrum", "surface.beckmann.spectrum", "\"gaussian\" or \"exponential\"");
+}
+
+/// `GOOD` with a preset in place of its arms.
+fn preset(keys: &str) -> String {
+    let arms = &GOOD[GOOD.find("[light]").unwrap()..GOOD.find("[optics]").unwrap()];
+    with(arms, &format!("[preset]\n {keys}\n"))
+}
+
+#[test]
+fn presets_are_checked() {
+    let heading = "[preset]";
+    one_fault(&preset(""), heading, "preset.name", "required; the instrument, such as \"utia\"");
+    one_fault(&preset("name = \"UTIA\""), " name", "preset.name", "must be \"utia\" or \"merl\"");
+    let utia = |rest: &str| preset(&format!("name = \"utia\"\n{rest}"));
+    one_fault(
+        &utia("theta_i_deg = [3]"),
+        "theta_i_deg",
+        "preset.theta_i_deg",
+        "unknown key; known here: name, ",
+    );
+    one_fault(&utia("aperture_deg = 15"), "aperture_deg", "preset.aperture_deg", "reaches the horizon");
+    let both = utia("").replace("[optics]", "[light]\ntheta_i_deg = [3]\n[optics]");
+    one_fault(&both, "[light]", "light", "a [preset] is there and replaces [light] and [sensor]");
+    let onera = preset("name = \"onera\"\ntheta_i_deg = [0, 75]");
+    one_fault(&onera, "theta_i_deg", "preset.theta_i_deg", "must lie in [0, 60]; its arms stop at 60");
+    let rosi = preset("name = \"rosi\"\ntheta_i_deg = [45]");
+    one_fault(&rosi, heading, "preset.theta_r_deg", "required");
+    let brushed = preset("name = \"in_plane\"").replace("alpha = 0.2", "alpha_x = 0.1\nalpha_y = 0.2");
+    one_fault(&brushed, heading, "preset.phi_i_deg", "the surface is not isotropic");
+    accepted(&brushed.replace("\"in_plane\"", "\"in_plane\"\nphi_i_deg = [0, 90]"));
+    let klems = with("theta_i_deg = [0, 15, 30]", "theta_i_deg = [0, 15, 30]\nazimuth = \"klems_full\"");
+    one_fault(&klems, "theta_i_deg", "light.theta_i_deg", "the basis names the stops");
 }
 
 #[test]

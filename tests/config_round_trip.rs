@@ -1,6 +1,6 @@
 //! The resolved campaign reads back as itself, whatever was accepted; and nothing makes the reader panic.
 
-use gonio::campaign::{Alpha, Azimuth, Campaign, Optics, SurfaceKind, to_toml};
+use gonio::campaign::{Alpha, Azimuth, Campaign, HeightSpectrum, Optics, SurfaceKind, to_toml};
 use gonio::error::Error;
 use proptest::prelude::*;
 
@@ -27,6 +27,9 @@ fn the_resolved_campaign_reads_back_as_itself() {
         with("alpha = 0.2", "alpha = [0.1, 0.2, 0.5]"),
         averaged(with("alpha = 0.2", "alpha_x = 1e-4\nalpha_y = 1")),
         with("[surface.ggx]", "[surface.beckmann]"),
+        with("[surface.ggx]", "[surface.beckmann]\nspectrum = \"exponential\""),
+        with("[surface.ggx]", "[surface.student_t]\ngamma = 3.7"),
+        with("[surface.ggx]\nalpha = 0.2", "[surface.blinn_phong]\nexponent = 47.3"),
         with("material = \"gold\"", "f0 = [0.1, 0.25, 1e-7]"),
         with("[0, 15, 30]", "{ from = 0, to = 89.9, step = 0.1 }"),
         with("[light]", "[light]\nphi_i_deg = { from = -0.0, to = 350, step = 0.7 }"),
@@ -71,7 +74,10 @@ proptest! {
         campaign.seed = seed;
         campaign.stop.samples = samples;
         (campaign.stop.relative_error, campaign.stop.seconds) = rules;
-        campaign.surface.kind = SurfaceKind::Beckmann(vec![Alpha { x: alpha.0, y: alpha.1 }]);
+        campaign.surface.kind = SurfaceKind::Beckmann {
+            alphas: vec![Alpha { x: alpha.0, y: alpha.1 }],
+            spectrum: HeightSpectrum::Exponential,
+        };
         campaign.surface.rotation_deg = rotation_deg;
         campaign.optics = Optics::Schlick { material: None, f0 };
         campaign.light.theta_i_deg = thetas.into_iter().map(|t| f64::from(t) / 1e4).collect();

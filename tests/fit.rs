@@ -261,6 +261,25 @@ fn measured_patches_return_their_roughness_and_their_own_law_comes_first() {
 }
 
 #[test]
+fn a_students_patch_is_known_by_its_own_law() {
+    for (law, name) in [
+        ("[surface.student_t]\ngamma = 4.0\nalpha = 0.3", "student_t"),
+        ("[surface.blinn_phong]\nexponent = 20", "blinn_phong"),
+    ] {
+        let measured = measured_one(&PATCHES.replace("[surface.ggx]\nalpha = 0.3", law));
+        let data = data(&measured);
+        let own = Law::of_surface(&measured.campaign.surface.kind, &data);
+        let others = Law::all(&data).into_iter().filter(|law| matches!(law, Law::Microfacet { .. }));
+        let fits = fit::fit(&data, &others.chain(own).collect::<Vec<_>>());
+        let best = &fits.fits[0];
+        assert_eq!(best.model, name, "{fits:?}");
+        let alpha = measured.campaign.alphas()[0].expect("a roughness").x;
+        let jackknife = best.standard_errors.get("alpha").expect("alpha");
+        holds(best, "alpha", alpha, stats::student_limit(1e-3, 7) * jackknife);
+    }
+}
+
+#[test]
 #[ignore = "takes minutes: cargo test --release -- --ignored"]
 fn large_patches_return_their_roughness_within_a_hundredth() {
     let text =

@@ -91,6 +91,31 @@ fn exported_heights_come_back_bit_for_bit() {
 }
 
 #[test]
+fn a_gwyddion_field_and_lines_of_text_are_the_same_map() {
+    let heights = heights();
+    let from_npy = load_bytes(&npy_f64(&heights), |path| with_pitch(map(path, false), 0.5)).expect("loads");
+    let own = |path: &Path| map(path, false);
+    // Sizes and heights in um; pitches 0.5 and 1.
+    let header = format!(
+        "Gwyddion Simple Field 1.0\nXRes = {COLUMNS}\nYRes = {ROWS}\nXReal = {}\nYReal = {}\nXYUnits = um\n\
+         ZUnits = um\n",
+        0.5 * COLUMNS as f64,
+        1.0 * ROWS as f64
+    );
+    let mut gsf = header.into_bytes();
+    gsf.resize(gsf.len() + 4 - gsf.len() % 4, 0);
+    gsf.extend(heights.iter().flat_map(|&h| (h as f32).to_le_bytes()));
+    let line = |(k, h): (usize, &f64)| format!("{} {} {h:?}\n", 0.5 * (k % COLUMNS) as f64, k / COLUMNS);
+    let xyz: String = heights.iter().enumerate().map(line).collect();
+    for (name, bytes) in [("gsf", gsf), ("xyz", xyz.into_bytes())] {
+        let found = load_bytes(&bytes, own).unwrap_or_else(|e| panic!("{name}: {e}"));
+        // Heights that f32 holds, and numbers written so that they read back the same.
+        assert_eq!(bits(found.field.heights()), bits(from_npy.field.heights()), "{name}");
+        assert_eq!((found.alpha_x, found.alpha_y), (from_npy.alpha_x, from_npy.alpha_y), "{name}");
+    }
+}
+
+#[test]
 fn patches_have_equal_bytes_from_every_run_and_keep_their_heights() {
     let shifted = heights().iter().map(|h| f64::from((h + 0.7) as f32)).collect();
     let field = Heightfield::new(COLUMNS, ROWS, true, shifted);

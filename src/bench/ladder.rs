@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::truth::TruthKind;
-use crate::campaign::{Campaign, SurfaceKind};
+use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::measure::{self, Plan};
 
@@ -76,7 +76,7 @@ pub fn planned(campaign: &Campaign, range: &Range, truth: TruthKind) -> Result<L
     };
     let mut ladders = vec![(Varies::Samples, samples)];
     let mut most = realisations;
-    if matches!(campaign.surface.kind, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_)) {
+    if campaign.surface.kind.is_random_heights() {
         let last = range.most_realisations.unwrap_or((4 * realisations).max(16));
         let counts = powers(1, last.into());
         if counts.len() < FEWEST_RUNGS {

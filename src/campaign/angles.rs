@@ -37,6 +37,19 @@ pub(super) const THETA_R: Axis = Axis {
     wraps: false,
 };
 
+/// Polar angles of an instrument that goes no lower than 60 degrees.
+pub(super) const TO_SIXTY: Axis = Axis {
+    bounds: Bounds::closed(0.0, 60.0)
+        .advice("its arms have one side", "its arms stop at 60; use [light] and [sensor]"),
+    wraps: false,
+};
+
+/// Azimuths of an instrument with one half of the hemisphere.
+pub(super) const HALF_TURN: Axis = Axis {
+    bounds: Bounds::closed(0.0, 180.0).advice("it turns through 0 to 180", "it turns through 0 to 180"),
+    wraps: false,
+};
+
 /// Azimuths of either arm.
 pub(super) const PHI: Axis = Axis { bounds: AZIMUTH, wraps: true };
 

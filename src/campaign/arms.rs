@@ -11,19 +11,35 @@ pub(super) const LAYOUTS: [(&str, BinLayout); 2] =
 /// Words for [`PhiFrom`].
 pub(super) const PHI_FROM: [(&str, PhiFrom); 2] = [("light", PhiFrom::Light), ("sample", PhiFrom::Sample)];
 
-/// Words for the two kinds of [`Azimuth`]; the flag says whether it is relative.
+/// Words for the two kinds of [`Azimuth`] that go with lists of angles; the flag says whether it is relative.
 const AZIMUTHS: [(&str, bool); 2] = [("relative", true), ("absolute", false)];
+
+/// The word for both arms on the Klems full basis.
+pub(super) const KLEMS: &str = "klems_full";
+
+/// Middles of the rings of the Klems full basis, degrees, and how many patches all rings have.
+const KLEMS_RINGS: [f64; 9] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 82.5];
+const KLEMS_PATCHES: u64 = 145;
 
 /// Most entries of one table.
 const MOST_ENTRIES: u64 = 1 << 31;
 
 /// Half-angles of cones.
-const APERTURE: Bounds = Bounds::closed(0.0, 45.0);
+pub(super) const APERTURE: Bounds = Bounds::closed(0.0, 45.0);
+
+/// Half-angles of the sensor's apertures.
+pub(super) const OPEN: Bounds = APERTURE.low_open().advice("a closed aperture collects no light", "");
 
 /// Reads `[light]`. `isotropic` is unknown where the surface has faults of its own.
 pub(super) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<Light> {
     let [theta_i, phi_i, azimuth, average, aperture] =
         slot.table()?.keys(["theta_i_deg", "phi_i_deg", "azimuth", "average_azimuth", "aperture_deg"]);
+    if azimuth.given().and_then(Item::as_text) == Some(KLEMS) {
+        let why = "has no meaning with azimuth = \"klems_full\": the basis names the stops";
+        let absent = [&theta_i, &phi_i, &average].map(|slot| slot.absent(why));
+        let light = klems_light(&aperture);
+        return absent.into_iter().collect::<Option<Vec<()>>>().and(light);
+    }
     let theta_i_deg = theta_i
         .required("the light's polar angles, such as [0, 30, 60] or { from = 0, to = 75, step = 15 }")
         .and_then(|i| axis(i, &THETA_I));
@@ -35,8 +51,16 @@ pub(super) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<Light> {
     Some(Light { theta_i_deg, azimuth: azimuth?, average_azimuth: average_azimuth?, aperture_deg })
 }
 
+/// Stops in the middle of the patches of the Klems full basis.
+pub(super) fn klems_light(aperture: &Slot<'_>) -> Option<Light> {
+    let theta_i_deg = KLEMS_RINGS.to_vec();
+    let aperture_deg = aperture.or(0.0, |i| i.float(&APERTURE))?;
+    above_horizon(aperture, "source cone", &theta_i_deg, aperture_deg)?;
+    Some(Light { theta_i_deg, azimuth: Azimuth::KlemsFull, average_azimuth: false, aperture_deg })
+}
+
 /// The rules between `azimuth`, `phi_i_deg`, `average_azimuth` and the surface.
-fn light_azimuth(
+pub(super) fn light_azimuth(
     azimuth: &Slot<'_>,
     phi_i: &Slot<'_>,
     average: &Slot<'_>,
@@ -68,24 +92,37 @@ fn light_azimuth(
 
 /// Reads `[sensor]`. `light` is unknown where it has faults of its own.
 pub(super) fn sensor(slot: &Slot<'_>, light: Option<&Light>) -> Option<Sensor> {
-    let [hemisphere, arm] = slot.table()?.keys(["hemisphere", "arm"]);
-    let rows_and_columns = hemisphere.given().map(|i| hemisphere_bins(i.table()?));
-    let positions = arm.given().map(|i| arm_positions(i.table()?, light));
-    let (sensor, kind) = match (rows_and_columns, positions) {
-        (Some(sensor), None) => (sensor?, &hemisphere),
-        (None, Some(sensor)) => (sensor?, &arm),
-        (None, None) => {
-            return slot.refuse("exactly one is required: [sensor.hemisphere] or [sensor.arm]");
+    let kinds = slot.table()?.keys(["hemisphere", "arm", "patches"]);
+    let read = |item: &Item<'_>| match item.name() {
+        "hemisphere" => hemisphere_bins(item.table()?),
+        "arm" => arm_positions(item.table()?, light),
+        _ => patches(item.table()?),
+    };
+    let given: Vec<&Slot<'_>> = kinds.iter().filter(|slot| slot.given().is_some()).collect();
+    let mut read: Vec<Option<Sensor>> = given.iter().filter_map(|s| s.given()).map(read).collect();
+    let sensor = match given[..] {
+        [] => {
+            return slot
+                .refuse("exactly one is required: [sensor.hemisphere], [sensor.arm] or [sensor.patches]");
         }
-        (Some(_), Some(_)) => {
-            return arm
-                .refuse("exactly one sensor is allowed, and [sensor.hemisphere] is there as well: keep one");
+        [_] => read.pop().flatten()?,
+        [first, second, ..] => {
+            let first = first.given().map_or("hemisphere", Item::name);
+            return second.refuse(format!(
+                "exactly one sensor is allowed, and [sensor.{first}] is there as well: keep one"
+            ));
         }
     };
     if let Some(light) = light {
-        table_fits(kind, light, &sensor)?;
+        table_fits(given[0], light, &sensor)?;
     }
     Some(sensor)
+}
+
+fn patches(table: Table<'_>) -> Option<Sensor> {
+    let [basis] = table.keys(["basis"]);
+    let () = basis.required("the basis of the patches: \"klems_full\"")?.choice(&[(KLEMS, ())])?;
+    Some(Sensor::KlemsFull)
 }
 
 fn hemisphere_bins(table: Table<'_>) -> Option<Sensor> {
@@ -103,8 +140,7 @@ fn arm_positions(table: Table<'_>, light: Option<&Light>) -> Option<Sensor> {
         .required("the sensor's polar angles, such as [-60, 0, 60] or { from = -60, to = 60, step = 10 }")
         .and_then(|i| axis(i, &THETA_R));
     let phi_r_deg = phi_r.or(vec![0.0], |i| axis(i, &PHI));
-    let bounds = APERTURE.low_open().advice("a closed aperture collects no light", "");
-    let aperture_deg = aperture.required("the half-angle of the aperture").and_then(|i| i.float(&bounds));
+    let aperture_deg = aperture.required("the half-angle of the aperture").and_then(|i| i.float(&OPEN));
     let phi_r_from = azimuth_origin(&from, light);
     let (theta_r_deg, aperture_deg) = (theta_r_deg?, aperture_deg?);
     above_horizon(&aperture, "aperture", &theta_r_deg, aperture_deg)?;
@@ -124,7 +160,7 @@ fn azimuth_origin(from: &Slot<'_>, light: Option<&Light>) -> Option<PhiFrom> {
 }
 
 /// A fault where a cone of half-angle `aperture_deg` about one of `angles` reaches the horizon.
-fn above_horizon(slot: &Slot<'_>, what: &str, angles: &[f64], aperture_deg: f64) -> Option<()> {
+pub(super) fn above_horizon(slot: &Slot<'_>, what: &str, angles: &[f64], aperture_deg: f64) -> Option<()> {
     let widest = angles.iter().fold(0.0, |widest: f64, angle| widest.max(angle.abs()));
     if widest + aperture_deg < 90.0 {
         return Some(());
@@ -136,11 +172,11 @@ fn above_horizon(slot: &Slot<'_>, what: &str, angles: &[f64], aperture_deg: f64)
 }
 
 /// A fault where the table has more entries than an image can hold, counted without overflow.
-fn table_fits(slot: &Slot<'_>, light: &Light, sensor: &Sensor) -> Option<()> {
-    let theta_i = light.theta_i_deg.len() as u64;
-    let phi_i = match &light.azimuth {
-        Azimuth::Relative => 1,
-        Azimuth::Absolute(phis) => phis.len() as u64,
+pub(super) fn table_fits(slot: &Slot<'_>, light: &Light, sensor: &Sensor) -> Option<()> {
+    let (theta_i, phi_i) = match &light.azimuth {
+        Azimuth::Relative => (light.theta_i_deg.len() as u64, 1),
+        Azimuth::Absolute(phis) => (light.theta_i_deg.len() as u64, phis.len() as u64),
+        Azimuth::KlemsFull => (KLEMS_PATCHES, 1),
     };
     let (rows, columns) = match sensor {
         Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
@@ -148,6 +184,7 @@ fn table_fits(slot: &Slot<'_>, light: &Light, sensor: &Sensor) -> Option<()> {
             (u64::from(*theta_r_bins) + extra, u64::from(*phi_r_bins))
         }
         Sensor::Arm { theta_r_deg, phi_r_deg, .. } => (theta_r_deg.len() as u64, phi_r_deg.len() as u64),
+        Sensor::KlemsFull => (KLEMS_PATCHES, 1),
     };
     let entries = [theta_i, phi_i, rows, columns].iter().try_fold(1u64, |n, axis| n.checked_mul(*axis));
     match entries {

@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use super::materials::{MATERIALS, f0_of};
+use super::preset::{self, Preset};
 use super::reader::{Bounds, Item, Slot, Table};
 use super::report::nearest;
 use super::schema::{
@@ -27,7 +28,7 @@ const RELATIVE_ERROR: Bounds = Bounds::closed(1e-4, 1.0);
 const SECONDS: Bounds = Bounds::closed(1.0, 1e6);
 
 /// Reads a whole file; height maps are looked for in `folder`.
-pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
+pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<(Campaign, Option<Preset>)> {
     let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect, bench] = root.keys([
         "name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect", "bench",
     ]);
@@ -35,13 +36,18 @@ pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
     let seed = seed.or(1, |i| i.whole(0..=u64::MAX));
     let surface = surface::surface(&surface, folder);
     let isotropic = surface.as_ref().map(|s| s.kind.is_isotropic());
-    let (light, sensor) = match preset.given() {
-        // A preset replaces both arms: without it their keys would be reported as missing.
-        Some(preset) => (preset.refuse("not yet: give [light] and [sensor] themselves"), None),
+    let (light, sensor, preset) = match preset.given() {
+        Some(_) => {
+            let why = "a [preset] is there and replaces [light] and [sensor]: keep the one or the others";
+            let alone = [&light, &sensor].map(|slot| slot.absent(why));
+            let arms = preset::arms(&preset, isotropic).filter(|_| alone.iter().all(Option::is_some));
+            let (preset, light, sensor) = arms.map_or((None, None, None), |(p, l, s)| (Some(p), l, s));
+            (light, sensor, preset)
+        }
         None => {
             let light = arms::light(&light, isotropic);
             let sensor = arms::sensor(&sensor, light.as_ref());
-            (light, sensor)
+            (light, sensor, None)
         }
     };
     let optics = optics.or(Optics::PerfectMirror, |i| fresnel(i.table()?));
@@ -50,7 +56,7 @@ pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
     let realisations = surface.as_ref().map_or(u32::MAX, |s| s.realisations);
     let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
     let bench = bench.or(None, |i| resolution(i, surface.as_ref()).map(Some));
-    Some(Campaign {
+    let campaign = Campaign {
         name: name?.to_string(),
         seed: seed?,
         surface: surface?,
@@ -61,7 +67,8 @@ pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<Campaign> {
         stop: stop?,
         expect: expect?,
         bench: bench?,
-    })
+    };
+    Some((campaign, preset))
 }
 
 fn valid_name<'a>(item: &Item<'a>) -> Option<&'a str> {

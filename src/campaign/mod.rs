@@ -12,13 +12,16 @@ mod angles;
 mod arms;
 mod check;
 pub mod materials;
+mod preset;
 mod reader;
 mod report;
 mod resolved;
+mod sample;
 pub mod schema;
 mod surface;
 mod warnings;
 
+pub use preset::Preset;
 pub use resolved::to_toml;
 pub use schema::*;
 
@@ -35,6 +38,8 @@ pub struct Parsed {
     pub campaign: Campaign,
     /// Warnings for stderr, one line each, in the shape of a fault: the file can be run, but the user should know.
     pub notes: Vec<String>,
+    /// The instrument that the arms are taken from, where a `[preset]` names one; the campaign holds what it stands for.
+    pub preset: Option<Preset>,
 }
 
 /// Reads the campaign file at `path`; height maps it names are looked for beside it.
@@ -77,12 +82,12 @@ pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> 
             None
         }
     };
-    if let Some(campaign) = &campaign {
+    if let Some((campaign, _)) = &campaign {
         warnings::note(&report, campaign);
     }
     let (faults, notes) = report.into_parts();
     match campaign {
-        Some(campaign) if faults.is_empty() => Ok(Parsed { campaign, notes }),
+        Some((campaign, preset)) if faults.is_empty() => Ok(Parsed { campaign, notes, preset }),
         None if faults.is_empty() => Err(Error::Internal("a campaign was refused without a fault".into())),
         _ => Err(Error::Campaign(faults)),
     }

@@ -120,7 +120,8 @@ impl<'a> Table<'a> {
         names.map(|name| self.slot(name))
     }
 
-    fn slot(&self, name: &str) -> Slot<'a> {
+    /// The slot of one key, the others not looked at.
+    pub fn slot(&self, name: &str) -> Slot<'a> {
         match self.entries.and_then(|entries| entries.get_key_value(name)) {
             Some((key, value)) => {
                 let place = self.place.child(name, Some(key.span().start));
@@ -237,6 +238,11 @@ impl<'a> Item<'a> {
     pub fn count(&self, range: RangeInclusive<u32>) -> Option<u32> {
         let value = self.whole(u64::from(*range.start())..=u64::from(*range.end()))?;
         u32::try_from(value).ok()
+    }
+
+    /// A string, without a fault where it is none.
+    pub fn as_text(&self) -> Option<&'a str> {
+        self.value.get_ref().as_str()
     }
 
     /// `true` or `false`, without a fault where it is neither.

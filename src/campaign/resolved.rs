@@ -70,7 +70,7 @@ fn word<T: PartialEq>(words: &[(&'static str, T)], value: &T) -> String {
 
 fn surface_table(text: &mut Text, surface: &Surface) {
     text.table("surface");
-    let random = matches!(surface.kind, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_));
+    let random = surface.kind.is_random_heights();
     if !matches!(surface.kind, SurfaceKind::File(_)) {
         text.line("realisations", surface.realisations);
     }
@@ -84,7 +84,18 @@ fn surface_table(text: &mut Text, surface: &Surface) {
     }
     match &surface.kind {
         SurfaceKind::Ggx(alphas) => alpha_table(text, "surface.ggx", alphas),
-        SurfaceKind::Beckmann(alphas) => alpha_table(text, "surface.beckmann", alphas),
+        SurfaceKind::Beckmann { alphas, spectrum } => {
+            alpha_table(text, "surface.beckmann", alphas);
+            text.line("spectrum", word(&surface::SPECTRA, spectrum));
+        }
+        SurfaceKind::StudentT { alphas, gamma } => {
+            alpha_table(text, "surface.student_t", alphas);
+            text.floats("gamma", gamma);
+        }
+        SurfaceKind::BlinnPhong { exponent, .. } => {
+            text.table("surface.blinn_phong");
+            text.floats("exponent", exponent);
+        }
         SurfaceKind::Smith(smith) => {
             alpha_table(text, "surface.smith", &smith.alphas);
             text.line("ndf", word(&surface::SMITH_NDF, &smith.ndf));
@@ -131,15 +142,20 @@ fn file_table(text: &mut Text, map: &HeightMap) {
 
 fn light_table(text: &mut Text, light: &Light) {
     text.table("light");
-    text.floats("theta_i_deg", &light.theta_i_deg);
+    if light.azimuth != Azimuth::KlemsFull {
+        text.floats("theta_i_deg", &light.theta_i_deg);
+    }
     match &light.azimuth {
+        Azimuth::KlemsFull => text.line("azimuth", quoted("klems_full")),
         Azimuth::Relative => text.line("azimuth", quoted("relative")),
         Azimuth::Absolute(phis) => {
             text.line("azimuth", quoted("absolute"));
             text.floats("phi_i_deg", phis);
         }
     }
-    text.line("average_azimuth", light.average_azimuth);
+    if light.azimuth != Azimuth::KlemsFull {
+        text.line("average_azimuth", light.average_azimuth);
+    }
     text.floats("aperture_deg", light.aperture_deg);
 }
 
@@ -157,6 +173,10 @@ fn sensor_table(text: &mut Text, sensor: &Sensor) {
             text.floats("phi_r_deg", phi_r_deg);
             text.floats("aperture_deg", aperture_deg);
             text.line("phi_r_from", word(&arms::PHI_FROM, phi_r_from));
+        }
+        Sensor::KlemsFull => {
+            text.table("sensor.patches");
+            text.line("basis", quoted("klems_full"));
         }
     }
 }

@@ -4,6 +4,8 @@
 
 use serde::Serialize;
 
+pub use super::sample::*;
+
 /// A whole campaign file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Campaign {
@@ -29,117 +31,6 @@ pub struct Campaign {
     pub bench: Option<Resolution>,
 }
 
-/// The sample on the stage.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Surface {
-    /// Independent patches, 1 to 4096. A height map has one patch, and its tiles x tiles groups are counted here.
-    pub realisations: u32,
-    /// Cells per side of a patch, 8 to 16384. Means something for a random surface only.
-    pub cells: u32,
-    /// Correlation length of the heights in cells, 2 to cells/8 (cells/8 itself below 16 cells). Means something
-    /// for a random surface only.
-    pub correlation_cells: f64,
-    /// The sample turned counter-clockwise seen from +z, in [0, 360).
-    pub rotation_deg: f64,
-    /// Mirrored arms as extra samples inside a realisation; false where the surface is not random.
-    pub mirror_images: bool,
-    /// What the surface is.
-    pub kind: SurfaceKind,
-}
-
-/// The kinds of surface.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SurfaceKind {
-    /// Random heights with the GGX slope law; one table for each roughness.
-    Ggx(Vec<Alpha>),
-    /// Random Gaussian heights: the Beckmann slope law; one table for each roughness.
-    Beckmann(Vec<Alpha>),
-    /// A statistical Smith surface: heights and normals independent.
-    Smith(Smith),
-    /// A flat mirror.
-    Mirror,
-    /// Symmetric grooves along y with level ridges.
-    VGroove {
-        /// Slope of both sides, 1e-4 to 10.
-        slope: f64,
-    },
-    /// A measured height map.
-    File(HeightMap),
-}
-
-/// Slope scales of a surface along its own x and y, each in [1e-4, 10].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Alpha {
-    /// Along x.
-    pub x: f64,
-    /// Along y.
-    pub y: f64,
-}
-
-/// A statistical Smith surface: `[surface.smith]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Smith {
-    /// Law of the normals.
-    pub ndf: SmithNdf,
-    /// One table for each roughness.
-    pub alphas: Vec<Alpha>,
-    /// Whether a path leaves from the height at which it collided.
-    pub heights: SmithHeights,
-}
-
-/// Laws of the normals of a statistical surface.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SmithNdf {
-    /// GGX.
-    Ggx,
-    /// Beckmann.
-    Beckmann,
-}
-
-/// The height from which a path leaves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SmithHeights {
-    /// The one of the collision: height-correlated masking.
-    Correlated,
-    /// Drawn anew: separable masking.
-    Independent,
-}
-
-/// A measured height map: `[surface.file]`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct HeightMap {
-    /// The file as the campaign names it.
-    pub path: String,
-    /// The file as it is opened: `path` relative to the campaign file's folder.
-    #[serde(skip)]
-    pub resolved_path: std::path::PathBuf,
-    /// Distance of neighbouring columns, um. `None`: the file's own `pitch_x`.
-    pub pitch_x_um: Option<f64>,
-    /// Distance of neighbouring rows, um. `None`: the file's own `pitch_y`.
-    pub pitch_y_um: Option<f64>,
-    /// Height in um of one unit of the file. `None`: heights and the file's own pitches share one unit.
-    pub height_unit_um: Option<f64>,
-    /// Whether the map continues itself.
-    pub periodic: bool,
-    /// Whether the mean plane is taken off.
-    pub detrend: Detrend,
-    /// tiles x tiles start regions are the groups for the error bars, 1 to 64.
-    pub tiles: u32,
-}
-
-/// What is taken off a measured height map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Detrend {
-    /// The least-squares plane.
-    Plane,
-    /// Nothing but the mean.
-    None,
-}
-
 /// The light arm.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Light {
@@ -161,6 +52,8 @@ pub enum Azimuth {
     Relative,
     /// Stops at these azimuths, each in [0, 360), increasing: a 4-D table.
     Absolute(Vec<f64>),
+    /// A stop in the middle of each patch of the Klems full basis; `theta_i_deg` holds the middles of its rings.
+    KlemsFull,
 }
 
 /// The sensor arm.
@@ -187,6 +80,8 @@ pub enum Sensor {
         /// What the azimuths count from.
         phi_r_from: PhiFrom,
     },
+    /// The 145 patches of the Klems full basis, on the stage's azimuths.
+    KlemsFull,
 }
 
 /// Where the edges of the hemisphere's bins are.
@@ -299,38 +194,5 @@ impl Campaign {
     /// Whether the law of the surface is the same at every azimuth.
     pub fn is_isotropic(&self) -> bool {
         self.surface.kind.is_isotropic()
-    }
-}
-
-impl SurfaceKind {
-    /// Whether the law of the surface is the same at every azimuth.
-    pub fn is_isotropic(&self) -> bool {
-        match self {
-            SurfaceKind::Mirror => true,
-            kind => kind.alphas().is_some_and(|alphas| alphas.iter().all(|a| a.x == a.y)),
-        }
-    }
-
-    /// The roughnesses of a surface that has a law.
-    pub fn alphas(&self) -> Option<&Vec<Alpha>> {
-        match self {
-            SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) => Some(alphas),
-            SurfaceKind::Smith(smith) => Some(&smith.alphas),
-            SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
-        }
-    }
-
-    /// The same, to be narrowed.
-    pub fn alphas_mut(&mut self) -> Option<&mut Vec<Alpha>> {
-        match self {
-            SurfaceKind::Ggx(alphas) | SurfaceKind::Beckmann(alphas) => Some(alphas),
-            SurfaceKind::Smith(smith) => Some(&mut smith.alphas),
-            SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
-        }
-    }
-
-    /// Whether patches of random heights are made for it.
-    pub fn is_random_heights(&self) -> bool {
-        matches!(self, SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_))
     }
 }

@@ -4,10 +4,16 @@ use std::path::{Component, Path, PathBuf};
 
 use super::angles::{AZIMUTH, reduced};
 use super::reader::{Bounds, Item, Slot, Table, plain};
-use super::schema::{Alpha, Detrend, HeightMap, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind};
+use super::schema::{
+    Alpha, Detrend, HeightMap, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind,
+};
 
 /// Words for [`Detrend`].
 pub(super) const DETREND: [(&str, Detrend); 2] = [("plane", Detrend::Plane), ("none", Detrend::None)];
+
+/// Words for [`HeightSpectrum`].
+pub(super) const SPECTRA: [(&str, HeightSpectrum); 2] =
+    [("gaussian", HeightSpectrum::Gaussian), ("exponential", HeightSpectrum::Exponential)];
 
 /// Words for [`SmithNdf`].
 pub(super) const SMITH_NDF: [(&str, SmithNdf); 2] =
@@ -28,11 +34,18 @@ const ALPHA: Bounds = Bounds::closed(1e-4, 10.0).advice("a smooth mirror has no 
 
 const SLOPE: Bounds = Bounds::closed(1e-4, 10.0).advice("a flat surface is [surface.mirror]", "");
 
+/// Student's gamma: from GGX, beyond which no grid holds the needles, to what Beckmann is to a hundredth.
+const GAMMA: Bounds =
+    Bounds::closed(2.0, 100.0).advice("2 is ggx, the longest tails that a grid holds", "use beckmann");
+
+/// Blinn and Phong's exponent: at 20,000 alpha is 0.01.
+const EXPONENT: Bounds = Bounds::closed(0.0, 20_000.0).advice("0 is ggx with alpha = 1", "use beckmann");
+
 /// Pitches and units of height maps, um.
 const LENGTH_UM: Bounds = Bounds::closed(1e-9, 1e9);
 
-const KINDS: &str = "[surface.ggx], [surface.beckmann], [surface.smith], [surface.mirror], [surface.v_groove] or \
-     [surface.file]";
+const KINDS: &str = "[surface.ggx], [surface.beckmann], [surface.student_t], [surface.blinn_phong], [surface.smith], \
+     [surface.mirror], [surface.v_groove] or [surface.file]";
 
 /// Keys of `[surface]` that describe a patch, beside its kind.
 struct PatchKeys<'a> {
@@ -157,7 +170,9 @@ fn made_or_measured(
 fn kind(item: &Item<'_>, folder: &Path) -> Option<SurfaceKind> {
     match item.name() {
         "ggx" => alphas(item.table()?).map(SurfaceKind::Ggx),
-        "beckmann" => alphas(item.table()?).map(SurfaceKind::Beckmann),
+        "beckmann" => beckmann(item.table()?),
+        "student_t" => student_t(item.table()?),
+        "blinn_phong" => blinn_phong(item.table()?),
         "smith" => smith(item.table()?).map(SurfaceKind::Smith),
         "mirror" => {
             let [] = item.table()?.keys([]);
@@ -171,6 +186,28 @@ fn kind(item: &Item<'_>, folder: &Path) -> Option<SurfaceKind> {
         "file" => height_map(item.table()?, folder).map(SurfaceKind::File),
         other => item.refuse(format!("not yet: {other} is not measured by this version; use {KINDS}")),
     }
+}
+
+fn beckmann(table: Table<'_>) -> Option<SurfaceKind> {
+    let [spectrum, slopes @ ..] = table.keys(["spectrum", "alpha", "alpha_x", "alpha_y"]);
+    let spectrum = spectrum.or(HeightSpectrum::Gaussian, |i| i.choice(&SPECTRA));
+    let alphas = alphas_of(slopes);
+    Some(SurfaceKind::Beckmann { alphas: alphas?, spectrum: spectrum? })
+}
+
+fn student_t(table: Table<'_>) -> Option<SurfaceKind> {
+    let [gamma, slopes @ ..] = table.keys(["gamma", "alpha", "alpha_x", "alpha_y"]);
+    let gamma = gamma.required("half the power of the tails, such as 3").and_then(|i| i.float(&GAMMA));
+    let alphas = alphas_of(slopes);
+    Some(SurfaceKind::StudentT { alphas: alphas?, gamma: gamma? })
+}
+
+/// D = (n + 2)/(2 pi) cos^n is Student's law with gamma = n/2 + 2 and alpha = sqrt(2/(n + 2)): for each n another law.
+fn blinn_phong(table: Table<'_>) -> Option<SurfaceKind> {
+    let [exponent] = table.keys(["exponent"]);
+    let exponent = exponent.required("n of cos^n; 2/alpha^2 - 2 for the width of alpha")?.float(&EXPONENT)?;
+    let alpha = (2.0 / (exponent + 2.0)).sqrt();
+    Some(SurfaceKind::BlinnPhong { exponent, alphas: vec![Alpha { x: alpha, y: alpha }] })
 }
 
 fn smith(table: Table<'_>) -> Option<Smith> {
@@ -224,7 +261,7 @@ fn isotropic_alphas(item: &Item<'_>) -> Option<Vec<Alpha>> {
 fn height_map(table: Table<'_>, folder: &Path) -> Option<HeightMap> {
     let [path, pitch_x, pitch_y, height_unit, periodic, detrend, tiles] =
         table.keys(["path", "pitch_x_um", "pitch_y_um", "height_unit_um", "periodic", "detrend", "tiles"]);
-    let path = path.required("the height map, .exr or .npy").and_then(map_path);
+    let path = path.required("the height map, .exr, .npy, .gsf or .xyz").and_then(map_path);
     let lengths = [&pitch_x, &pitch_y, &height_unit];
     let needed = path.and_then(|path| all_or_none(&lengths, is_npy(path)));
     let lengths = lengths.map(|slot| slot.or(None, |i| i.float(&LENGTH_UM).map(Some)));
@@ -264,13 +301,14 @@ fn map_path<'a>(item: &Item<'a>) -> Option<&'a str> {
         return item.refuse("must be a file name without control characters");
     }
     match extension(path).as_str() {
-        "exr" | "npy" => Some(path),
-        "gsf" | "txt" => item.refuse("not yet: this version reads .exr and .npy height maps"),
-        _ => item.refuse("must end in .exr or .npy"),
+        "exr" | "npy" | "gsf" | "txt" | "xyz" => Some(path),
+        _ => {
+            item.refuse("must end in .exr, .npy, .gsf (Gwyddion simple field), .xyz or .txt (lines of x y z)")
+        }
     }
 }
 
-/// Pitches and unit: an EXR may hold its own, and then none of the three is mixed with the file's.
+/// Pitches and unit: all but NPY may hold their own, and then none of the three is mixed with the file's.
 fn all_or_none(lengths: &[&Slot<'_>; 3], required: bool) -> Option<()> {
     let given = lengths.iter().filter(|slot| slot.given().is_some()).count();
     if given == 3 || (given == 0 && !required) {

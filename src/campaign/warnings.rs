@@ -10,7 +10,9 @@ const TESTED_ALPHA: f64 = 2.0;
 pub(super) fn note(report: &Report<'_>, campaign: &Campaign) {
     let (key, alphas) = match &campaign.surface.kind {
         SurfaceKind::Ggx(alphas) => ("surface.ggx.alpha", alphas),
-        SurfaceKind::Beckmann(alphas) => ("surface.beckmann.alpha", alphas),
+        SurfaceKind::Beckmann { alphas, .. } => ("surface.beckmann.alpha", alphas),
+        SurfaceKind::StudentT { alphas, .. } => ("surface.student_t.alpha", alphas),
+        SurfaceKind::BlinnPhong { alphas, .. } => ("surface.blinn_phong.exponent", alphas),
         SurfaceKind::Smith(smith) => ("surface.smith.alpha", &smith.alphas),
         _ => return,
     };
@@ -37,5 +39,11 @@ pub(super) fn note(report: &Report<'_>, campaign: &Campaign) {
             say("sensor.arm.aperture_deg", *aperture_deg, too_wide);
         }
         Sensor::Arm { .. } => {}
+        Sensor::KlemsFull => {
+            let half_patch = 5f64.to_radians();
+            if smallest < half_patch {
+                say(key, smallest, "the lobe is narrower than a patch of 10 degrees".into());
+            }
+        }
     }
 }

@@ -11,7 +11,7 @@ use super::resolution_text;
 use super::scene::{self, SceneArguments};
 use super::targets;
 use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, Range, Row, TruthKind, Varies, plot};
-use crate::campaign::{self, Campaign, Parsed, Resolution, SurfaceKind};
+use crate::campaign::{self, Campaign, Parsed, Resolution};
 use crate::error::{Error, Fault, Result};
 use crate::files;
 use crate::measure::Patches;
@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 fn ladders(arguments: &Arguments, path: &Path) -> Result<u8> {
-    let Parsed { campaign, notes } = campaign::read(path)?;
+    let Parsed { campaign, notes, .. } = campaign::read(path)?;
     notes.iter().for_each(warn);
     one_roughness(&campaign, path)?;
     let kind = match arguments.truth {
@@ -163,12 +163,8 @@ fn resolution(arguments: &Arguments, path: &Path, campaign: &Campaign, lists: &R
 
 /// One table at a time: a list of roughnesses is a fault of the campaign here.
 fn one_roughness(campaign: &Campaign, path: &Path) -> Result<()> {
-    let (kind, alphas) = match &campaign.surface.kind {
-        SurfaceKind::Ggx(alphas) => ("ggx", alphas),
-        SurfaceKind::Beckmann(alphas) => ("beckmann", alphas),
-        SurfaceKind::Smith(smith) => ("smith", &smith.alphas),
-        _ => return Ok(()),
-    };
+    let kind = campaign.surface.kind.name();
+    let Some(alphas) = campaign.surface.kind.alphas() else { return Ok(()) };
     if alphas.len() == 1 {
         return Ok(());
     }

@@ -10,6 +10,7 @@ use super::plan_text;
 use crate::campaign::{self, Parsed};
 use crate::error::{Error, Result};
 use crate::measure;
+use crate::validate::aperture::worst;
 
 /// List all faults of a campaign, or show the plan: stops, bins, samples, memory, time
 #[derive(Args)]
@@ -27,7 +28,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Err(error @ Error::Campaign(_)) if arguments.json => return answer(&error),
         parsed => parsed?,
     };
-    let Parsed { campaign, notes } = parsed;
+    let Parsed { campaign, notes, preset } = parsed;
     let plan = measure::plan(&campaign);
     let mut out = Output::default();
     if arguments.json {
@@ -39,12 +40,18 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
                 Value::Null
             }
         };
-        out.json(&json!({ "faults": [], "plan": plan, "notes": notes }))?;
+        let preset = to_json(&preset)?;
+        let apertures = to_json(&worst(&campaign))?;
+        out.json(&json!({
+            "faults": [], "plan": plan, "notes": notes, "preset": preset, "aperture_bias": apertures,
+        }))?;
         return Ok(code);
     }
     notes.iter().for_each(warn);
     let plan = plan?;
+    out.lines(preset.iter().flat_map(plan_text::preset))?;
     out.lines(plan_text::facts(&campaign, &plan))?;
+    out.lines(worst(&campaign).iter().flat_map(plan_text::aperture))?;
     out.lines(plan_text::skipped(&plan))?;
     Ok(0)
 }

@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::json;
 
 use super::output::{Output, columns, or_na, to_json};
 use super::table_file;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::table::{BrdfTable, Realisations};
+use crate::validate::aperture::{Extrapolated, extrapolate};
 use crate::validate::two_tables::{Difference, DifferenceFigures, Side, difference};
 
 /// Compare two tables on the same grid bin by bin, with the errors of both
@@ -22,6 +24,9 @@ pub struct Arguments {
     a: PathBuf,
     /// The table that it is compared with
     b: PathBuf,
+    /// A has the apertures h of an arm, B half of them: print (4 B - A)/3, the values without apertures
+    #[arg(long)]
+    richardson: bool,
     /// Print one JSON document: bins, l1, l1_noise, max_t, share_outside_95
     #[arg(long)]
     json: bool,
@@ -29,8 +34,17 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let (a, b) = (Read::from(&arguments.a)?, Read::from(&arguments.b)?);
-    let found = difference(a.side(), b.side()).map_err(|why| Error::format(&arguments.b, why))?;
     let mut out = Output::default();
+    if arguments.richardson {
+        let rows = extrapolate(a.side(), b.side()).map_err(|why| Error::format(&arguments.b, why))?;
+        if arguments.json {
+            out.json(&json!({ "positions": to_json(&rows)? }))?;
+        } else {
+            out.lines(extrapolated_lines(&rows))?;
+        }
+        return Ok(0);
+    }
+    let found = difference(a.side(), b.side()).map_err(|why| Error::format(&arguments.b, why))?;
     if arguments.json {
         out.json(&to_json(&found)?)?;
     } else {
@@ -57,6 +71,28 @@ impl Read {
     fn side(&self) -> Side<'_> {
         Side { table: &self.table, campaign: self.campaign.as_ref(), parts: self.parts.as_ref() }
     }
+}
+
+fn extrapolated_lines(rows: &[Extrapolated]) -> Vec<String> {
+    let several = rows.iter().any(|row| row.colour > 0);
+    let cells = |row: &Extrapolated| {
+        let angles = [row.theta_i_deg, row.phi_i_deg, row.theta_r_deg, row.phi_r_deg];
+        let mut cells = angles.map(|angle| angle.to_string()).to_vec();
+        if several {
+            cells.push(["R", "G", "B"][row.colour.min(2)].into());
+        }
+        cells.extend([row.wide, row.narrow, row.extrapolated].map(|value| format!("{value:.6}")));
+        cells.push(or_na(row.extrapolated_se, 6));
+        cells
+    };
+    let mut head = vec!["theta_i", "phi_i", "theta_r", "phi_r"];
+    if several {
+        head.push("colour");
+    }
+    head.extend(["A", "B", "(4 B - A)/3", "+-"]);
+    let mut lines = vec!["BRDF, 1/sr, extrapolated to apertures of 0:".to_string()];
+    lines.extend(columns(&head, &rows.iter().map(cells).collect::<Vec<_>>()));
+    lines
 }
 
 fn lines(found: &Difference) -> Vec<String> {

@@ -38,9 +38,16 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if data.value.iter().flatten().all(|&value| value == 0.0) {
         return Err(Error::format(path, "channel `single` is 0 everywhere: nothing can be fitted"));
     }
-    let laws = Law::all(&data).into_iter();
+    let own = campaign.as_ref().map_or(Vec::new(), |c| Law::of_surface(&c.surface.kind, &data));
+    let laws = Law::all(&data).into_iter().chain(own);
     let laws: Vec<Law> =
         laws.filter(|law| arguments.model.as_ref().is_none_or(|name| name == law.name())).collect();
+    if laws.is_empty() {
+        return Err(Error::format(
+            path,
+            "holds no [surface.student_t], whose gamma the model student_t needs",
+        ));
+    }
     let fits = fit::fit(&data, &laws);
     let mut out = Output::default();
     if arguments.json {

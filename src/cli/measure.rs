@@ -19,6 +19,7 @@ use crate::report::{Scene, specimen, terminal};
 use crate::stats;
 use crate::table::realisations::{self, Kept};
 use crate::table::store;
+use crate::validate::aperture::worst;
 use crate::validate::{self, Prediction, Verdict};
 
 /// Measure a campaign: table, realisations, summary and report
@@ -52,7 +53,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let Parsed { mut campaign, notes } = campaign::read(&arguments.campaign)?;
+    let Parsed { mut campaign, notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     notes.iter().for_each(warn);
     measure::plan(&campaign)?;
@@ -103,6 +104,7 @@ fn measure_all(campaign: &Campaign, open: &[&Target], arguments: &Arguments, out
     notes.iter().for_each(warn);
     if !json {
         out.lines(plan_text::facts(campaign, &plan))?;
+        out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
     }
     let progress = Progress::new(plan.total_samples, "samples");
     let (results, cost) = measure::measure(campaign, &plan, &patches, &|starts| progress.add(starts))?;

@@ -2,9 +2,11 @@
 
 use super::output::{bytes, duration, grouped, wrapped};
 use crate::campaign::{
-    Alpha, Azimuth, BinLayout, Campaign, Optics, Sensor, SmithHeights, SmithNdf, SurfaceKind,
+    Alpha, Azimuth, BinLayout, Campaign, HeightSpectrum, Optics, PhiFrom, Preset, Sensor, SmithHeights,
+    SmithNdf, SurfaceKind,
 };
 use crate::measure::{Plan, Skip};
+use crate::validate::aperture::ApertureBias;
 
 /// Room for the words on the left.
 const HEAD: usize = 14;
@@ -37,6 +39,39 @@ pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
     facts.iter().flat_map(|(head, text)| line(head, text)).collect()
 }
 
+/// The instrument that the arms are taken from.
+pub fn preset(preset: &Preset) -> Vec<String> {
+    let facts = [
+        ("preset", format!("{}; {}", preset.name, preset.source)),
+        ("", format!("emulated: {}", preset.emulated)),
+        ("", format!("not emulated: {}", preset.left_out)),
+    ];
+    facts.iter().flat_map(|(head, text)| line(head, text)).collect()
+}
+
+/// What the apertures are predicted to do.
+pub fn aperture(bias: &ApertureBias) -> Vec<String> {
+    let percent = |bias: f64| {
+        let percent = 100.0 * bias;
+        // Three digits, however small.
+        let digits = (2.0 - percent.abs().max(1e-6).log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{percent:+.digits$} %")
+    };
+    let angle = |angle: f64| (angle * 1e4).round() / 1e4;
+    let text = format!(
+        "{} on the value at theta_i {}, theta_r {}, phi_r {} from the light (model: mean over the cones against the \
+         value at their axes; the largest of {} stops); with half the apertures {}, extrapolated from both {}",
+        percent(bias.bias),
+        bias.theta_i_deg,
+        angle(bias.theta_r_deg),
+        angle(bias.phi_r_deg),
+        bias.stops,
+        percent(bias.bias_of_half),
+        percent(bias.bias_extrapolated)
+    );
+    line("apertures", &text)
+}
+
 /// What is skipped, why, and what that saves.
 pub fn skipped(plan: &Plan) -> Vec<String> {
     let text = |skip: &Skip| format!("{}: {}; saves {}", skip.what, skip.why, skip.saves);
@@ -60,7 +95,14 @@ fn surface(campaign: &Campaign) -> String {
     };
     let what = match &surface.kind {
         SurfaceKind::Ggx(alphas) => random("ggx", alphas),
-        SurfaceKind::Beckmann(alphas) => random("beckmann", alphas),
+        SurfaceKind::Beckmann { alphas, spectrum: HeightSpectrum::Gaussian } => random("beckmann", alphas),
+        SurfaceKind::Beckmann { alphas, spectrum: HeightSpectrum::Exponential } => {
+            random("beckmann, heights of exponential covariance", alphas)
+        }
+        SurfaceKind::StudentT { alphas, gamma } => random(&format!("student_t, gamma {gamma}"), alphas),
+        SurfaceKind::BlinnPhong { alphas, exponent } => {
+            random(&format!("blinn_phong, exponent {exponent}"), alphas)
+        }
         SurfaceKind::Smith(smith) => {
             let ndf = if smith.ndf == SmithNdf::Ggx { "ggx" } else { "beckmann" };
             let alphas = listed(smith.alphas.iter().map(|alpha| roughness(*alpha)));
@@ -94,10 +136,15 @@ fn optics(campaign: &Campaign) -> String {
 fn stops(campaign: &Campaign, plan: &Plan) -> String {
     let thetas = listed(campaign.light.theta_i_deg.iter());
     let phis = match &campaign.light.azimuth {
+        Azimuth::KlemsFull => "the middles of the patches of the Klems full basis".into(),
         Azimuth::Relative => "azimuth averaged".into(),
         Azimuth::Absolute(phis) => format!("phi_i {}", listed(phis.iter())),
     };
-    format!("{}: theta_i {thetas}; {phis}", plan.stops)
+    let aperture = match campaign.light.aperture_deg {
+        0.0 => String::new(),
+        half_angle => format!("; a cone of half-angle {half_angle} degrees"),
+    };
+    format!("{}: theta_i {thetas}; {phis}{aperture}", plan.stops)
 }
 
 fn sensor(campaign: &Campaign) -> String {
@@ -111,7 +158,15 @@ fn sensor(campaign: &Campaign) -> String {
             let (theta, phi) = (step(90.0, *theta_r_bins), step(360.0, *phi_r_bins));
             format!("{layout} multiples of {theta} (theta_r) and {phi} degrees (phi_r)")
         }
-        Sensor::Arm { aperture_deg, .. } => format!("arm positions, half-angle {aperture_deg} degrees"),
+        Sensor::Arm { aperture_deg, theta_r_deg, phi_r_deg, phi_r_from } => {
+            let from = if *phi_r_from == PhiFrom::Light { "the light" } else { "the sample" };
+            format!(
+                "arm positions, half-angle {aperture_deg} degrees; theta_r {}; phi_r {} from {from}",
+                listed(theta_r_deg.iter()),
+                listed(phi_r_deg.iter())
+            )
+        }
+        Sensor::KlemsFull => "the patches of the Klems full basis".into(),
     }
 }
 

@@ -32,7 +32,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let Parsed { mut campaign, notes } = campaign::read(&arguments.campaign)?;
+    let Parsed { mut campaign, notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     notes.iter().for_each(warn);
     let (campaign, plan) = study::turned(&campaign)?;

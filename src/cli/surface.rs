@@ -12,7 +12,7 @@ use super::certificate_text::{self, Pooled, RayBound};
 use super::output::{Output, json_text, to_json, warn};
 use super::progress::Progress;
 use super::targets;
-use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
+use crate::campaign::{self, Campaign, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::measure::{self, Patch, Patches, Specimen, patches::patch_name};
@@ -46,7 +46,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let Parsed { mut campaign, mut notes } = campaign::read(&arguments.campaign)?;
+    let Parsed { mut campaign, mut notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     measure::plan(&campaign)?;
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
@@ -293,7 +293,7 @@ impl<'a> Job<'a> {
 fn surface_of(campaign: &Campaign) -> Result<Value> {
     let surface = &campaign.surface;
     Ok(match &surface.kind {
-        SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_) => json!({
+        kind if kind.is_random_heights() => json!({
             "realisations": surface.realisations,
             "cells": surface.cells,
             "correlation_cells": surface.correlation_cells,

@@ -13,6 +13,7 @@ use glam::DVec3;
 use super::data::Data;
 use super::nodes::StopNodes;
 use super::pilot::Pilot;
+use crate::campaign::SurfaceKind;
 use crate::optics::fresnel::schlick_weight;
 use crate::theory::smith::visibility;
 use crate::theory::{Masking, Microfacet, Ndf, cavities, empirical};
@@ -57,8 +58,17 @@ pub enum Amplitudes {
 }
 
 /// Names that `--model` takes.
-pub const NAMES: [&str; 8] =
-    ["lambert", "oren_nayar", "phong", "blinn_phong", "cook_torrance", "torrance_sparrow", "beckmann", "ggx"];
+pub const NAMES: [&str; 9] = [
+    "lambert",
+    "oren_nayar",
+    "phong",
+    "blinn_phong",
+    "cook_torrance",
+    "torrance_sparrow",
+    "beckmann",
+    "ggx",
+    "student_t",
+];
 
 /// Tilts, rad, below which Oren and Nayar's model is Lambert's to 1e-5.
 const SMOOTH: f64 = 2e-3;
@@ -74,16 +84,26 @@ impl Law {
             Law::CookTorrance,
             Law::TorranceSparrow,
         ];
-        for ndf in [Ndf::Beckmann, Ndf::Ggx] {
-            for masking in Masking::ALL {
-                for anisotropic in
-                    [false, true].into_iter().filter(|anisotropic| !anisotropic || data.absolute)
-                {
-                    laws.push(Law::Microfacet { ndf, masking, anisotropic });
-                }
-            }
-        }
+        laws.extend([Ndf::Beckmann, Ndf::Ggx].into_iter().flat_map(|ndf| Law::of_normals(ndf, data)));
         laws
+    }
+
+    /// One law of normals with every masking.
+    pub fn of_normals(ndf: Ndf, data: &Data) -> Vec<Law> {
+        let kinds = [false, true].into_iter().filter(|anisotropic| !anisotropic || data.absolute);
+        let pairs =
+            Masking::ALL.into_iter().flat_map(|masking| kinds.clone().map(move |kind| (masking, kind)));
+        pairs.map(|(masking, anisotropic)| Law::Microfacet { ndf, masking, anisotropic }).collect()
+    }
+
+    /// The models of a surface's own law of normals where they are not among `all`: those of Student's t, whose gamma only
+    /// the campaign knows. Held by: `a_students_patch_is_known_by_its_own_law` (tests/fit.rs).
+    pub fn of_surface(kind: &SurfaceKind, data: &Data) -> Vec<Law> {
+        match kind {
+            SurfaceKind::StudentT { gamma, .. } => Law::of_normals(Ndf::StudentT { gamma: *gamma }, data),
+            SurfaceKind::BlinnPhong { .. } => Law::of_normals(Ndf::BlinnPhong, data),
+            _ => Vec::new(),
+        }
     }
 
     /// The name in reports.

@@ -3,23 +3,20 @@
 use glam::DVec3;
 
 use super::grid::{Grid, GridKind};
+use super::klems::{FULL, middles, patches};
 use crate::campaign::{Azimuth, BinLayout, Campaign, PhiFrom, Sensor};
 use crate::sphere;
 
 /// The geometry of the table that a campaign asks for.
 pub fn grid_of(campaign: &Campaign) -> Grid {
     let relative = campaign.light.azimuth == Azimuth::Relative;
-    let phi_i_deg = match &campaign.light.azimuth {
-        Azimuth::Relative => vec![0.0],
-        Azimuth::Absolute(phi_i_deg) => phi_i_deg.clone(),
+    let theta_i_deg = campaign.light.theta_i_deg.clone();
+    let stops = match &campaign.light.azimuth {
+        Azimuth::Relative => Grid { theta_i_deg, phi_i_deg: vec![0.0], ..Grid::default() },
+        Azimuth::Absolute(phi_i_deg) => Grid { theta_i_deg, phi_i_deg: phi_i_deg.clone(), ..Grid::default() },
+        Azimuth::KlemsFull => Grid { stops_deg: middles(&patches(&FULL)), ..Grid::default() },
     };
-    let empty = Grid {
-        kind: GridKind::Hemisphere,
-        theta_i_deg: campaign.light.theta_i_deg.clone(),
-        phi_i_deg,
-        phi_r_relative: relative,
-        ..Grid::default()
-    };
+    let empty = Grid { kind: GridKind::Hemisphere, phi_r_relative: relative, ..stops };
     match &campaign.sensor {
         Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => Grid {
             theta_r_edges_deg: theta_edges(*theta_r_bins, *bins),
@@ -34,6 +31,7 @@ pub fn grid_of(campaign: &Campaign) -> Grid {
             aperture_deg: Some(*aperture_deg),
             ..empty
         },
+        Sensor::KlemsFull => Grid { kind: GridKind::Patches, patches_deg: patches(&FULL), ..empty },
     }
 }
 

@@ -104,6 +104,14 @@ impl Grid {
         }
     }
 
+    /// Number of different azimuths among the stops.
+    pub fn azimuths(&self) -> usize {
+        let mut azimuths: Vec<u64> = (0..self.stops()).map(|stop| self.stop_deg(stop).1.to_bits()).collect();
+        azimuths.sort_unstable();
+        azimuths.dedup();
+        azimuths.len()
+    }
+
     /// Number of sensor bins.
     pub fn bins(&self) -> usize {
         let pairs = |a: usize, b: usize| a * b;

@@ -3,6 +3,7 @@
 pub mod arms;
 pub mod bins;
 pub mod grid;
+pub mod klems;
 
 pub use arms::{direction_in_cone, grid_of};
 pub use bins::Sensor;

@@ -9,11 +9,11 @@ use std::fmt::Write;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::radiance_xml::{self, Ring, short};
+use super::radiance_xml::{self, short};
 use super::resample::nodes;
 use super::{Brdf, Colour, Lookup, Reason, foreign_table};
+use crate::instrument::klems::{FULL, middles, patches};
 use crate::instrument::{Grid, GridKind, Region, Sensor};
-use crate::sphere;
 use crate::table::BrdfTable;
 
 /// How the values are meant.
@@ -22,40 +22,10 @@ pub const CONVENTION: &str = "Klems full basis, IncidentDataStructure Columns, B
     Visible only";
 
 const NAME: &str = "LBNL/Klems Full";
-/// Polar angles and number of patches of each ring.
-const FULL: [Ring; 9] = [
-    (0.0, 5.0, 1),
-    (5.0, 15.0, 8),
-    (15.0, 25.0, 16),
-    (25.0, 35.0, 20),
-    (35.0, 45.0, 24),
-    (45.0, 55.0, 24),
-    (55.0, 65.0, 24),
-    (65.0, 75.0, 16),
-    (75.0, 90.0, 12),
-];
-
-/// Patches of a basis: [theta_lo, theta_hi, phi_lo, phi_hi] in degrees.
-fn patches(rings: &[Ring]) -> Vec<[f64; 4]> {
-    let ring = |&(low, high, n): &Ring| {
-        let step = 360.0 / n as f64;
-        (0..n).map(move |j| [low, high, step * (j as f64 - 0.5), step * (j as f64 + 0.5)])
-    };
-    rings.iter().flat_map(ring).collect()
-}
 
 /// The geometry of a matrix: stops in the middle of the light's patches.
 fn grid(light: &[[f64; 4]], sensor: Vec<[f64; 4]>) -> Grid {
-    let middle = |&[t1, t2, p1, p2]: &[f64; 4]| {
-        let theta = if p2 - p1 == 360.0 { t1 } else { 0.5 * (t1 + t2) };
-        [theta, sphere::reduced_deg(0.5 * (p1 + p2) + 180.0)]
-    };
-    Grid {
-        kind: GridKind::Patches,
-        stops_deg: light.iter().map(middle).collect(),
-        patches_deg: sensor,
-        ..Grid::default()
-    }
+    Grid { kind: GridKind::Patches, stops_deg: middles(light), patches_deg: sensor, ..Grid::default() }
 }
 
 /// The text of a file of a table with one colour. Values of a table of these very patches are kept.

@@ -11,8 +11,7 @@ use super::Reason;
 /// Elements deeper than any such file has.
 const DEEPEST: usize = 32;
 
-/// A ring of patches: polar angles in degrees, and how many.
-pub type Ring = (f64, f64, usize);
+pub use crate::instrument::klems::Ring;
 
 /// What a file says.
 #[derive(Debug, Default, PartialEq)]

@@ -33,7 +33,8 @@ fn directions() -> Vec<[f64; 2]> {
 /// Whether the table has the very directions of the format.
 fn is_native(grid: &Grid) -> bool {
     let same = |found: Reason<(Vec<f64>, Vec<f64>)>| found.is_ok_and(|found| found == axes());
-    grid.kind == GridKind::Points && !grid.phi_r_relative && same(stop_axes(grid)) && same(bin_axes(grid))
+    let kinds = [GridKind::Points, GridKind::Arm];
+    kinds.contains(&grid.kind) && !grid.phi_r_relative && same(stop_axes(grid)) && same(bin_axes(grid))
 }
 
 /// The bytes of a file; a table of one colour has it in all three. Values of a table with the format's own directions

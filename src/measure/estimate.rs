@@ -59,7 +59,10 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
 /// Cells of a patch; of a measured map at most one for each byte of its file.
 fn cells(campaign: &Campaign) -> f64 {
     match &campaign.surface.kind {
-        SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_) => f64::from(campaign.surface.cells).powi(2),
+        SurfaceKind::Ggx(_)
+        | SurfaceKind::Beckmann { .. }
+        | SurfaceKind::StudentT { .. }
+        | SurfaceKind::BlinnPhong { .. } => f64::from(campaign.surface.cells).powi(2),
         SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64.0,
         SurfaceKind::File(map) => std::fs::metadata(&map.resolved_path).map_or(0.0, |meta| meta.len() as f64),
     }
@@ -68,8 +71,10 @@ fn cells(campaign: &Campaign) -> f64 {
 /// Lowest and highest height to be expected: measured on patches of 1024 x 1024 cells.
 fn heights(campaign: &Campaign) -> (f64, f64) {
     let range = match &campaign.surface.kind {
-        SurfaceKind::Ggx(_) => 7.0 * campaign.surface.correlation_cells,
-        SurfaceKind::Beckmann(_) => 2.0 * campaign.surface.correlation_cells,
+        SurfaceKind::Ggx(_) | SurfaceKind::StudentT { .. } => 7.0 * campaign.surface.correlation_cells,
+        SurfaceKind::Beckmann { .. } | SurfaceKind::BlinnPhong { .. } => {
+            2.0 * campaign.surface.correlation_cells
+        }
         _ => 1.0,
     };
     (0.0, range)
@@ -81,7 +86,7 @@ pub(super) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
     let random = campaign.surface.kind.is_random_heights();
     let tracing: f64 = campaign.alphas().iter().map(|&alpha| table(campaign, plan, alpha)).sum();
     let mut patch = if random { NS_PER_MOUNTED_CELL } else { 0.0 };
-    if matches!(campaign.surface.kind, SurfaceKind::Ggx(_)) {
+    if random && !matches!(campaign.surface.kind, SurfaceKind::Beckmann { .. }) {
         patch += NS_PER_SYNTHESISED_CELL;
     }
     if plan.indexed {
@@ -95,7 +100,7 @@ fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
     let heights = heights(campaign);
     let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
     let swept = |&stop: &usize| !plan.indexed && is_swept(campaign, plan, stop, heights, alpha);
-    let together = (0..plan.stops).filter(swept).count() / plan.grid.phi_i_deg.len();
+    let together = (0..plan.stops).filter(swept).count() / plan.grid.azimuths();
     let block = |stop: usize| block(campaign, plan, stop, alpha, swept(&stop).then_some(together.max(1)));
     plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
 }

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use glam::DVec2;
 use sha2::{Digest, Sha256};
 
-use crate::campaign::{Alpha, Campaign, SmithHeights, SmithNdf, SurfaceKind};
+use crate::campaign::{Alpha, Campaign, HeightSpectrum, SmithHeights, SmithNdf, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
 use crate::surface::import::{self, ImportedMap};
-use crate::surface::{Heightfield, SlopeLaw, Synthesiser};
-use crate::trace::Window;
+use crate::surface::{Heightfield, SlopeLaw, Spectrum, Synthesiser};
+use crate::trace::{WalkLaw, Window};
 
 /// Where a campaign's patches come from.
 pub enum Patches {
@@ -38,7 +38,7 @@ pub enum Patches {
     /// No heights at all.
     Statistical {
         /// Law of the slopes.
-        law: SlopeLaw,
+        law: WalkLaw,
         /// Whether a path leaves from a height drawn anew.
         independent_heights: bool,
     },
@@ -61,7 +61,7 @@ pub enum Specimen {
     /// Nothing but a law; groups of paths stand for realisations.
     Statistical {
         /// Law of the slopes.
-        law: SlopeLaw,
+        law: WalkLaw,
         /// Whether a path leaves from a height drawn anew.
         independent_heights: bool,
     },
@@ -82,17 +82,20 @@ impl Patches {
     /// Prepares the patches of a campaign; `notes` gets what an imported map had to say.
     pub fn prepare(campaign: &Campaign, notes: &mut Vec<String>) -> Result<Self> {
         let surface = &campaign.surface;
-        let random = |law| {
-            let synthesiser = Synthesiser::new(law, surface.cells as usize, surface.correlation_cells);
-            Patches::Random { synthesiser: Box::new(synthesiser), seed: campaign.seed }
-        };
+        if let Some(law) = Self::law(campaign) {
+            let (cells, correlation) = (surface.cells as usize, surface.correlation_cells);
+            let synthesiser = Synthesiser::with_spectrum(law, cells, correlation, spectrum(&surface.kind));
+            return Ok(Patches::Random { synthesiser: Box::new(synthesiser), seed: campaign.seed });
+        }
         Ok(match &surface.kind {
-            SurfaceKind::Ggx(_) => random(SlopeLaw::Ggx),
-            SurfaceKind::Beckmann(_) => random(SlopeLaw::Beckmann),
             SurfaceKind::Smith(smith) => Patches::Statistical {
-                law: if smith.ndf == SmithNdf::Ggx { SlopeLaw::Ggx } else { SlopeLaw::Beckmann },
+                law: if smith.ndf == SmithNdf::Ggx { WalkLaw::Ggx } else { WalkLaw::Beckmann },
                 independent_heights: smith.heights == SmithHeights::Independent,
             },
+            SurfaceKind::Ggx(_)
+            | SurfaceKind::Beckmann { .. }
+            | SurfaceKind::StudentT { .. }
+            | SurfaceKind::BlinnPhong { .. } => unreachable!("random heights have a law"),
             SurfaceKind::Mirror => Patches::Exact { field: flat(), alpha: DVec2::ONE },
             SurfaceKind::VGroove { slope } => {
                 Patches::Exact { field: grooves(), alpha: DVec2::splat(*slope) }
@@ -175,9 +178,22 @@ impl Patches {
     pub fn law(campaign: &Campaign) -> Option<SlopeLaw> {
         match campaign.surface.kind {
             SurfaceKind::Ggx(_) => Some(SlopeLaw::Ggx),
-            SurfaceKind::Beckmann(_) => Some(SlopeLaw::Beckmann),
-            _ => None,
+            SurfaceKind::Beckmann { .. } => Some(SlopeLaw::Beckmann),
+            SurfaceKind::StudentT { gamma, .. } => Some(SlopeLaw::student_t(gamma)),
+            SurfaceKind::BlinnPhong { exponent, .. } => Some(SlopeLaw::blinn_phong(exponent)),
+            SurfaceKind::Smith(_)
+            | SurfaceKind::Mirror
+            | SurfaceKind::VGroove { .. }
+            | SurfaceKind::File(_) => None,
         }
+    }
+}
+
+/// The spectrum of the Gaussian field that random heights are, or start from.
+fn spectrum(kind: &SurfaceKind) -> Spectrum {
+    match kind {
+        SurfaceKind::Beckmann { spectrum: HeightSpectrum::Exponential, .. } => Spectrum::Exponential,
+        _ => Spectrum::Gaussian,
     }
 }
 

@@ -110,14 +110,15 @@ impl Stage<'_> {
             }
             _ => false,
         };
-        let azimuths = plan.grid.phi_i_deg.len();
-        let mut groups: Vec<Group> = (0..azimuths)
-            .map(|azimuth| {
-                let stops = open.iter().copied().filter(|&stop| stop % azimuths == azimuth && swept(stop));
-                Group { stops: stops.collect(), way: Way::Sweep }
-            })
-            .filter(|group| !group.stops.is_empty())
-            .collect();
+        // Stops of one azimuth in one pass; stops that are a list have no axis of azimuths to go by.
+        let azimuth = |stop: usize| plan.grid.stop_deg(stop).1.to_bits();
+        let mut groups: Vec<Group> = Vec::new();
+        for &stop in open.iter().filter(|&&stop| swept(stop)) {
+            match groups.iter_mut().find(|group| azimuth(group.stops[0]) == azimuth(stop)) {
+                Some(group) => group.stops.push(stop),
+                None => groups.push(Group { stops: vec![stop], way: Way::Sweep }),
+            }
+        }
         let alone = open.iter().copied().filter(|&stop| !swept(stop));
         groups.extend(alone.map(|stop| Group { stops: vec![stop], way: Way::Rays }));
         groups

@@ -42,11 +42,12 @@ struct Reduction {
     maskings: Vec<usize>,
 }
 
-/// The table and its models for the page; `None` for other grids than a hemisphere of bins. `masking` is the model
+/// The table and its models for the page; `None` for other grids than a hemisphere of bins under stops that are a
+/// product of two axes. `masking` is the model
 /// that stays where there is room for one only.
 pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize) -> Option<Inline> {
     let grid = &scene.table.grid;
-    if grid.kind != GridKind::Hemisphere {
+    if grid.kind != GridKind::Hemisphere || !grid.stops_deg.is_empty() {
         return None;
     }
     let (plan, notes) = reduction(scene, masking);

@@ -41,11 +41,13 @@ fn measured(page: &Page) -> String {
     let surface = page.campaign.map_or("A table without a campaign".into(), surface);
     let angles: Vec<String> = grid.theta_i_deg.iter().map(f64::to_string).collect();
     let angles = match angles.len() {
-        0..=12 => angles.join(", "),
+        0 => format!("a list of {} positions, theta_i and phi_i in", grid.stops()),
+        1..=12 => angles.join(", "),
         count => format!("{count} angles from {} to {}", angles[0], angles[count - 1]),
     };
     let azimuths = match grid.phi_i_deg.len() {
         1 if grid.phi_r_relative => " (azimuth relative)".into(),
+        0 => String::new(),
         1 => format!(", phi_i {}°", grid.phi_i_deg[0]),
         count => format!(", {count} azimuths from {}° to {}°", grid.phi_i_deg[0], grid.phi_i_deg[count - 1]),
     };
@@ -75,7 +77,13 @@ fn surface(campaign: &crate::campaign::Campaign) -> String {
     let cells = format!("{} patches of {} x {} cells", surface.realisations, surface.cells, surface.cells);
     match &surface.kind {
         SurfaceKind::Ggx(_) => format!("A random GGX surface{alpha}, {cells}"),
-        SurfaceKind::Beckmann(_) => format!("A Gaussian (Beckmann) surface{alpha}, {cells}"),
+        SurfaceKind::Beckmann { .. } => format!("A Gaussian (Beckmann) surface{alpha}, {cells}"),
+        SurfaceKind::StudentT { gamma, .. } => {
+            format!("A random surface with Student's t of slopes, gamma {gamma}{alpha}, {cells}")
+        }
+        SurfaceKind::BlinnPhong { exponent, .. } => {
+            format!("A random Blinn-Phong surface, exponent {exponent}, {cells}")
+        }
         SurfaceKind::Smith(_) => format!("A statistical Smith surface{alpha}"),
         SurfaceKind::Mirror => "A flat mirror".into(),
         SurfaceKind::VGroove { slope } => format!("V-grooves along y of slope {slope}"),

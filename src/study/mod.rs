@@ -120,7 +120,9 @@ fn joint(harmonics: &[Harmonic]) -> Option<f64> {
 fn laws(measured: &Measured) -> Vec<Law> {
     let ndfs = match &measured.campaign.surface.kind {
         SurfaceKind::Ggx(_) => vec![Ndf::Ggx],
-        SurfaceKind::Beckmann(_) => vec![Ndf::Beckmann],
+        SurfaceKind::Beckmann { .. } => vec![Ndf::Beckmann],
+        SurfaceKind::StudentT { gamma, .. } => vec![Ndf::StudentT { gamma: *gamma }],
+        SurfaceKind::BlinnPhong { .. } => vec![Ndf::BlinnPhong],
         SurfaceKind::Smith(smith) if smith.ndf == SmithNdf::Ggx => vec![Ndf::Ggx],
         SurfaceKind::Smith(_) => vec![Ndf::Beckmann],
         SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => vec![Ndf::Ggx, Ndf::Beckmann],

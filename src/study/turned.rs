@@ -29,6 +29,10 @@ pub fn turned(campaign: &Campaign) -> Result<(Campaign, Plan)> {
     let turns = match &campaign.light.azimuth {
         Azimuth::Relative => every(360.0 / f64::from(TURNS), TURNS),
         Azimuth::Absolute(phi_i_deg) => phi_i_deg.clone(),
+        Azimuth::KlemsFull => {
+            let why = "a study turns the sample in equal steps; give theta_i_deg and phi_i_deg";
+            return Err(Error::Usage(format!("{}: light.azimuth: {why}", campaign.name)));
+        }
     };
     check(&campaign.name, &turns)?;
     campaign.light.azimuth = Azimuth::Absolute(turns);

@@ -1,10 +1,12 @@
-//! The samples of a height map's file, untouched: EXR or NPY, told apart by their first bytes.
+//! The samples of a height map's file, untouched: EXR, NPY, GSF or XYZ text, told apart by their first bytes.
 
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
 use crate::files::exr_header;
 use crate::files::image::{self, Samples};
 use crate::files::npy;
+
+use super::{map_gsf, map_xyz};
 
 const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -40,10 +42,17 @@ pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
         read_exr(bytes)?
     } else if bytes.starts_with(NPY_MAGIC) {
         read_npy(bytes)?
+    } else if bytes.starts_with(map_gsf::MAGIC) {
+        map_gsf::read(bytes)?
+    } else if map_xyz::looks_like(bytes) {
+        map_xyz::read(bytes)?
     } else if bytes.is_empty() {
         return Err("the file is empty".into());
     } else {
-        return Err("neither EXR nor NPY, the height maps that are read".into());
+        return Err(
+            "neither EXR, NPY, a Gwyddion simple field nor lines of x y z, the height maps that are read"
+                .into(),
+        );
     };
     match map.heights.iter().position(|height| !height.is_finite()) {
         Some(at) => {

@@ -3,33 +3,53 @@
 //! `theory::ndf` states the same laws as densities of normals, without sharing code: agreement is evidence.
 
 /// A law of facet slopes, isotropic in canonical slopes (p, q).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SlopeLaw {
     /// P22 = 1/(pi (1 + p^2 + q^2)^2): infinite variance, median length 1.
     Ggx,
     /// P22 = exp(-p^2 - q^2)/pi: variance 1/2 per axis.
     Beckmann,
+    /// P22 = (1 + (p^2 + q^2)/power)^-(power + 1)/pi: tails between GGX's (power = 1) and Beckmann's (infinite).
+    StudentT {
+        /// gamma - 1, >= 1: the share of slopes beyond a large length r falls as r^(-2 power).
+        power: f64,
+    },
 }
 
 impl SlopeLaw {
+    /// Student's law of slopes with the `gamma` of Ribardiere et al. 2017, whose power of the tails is 2 gamma.
+    pub fn student_t(gamma: f64) -> Self {
+        SlopeLaw::StudentT { power: gamma - 1.0 }
+    }
+
+    /// Blinn and Phong's normals, D = (n + 2)/(2 pi) cos^n, as slopes in units of alpha = sqrt(2/(n + 2)).
+    ///
+    /// D cos^4 = (n + 2)/(2 pi) (1 + r^2)^(-n/2 - 2): Student's law with power n/2 + 1.
+    pub fn blinn_phong(exponent: f64) -> Self {
+        SlopeLaw::StudentT { power: 0.5 * exponent + 1.0 }
+    }
+
     /// Probability that the slope's length is below `length` >= 0.
     ///
-    /// GGX: r^2/(1 + r^2). Beckmann: 1 - exp(-r^2). Held by: `length_law_and_quantile_are_inverse`.
+    /// GGX: r^2/(1 + r^2). Beckmann: 1 - exp(-r^2). Student: 1 - (1 + r^2/power)^-power.
+    /// Held by: `length_law_and_quantile_are_inverse`.
     pub fn length_cdf(self, length: f64) -> f64 {
         let r2 = length * length;
         match self {
             SlopeLaw::Ggx => r2 / (1.0 + r2),
             SlopeLaw::Beckmann => -(-r2).exp_m1(),
+            SlopeLaw::StudentT { power } => -(-power * (r2 / power).ln_1p()).exp_m1(),
         }
     }
 
     /// Length below which the share `u` in [0, 1) of the slopes lies.
     ///
-    /// GGX: sqrt(u/(1 - u)). Beckmann: sqrt(-ln(1 - u)).
+    /// GGX: sqrt(u/(1 - u)). Beckmann: sqrt(-ln(1 - u)). Student: sqrt(power ((1 - u)^(-1/power) - 1)).
     pub fn length_quantile(self, u: f64) -> f64 {
         match self {
             SlopeLaw::Ggx => (u / (1.0 - u)).sqrt(),
             SlopeLaw::Beckmann => (-(-u).ln_1p()).sqrt(),
+            SlopeLaw::StudentT { power } => (power * (-(-u).ln_1p() / power).exp_m1()).sqrt(),
         }
     }
 
@@ -41,6 +61,10 @@ impl SlopeLaw {
         match self {
             SlopeLaw::Ggx => u / (1.0 - u),
             SlopeLaw::Beckmann => -(-u).ln_1p(),
+            SlopeLaw::StudentT { power } => {
+                let power = power as f32;
+                power * (-(-u).ln_1p() / power).exp_m1()
+            }
         }
     }
 }
@@ -51,13 +75,15 @@ mod tests {
 
     #[test]
     fn length_law_and_quantile_are_inverse() {
-        for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann] {
+        let students = [SlopeLaw::student_t(2.0), SlopeLaw::student_t(3.5), SlopeLaw::blinn_phong(198.0)];
+        for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann].into_iter().chain(students) {
             for u in [0.0, 1e-12, 0.01, 0.5, 0.9, 0.999_999] {
                 // 1 - u amplifies the rounding of the quantile by at most 1/(1 - u) = 1e6.
                 let back = law.length_cdf(law.length_quantile(u));
                 let squared = f64::from(law.squared_quantile(u as f32));
-                // One division or logarithm of an f32 u; 1 - u is exact, but as far off as u, relative to 1 - u.
-                let relative = f64::from(f32::EPSILON) * (1.0 + u / (1.0 - u));
+                // One division or logarithm of an f32 u (Student: four steps); 1 - u is exact, but as far off as u,
+                // relative to 1 - u.
+                let relative = f64::from(f32::EPSILON) * (4.0 + u / (1.0 - u));
                 assert!(
                     (squared.sqrt() - law.length_quantile(u)).abs() <= relative * squared.sqrt(),
                     "{law:?} {u}"
@@ -68,5 +94,18 @@ mod tests {
         // Closed forms: the GGX median is 1, the Beckmann median sqrt(ln 2).
         assert_eq!(SlopeLaw::Ggx.length_quantile(0.5), 1.0);
         assert!((SlopeLaw::Beckmann.length_quantile(0.5) - 2f64.ln().sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn students_law_goes_from_ggx_to_beckmann() {
+        for u in [0.01, 0.5, 0.9, 0.999] {
+            let of = |law: SlopeLaw| law.length_quantile(u);
+            // gamma = 2: the same formula in another spelling, a logarithm and an exponential apart.
+            let (student, ggx) = (of(SlopeLaw::student_t(2.0)), of(SlopeLaw::Ggx));
+            assert!((student - ggx).abs() < 8.0 * f64::EPSILON * ggx, "{u}: {student} {ggx}");
+            // power -> infinity: r^2 = L + L^2/(2 power) + ..., L = -ln(1 - u) <= 7.
+            let (student, beckmann) = (of(SlopeLaw::blinn_phong(2e6 - 2.0)), of(SlopeLaw::Beckmann));
+            assert!((student / beckmann - 1.0).abs() < 7.0 / 4.0 * 1e-6, "{u}: {student} {beckmann}");
+        }
     }
 }

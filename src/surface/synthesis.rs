@@ -3,7 +3,7 @@
 //! Enters: a law, a size, a stream. Leaves: heights, each an f32 value so that a file holds the very patch.
 //!
 //! Beckmann is a Gaussian field whose facet slopes have variance 1/2 per axis in the mean over patches. No
-//! spectrum makes a Gaussian field GGX, so GGX is found by iteration: give every facet a slope of the wanted
+//! spectrum makes a Gaussian field GGX, so GGX and Student's laws are found by iteration: give every facet a slope of the wanted
 //! length while keeping slope and height independent (what Smith's masking assumes), then find the heights whose
 //! differences fit best. Scaling x, y, z is affine: one patch serves every alpha_x, alpha_y.
 
@@ -34,8 +34,13 @@ pub struct Synthesiser {
 impl Synthesiser {
     /// Plans patches of `cells` x `cells` with heights correlated over about `correlation` cells.
     pub fn new(law: SlopeLaw, cells: usize, correlation: f64) -> Self {
+        Self::with_spectrum(law, cells, correlation, Spectrum::Gaussian)
+    }
+
+    /// The same from a Gaussian field of another spectrum. Only the Beckmann law leaves the field as it is.
+    pub fn with_spectrum(law: SlopeLaw, cells: usize, correlation: f64, spectrum: Spectrum) -> Self {
         let fft = SquareFft::new(cells);
-        let spectrum = GaussianSpectrum::new(&fft, correlation);
+        let spectrum = GaussianField::new(&fft, correlation, spectrum);
         let gaussian = fft.filter(|kx, ky| spectrum.amplitude(kx, ky));
         let fit = fft.filter(|kx, ky| fit_gain(correlation, kx, ky));
         Synthesiser { law, cells, fft, gaussian, fit, remap: Remap::new(law, cells) }
@@ -46,7 +51,7 @@ impl Synthesiser {
         let mut room = self.fft.spectra();
         let mut heights = white_noise(self.cells * self.cells, rng);
         self.fft.apply(&self.gaussian, &mut heights, &mut room);
-        if self.law == SlopeLaw::Ggx {
+        if self.law != SlopeLaw::Beckmann {
             self.remap_to_law(&mut heights, &mut room);
         }
         Heightfield::new(self.cells, self.cells, true, heights.into_iter().map(f64::from).collect())
@@ -80,21 +85,44 @@ fn fit_gain(correlation: f64, kx: f64, ky: f64) -> f64 {
     if k2 == 0.0 { 0.0 } else { -(-scaled * scaled).exp_m1() / laplacian }
 }
 
-/// Amplitudes of a Gaussian field with covariance exp(-r^2/L^2), scaled to a facet slope variance of 1/2 per axis.
+/// What waves a Gaussian field is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Spectrum {
+    /// Covariance exp(-(r/L)^2), power exp(-(k L)^2/4).
+    Gaussian,
+    /// Covariance exp(-r/L), power (1 + (k L)^2)^(-3/2), smoothed below `INNER` cells, where facets end.
+    Exponential,
+}
+
+/// Correlation length, in cells, of what the exponential spectrum is smoothed with.
+const INNER: f64 = 2.0;
+
+impl Spectrum {
+    /// Power at the wave number `k` (rad per cell), not scaled.
+    fn power(self, k2: f64, correlation: f64) -> f64 {
+        let gaussian = |length: f64| (-0.25 * length * length * k2).exp();
+        match self {
+            Spectrum::Gaussian => gaussian(correlation),
+            Spectrum::Exponential => (1.0 + k2 * correlation * correlation).powf(-1.5) * gaussian(INNER),
+        }
+    }
+}
+
+/// Amplitudes of a Gaussian field, scaled to a facet slope variance of 1/2 per axis.
 ///
 /// On a grid split along one diagonal the two slopes of a facet share a corner, which correlates them by about
 /// 1/(2 L^2): a preferred azimuth of the facets. The factor 1 - tilt sin(kx) sin(ky) on the power cancels it.
-struct GaussianSpectrum {
-    quarter_l2: f64,
+struct GaussianField {
+    spectrum: Spectrum,
+    correlation: f64,
     tilt: f64,
     scale: f64,
 }
 
-impl GaussianSpectrum {
-    fn new(fft: &SquareFft, correlation: f64) -> Self {
-        let quarter_l2 = 0.25 * correlation * correlation;
+impl GaussianField {
+    fn new(fft: &SquareFft, correlation: f64, spectrum: Spectrum) -> Self {
         let power = |kx: f64, ky: f64| {
-            if kx == 0.0 && ky == 0.0 { 0.0 } else { (-quarter_l2 * (kx * kx + ky * ky)).exp() }
+            if kx == 0.0 && ky == 0.0 { 0.0 } else { spectrum.power(kx * kx + ky * ky, correlation) }
         };
         let versine = |k: f64| 2.0 * (0.5 * k).sin().powi(2);
         let shared = fft.sum_over_modes(|kx, ky| power(kx, ky) * versine(kx) * versine(ky));
@@ -105,15 +133,15 @@ impl GaussianSpectrum {
         // White noise of variance 1 has power 1 in each of the n^2 modes; the mean over them is the variance.
         let modes = fft.sum_over_modes(|_, _| 1.0);
         let slope_variance = fft.sum_over_modes(|kx, ky| tilted(kx, ky) * 2.0 * versine(kx)) / modes;
-        GaussianSpectrum { quarter_l2, tilt, scale: (0.5 / slope_variance).sqrt() }
+        GaussianField { spectrum, correlation, tilt, scale: (0.5 / slope_variance).sqrt() }
     }
 
     fn amplitude(&self, kx: f64, ky: f64) -> f64 {
         if kx == 0.0 && ky == 0.0 {
             return 0.0;
         }
-        let power = (-self.quarter_l2 * (kx * kx + ky * ky)).exp() * (1.0 - self.tilt * kx.sin() * ky.sin());
-        self.scale * power.sqrt()
+        let power = self.spectrum.power(kx * kx + ky * ky, self.correlation);
+        self.scale * (power * (1.0 - self.tilt * kx.sin() * ky.sin())).sqrt()
     }
 }
 
@@ -139,7 +167,7 @@ mod tests {
     #[test]
     fn the_smallest_patches_have_finite_heights() {
         let id = StreamId { seed: 1, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 };
-        for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann] {
+        for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann, SlopeLaw::student_t(4.0)] {
             for cells in 8..=17 {
                 // The only correlation that a campaign allows there.
                 let patch = Synthesiser::new(law, cells, cells as f64 / 8.0).patch(&mut rng::stream(id));

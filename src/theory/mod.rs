@@ -9,6 +9,7 @@ pub mod empirical;
 pub mod microfacet;
 pub mod ndf;
 pub mod smith;
+pub mod student;
 pub mod v_cavity;
 
 pub use microfacet::Microfacet;

@@ -8,12 +8,19 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 /// The law of the facets' normals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ndf {
     /// Trowbridge-Reitz: slopes with infinite variance, median slope alpha.
     Ggx,
     /// Gaussian slopes, alpha/sqrt 2 rms per axis.
     Beckmann,
+    /// Student's t of slopes: tails of power 2 gamma; GGX is gamma = 2.
+    StudentT {
+        /// >= 2.
+        gamma: f64,
+    },
+    /// (n + 2)/(2 pi) cos^n with n = 2/alpha^2 - 2; stretched where alpha_x and alpha_y differ.
+    BlinnPhong,
 }
 
 impl Ndf {
@@ -22,6 +29,8 @@ impl Ndf {
         match self {
             Ndf::Ggx => "ggx",
             Ndf::Beckmann => "beckmann",
+            Ndf::StudentT { .. } => "student_t",
+            Ndf::BlinnPhong => "blinn_phong",
         }
     }
 
@@ -30,6 +39,7 @@ impl Ndf {
         match self {
             Ndf::Ggx => ggx_d(h, alpha_x, alpha_y),
             Ndf::Beckmann => beckmann_d(h, alpha_x, alpha_y),
+            Ndf::StudentT { .. } | Ndf::BlinnPhong => self.d_of_sum(h, alpha_x, alpha_y),
         }
     }
 
@@ -38,6 +48,22 @@ impl Ndf {
         match self {
             Ndf::Ggx => ggx_d_of_sum(h_sum, alpha_x, alpha_y),
             Ndf::Beckmann => beckmann_d_of_sum(h_sum, alpha_x, alpha_y),
+            Ndf::StudentT { .. } | Ndf::BlinnPhong => {
+                student_d_of_sum(h_sum, alpha_x, alpha_y, self.gamma(alpha_x * alpha_y))
+            }
+        }
+    }
+
+    /// Half the power of the tails of a Student law, `alpha2` = alpha_x alpha_y; infinite for Beckmann.
+    ///
+    /// Blinn and Phong: cos^n (n + 2)/(2 pi) is Student's law with gamma = n/2 + 2 = 1 + 1/alpha^2.
+    /// Held by: `blinn_and_phongs_normals_are_a_power_of_the_cosine`.
+    pub fn gamma(self, alpha2: f64) -> f64 {
+        match self {
+            Ndf::Ggx => 2.0,
+            Ndf::Beckmann => f64::INFINITY,
+            Ndf::StudentT { gamma } => gamma,
+            Ndf::BlinnPhong => 1.0 + 1.0 / alpha2,
         }
     }
 }
@@ -51,7 +77,7 @@ impl Ndf {
 /// - Returns 1/sr, >= 0, finite. The integral of D(h) h.z over the hemisphere is 1.
 /// - Numerics: a sum of squares, no division by the cosine, no tan.
 /// - Source: Walter et al. 2007, eq. 33 (isotropic); Heitz 2014, section on anisotropic distributions.
-/// - Held by: `both_laws_are_normalised`, `every_reference_value_is_met` (tests/formula_values.rs).
+/// - Held by: `all_laws_are_normalised`, `every_reference_value_is_met` (tests/formula_values.rs).
 pub fn ggx_d(h: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     debug_assert!(alpha_x > 0.0 && alpha_y > 0.0);
     if h.z < 0.0 {
@@ -82,7 +108,7 @@ pub fn ggx_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
 /// - Domain, unit and invariant as `ggx_d`; at the horizon itself the value is 0, the limit.
 /// - Numerics: relative error about s^2 ulp, the conditioning of the exponential. Underflows to 0 above s^2 = 745.
 /// - Source: Walter et al. 2007; Heitz 2014, section on anisotropic distributions.
-/// - Held by: `both_laws_are_normalised`, `beckmann_peaks_at_one_over_pi_alpha_squared`.
+/// - Held by: `all_laws_are_normalised`, `beckmann_peaks_at_one_over_pi_alpha_squared`.
 pub fn beckmann_d(h: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     beckmann_d_of_sum(h, alpha_x, alpha_y)
 }
@@ -105,12 +131,36 @@ pub fn beckmann_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     density * inverse_hz2 * inverse_hz2 / (PI * alpha_x * alpha_y)
 }
 
+/// Student's t normal distribution from H = wi + wo: with q = (Hx/ax)^2 + (Hy/ay)^2 and g = gamma - 1,
+/// D = (H.H/(Hz^2 + q/g))^2 (1 + q/(g Hz^2))^-(gamma - 2)/(pi ax ay).
+///
+/// The density of slopes is (1 + s^2/g)^-gamma/(pi ax ay), s^2 = q/Hz^2.
+///
+/// - `h_sum`: any length but 0, sample frame; below the horizon the value is 0. `gamma` >= 2.
+/// - Numerics: gamma = 2 is GGX's own form; the power goes through ln(1 + x), so large gammas keep their digits.
+/// - Source: Ribardiere et al. 2017, "STD: Student's t-distribution of slopes for microfacet based BSDFs".
+/// - Held by: `all_laws_are_normalised`, `a_half_vector_and_its_sum_have_one_density`,
+///   `students_law_with_gamma_two_is_ggx`.
+pub fn student_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64, gamma: f64) -> f64 {
+    debug_assert!(alpha_x > 0.0 && alpha_y > 0.0 && gamma >= 2.0);
+    if h_sum.z < 0.0 {
+        return 0.0;
+    }
+    let (x, y) = (h_sum.x / alpha_x, h_sum.y / alpha_y);
+    let (z2, scaled) = (h_sum.z * h_sum.z, (x * x + y * y) / (gamma - 1.0));
+    let q = h_sum.length_squared() / (z2 + scaled);
+    let excess = gamma - 2.0;
+    let tail = if excess == 0.0 { 1.0 } else { (-excess * (scaled / z2).ln_1p()).exp() };
+    q * q * tail / (PI * alpha_x * alpha_y)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sphere::direction_deg;
 
-    const LAWS: [Ndf; 2] = [Ndf::Ggx, Ndf::Beckmann];
+    const LAWS: [Ndf; 4] =
+        [Ndf::Ggx, Ndf::Beckmann, Ndf::StudentT { gamma: 2.5 }, Ndf::StudentT { gamma: 60.0 }];
 
     /// Integral over all slopes of D(h) hz^4 dp dq, which is the integral of D(h) hz over the hemisphere. Canonical
     /// polar slopes r = exp(t), trapezoid in t and in the azimuth: both converge exponentially.
@@ -130,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn both_laws_are_normalised() {
+    fn all_laws_are_normalised() {
         for ndf in LAWS {
             for alpha in [1e-4, 1e-3, 0.01, 0.1, 0.5, 1.0, 2.0] {
                 for ratio in [1.0, 0.1, 1e-4] {
@@ -149,6 +199,30 @@ mod tests {
             let (whole, unit) = (ndf.d_of_sum(sum, 0.3, 0.7), ndf.d(sum.normalize(), 0.3, 0.7));
             // The normalisation moves h by 2 ulp, D by at most 4 (1 + s^2) times as many; s^2 < 10 here.
             assert!((whole - unit).abs() < 100.0 * f64::EPSILON * unit, "{whole} {unit}");
+        }
+    }
+
+    #[test]
+    fn students_law_with_gamma_two_is_ggx() {
+        for h in [direction_deg(0.0, 0.0), direction_deg(40.0, 20.0), direction_deg(89.9, 130.0)] {
+            let (student, ggx) =
+                (Ndf::StudentT { gamma: 2.0 }.d_of_sum(h, 0.3, 0.1), ggx_d_of_sum(h, 0.3, 0.1));
+            assert_eq!(student, ggx);
+        }
+    }
+
+    #[test]
+    fn blinn_and_phongs_normals_are_a_power_of_the_cosine() {
+        for exponent in [0.0, 6.0, 48.0, 198.0] {
+            let alpha = (2.0f64 / (exponent + 2.0)).sqrt();
+            for theta_deg in [0.0, 5.0, 30.0, 60.0, 80.0] {
+                let h = direction_deg(theta_deg, 70.0);
+                let expected = (exponent + 2.0) / (2.0 * PI) * h.z.powf(exponent);
+                let found = Ndf::BlinnPhong.d(h, alpha, alpha);
+                // alpha and the cosine each round; the power magnifies that by n + 2, and by ln(cos) <= 2.
+                let tolerance = 8.0 * (exponent + 2.0) * f64::EPSILON;
+                assert!((found / expected - 1.0).abs() < tolerance, "{exponent} {theta_deg}: {found}");
+            }
         }
     }
 

@@ -10,6 +10,7 @@ use std::sync::LazyLock;
 use glam::DVec3;
 
 use super::ndf::Ndf;
+use super::student::student_a_lambda;
 
 /// How shadowing and masking are joined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -62,6 +63,9 @@ impl Side {
         let projected_lambda = match ndf {
             Ndf::Ggx => ggx_projected_lambda(w.z, s2),
             Ndf::Beckmann => beckmann_projected_lambda(w.z, s2),
+            Ndf::StudentT { .. } | Ndf::BlinnPhong => {
+                student_projected_lambda(w.z, s2, ndf.gamma(alpha_x * alpha_y))
+            }
         };
         Side { cos: w.z, projected_lambda, x, y }
     }
@@ -152,6 +156,15 @@ fn beckmann_projected_lambda(cos: f64, s2: f64) -> f64 {
     s * beckmann_a_lambda(cos / s)
 }
 
+/// cos Lambda of Student's law: sqrt(s2) (a Lambda(a)) with a = cos/sqrt(s2).
+fn student_projected_lambda(cos: f64, s2: f64, gamma: f64) -> f64 {
+    if s2 == 0.0 {
+        return 0.0;
+    }
+    let s = s2.sqrt();
+    s * student_a_lambda(cos / s, gamma - 1.0)
+}
+
 /// Beckmann's Lambda(a) = (erf(a) - 1)/2 + exp(-a^2)/(2 a sqrt(pi)), a = 1/(alpha tan theta) > 0.
 ///
 /// - Returns [0, inf); underflows to 0 above a = 27.
@@ -197,7 +210,7 @@ mod tests {
     use super::*;
     use crate::sphere::direction_deg;
 
-    const LAWS: [Ndf; 2] = [Ndf::Ggx, Ndf::Beckmann];
+    const LAWS: [Ndf; 4] = [Ndf::Ggx, Ndf::Beckmann, Ndf::StudentT { gamma: 3.5 }, Ndf::BlinnPhong];
 
     #[test]
     fn beckmann_lambda_matches_forty_digits() {

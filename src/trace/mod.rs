@@ -27,7 +27,7 @@ pub use lane_rays::LaneRays;
 pub use lanes::Kernel;
 pub use path::{Bounce, Ending, Sample};
 pub use selection::Selection;
-pub use smith_walk::SmithWalk;
+pub use smith_walk::{SmithWalk, WalkLaw};
 pub use starts::{BLOCK, Starts, Window};
 pub use sweep::{Layout, Sweep};
 pub use walk::{Facet, Outcome, Place, Walker};

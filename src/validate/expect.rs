@@ -69,7 +69,11 @@ pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
     let left_out = match campaign.surface.kind {
         SurfaceKind::File(_) => return None,
         SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => Some(0.0),
-        SurfaceKind::Ggx(_) | SurfaceKind::Beckmann(_) => known(campaign, grid),
+        // Student's laws lie between GGX and Beckmann, and so does what their surfaces keep (`configs/tails`).
+        SurfaceKind::Ggx(_)
+        | SurfaceKind::Beckmann { .. }
+        | SurfaceKind::StudentT { .. }
+        | SurfaceKind::BlinnPhong { .. } => known(campaign, grid),
     };
     campaign.expect.l1_model.or(left_out).map(|l1_model| Bar { masking: masking(campaign), l1_model })
 }

@@ -1,5 +1,6 @@
 //! 7. The table against theory and against laws. The only place where the two sides meet.
 
+pub mod aperture;
 pub mod bin_mean;
 pub mod compare;
 pub mod expect;

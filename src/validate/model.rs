@@ -60,7 +60,9 @@ impl Model {
         };
         match &campaign.surface.kind {
             SurfaceKind::Ggx(_) => microfacet(Ndf::Ggx),
-            SurfaceKind::Beckmann(_) => microfacet(Ndf::Beckmann),
+            SurfaceKind::Beckmann { .. } => microfacet(Ndf::Beckmann),
+            SurfaceKind::StudentT { gamma, .. } => microfacet(Ndf::StudentT { gamma: *gamma }),
+            SurfaceKind::BlinnPhong { .. } => microfacet(Ndf::BlinnPhong),
             SurfaceKind::Smith(smith) => {
                 microfacet(if smith.ndf == SmithNdf::Ggx { Ndf::Ggx } else { Ndf::Beckmann })
             }

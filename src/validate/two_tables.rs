@@ -144,6 +144,13 @@ fn fits(a: &BrdfTable, b: &BrdfTable) -> Result<(), String> {
     Err(format!("gonio.grid: {what}; only tables on the same grid are compared bin by bin"))
 }
 
+/// The realisations of both tables, where they were measured on the very same patches.
+pub(super) fn paired<'a>(a: &Side<'a>, b: &Side<'a>) -> Option<(&'a Realisations, &'a Realisations)> {
+    let same_patches = !a.table.patch_digest.is_empty() && a.table.patch_digest == b.table.patch_digest;
+    let equal = |(a, b): &(&Realisations, &Realisations)| a.parts.len() == b.parts.len() && a.parts.len() > 1;
+    a.parts.zip(b.parts).filter(|both| same_patches && equal(both))
+}
+
 /// Both tables with what their errors need.
 struct Pair<'a> {
     a: Side<'a>,
@@ -158,10 +165,7 @@ struct Pair<'a> {
 
 impl<'a> Pair<'a> {
     fn new(a: Side<'a>, b: Side<'a>) -> Self {
-        let same_patches = !a.table.patch_digest.is_empty() && a.table.patch_digest == b.table.patch_digest;
-        let equal =
-            |(a, b): &(&Realisations, &Realisations)| a.parts.len() == b.parts.len() && a.parts.len() > 1;
-        let paired = a.parts.zip(b.parts).filter(|both| same_patches && equal(both));
+        let paired = paired(&a, &b);
         let count = |side: &Side| {
             side.campaign.map_or(MANY, |campaign| campaign.surface.realisations as usize).min(MANY)
         };

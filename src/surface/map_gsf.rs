@@ -1,0 +1,121 @@
+//! Gwyddion simple field (`.gsf`): a text header, NUL bytes up to a multiple of four, then f32 samples.
+//!
+//! The header is the line `Gwyddion Simple Field 1.0` and lines `name = value`: XRes, YRes (samples), XReal, YReal
+//! (size of the field), XYUnits, ZUnits. Source: the format's specification in Gwyddion's user guide.
+
+use super::map_file::{MapFile, Stored};
+
+/// The first line.
+pub const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
+/// Longest header that is looked through.
+const LONGEST_HEADER: usize = 1 << 16;
+
+/// Reads a field; row 0 of the file is y = 0.
+///
+/// Pitches are XReal/XRes and YReal/YRes in the unit of the heights: both units must be lengths (with an SI prefix), or
+/// both be left out. Held by: `a_gwyddion_field_reads_with_its_pitches`.
+pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
+    let head = &bytes[..bytes.len().min(LONGEST_HEADER)];
+    let end = head.iter().position(|&byte| byte == 0).ok_or("GSF: the header does not end")?;
+    let text = std::str::from_utf8(&head[..end]).map_err(|_| "GSF: the header is not UTF-8")?;
+    let value = |name: &str| {
+        let lines = text.lines().skip(1).filter_map(|line| line.split_once('='));
+        let mut found = lines.filter(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());
+        found.next()
+    };
+    let samples = |name: &str| {
+        let given = value(name).ok_or_else(|| format!("GSF: no {name}"))?;
+        let count: usize =
+            given.parse().map_err(|_| format!("GSF: {name} = {given:.40}: must be a whole number"))?;
+        if count > 0 { Ok(count) } else { Err(format!("GSF: {name} = 0")) }
+    };
+    let (columns, rows) = (samples("XRes")?, samples("YRes")?);
+    // One to four NULs: the data begin at a multiple of four.
+    let start = end + 4 - end % 4;
+    let data = bytes.get(start..).unwrap_or_default();
+    let expected = columns.checked_mul(rows).and_then(|count| count.checked_mul(4));
+    if expected != Some(data.len()) {
+        return Err(format!("GSF: {} bytes of data do not make {columns} x {rows} f32 samples", data.len()));
+    }
+    let per_height = unit_ratio(value("XYUnits").unwrap_or(""), value("ZUnits").unwrap_or(""));
+    let pitch = |name: &str, count: usize| -> Result<Option<f64>, String> {
+        let (Some(given), Some(ratio)) = (value(name), per_height) else { return Ok(None) };
+        let size: f64 = given.parse().map_err(|_| format!("GSF: {name} = {given:.40}: must be a number"))?;
+        Ok(Some(size / count as f64 * ratio))
+    };
+    let pitch = [pitch("XReal", columns)?, pitch("YReal", rows)?];
+    let heights = data.as_chunks::<4>().0.iter().map(|chunk| f64::from(f32::from_le_bytes(*chunk))).collect();
+    Ok(MapFile { columns, rows, heights, stored: Stored::Single, pitch })
+}
+
+/// How many units of height one lateral unit is; `None` where that is not known.
+fn unit_ratio(lateral: &str, height: &str) -> Option<f64> {
+    if lateral == height {
+        return Some(1.0);
+    }
+    Some(metres(lateral)? / metres(height)?)
+}
+
+fn metres(unit: &str) -> Option<f64> {
+    let prefix = unit.strip_suffix('m')?;
+    let sizes = [
+        ("", 1.0),
+        ("c", 1e-2),
+        ("m", 1e-3),
+        ("u", 1e-6),
+        ("µ", 1e-6),
+        ("μ", 1e-6),
+        ("n", 1e-9),
+        ("p", 1e-12),
+    ];
+    sizes.iter().find(|(name, _)| *name == prefix).map(|(_, size)| *size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn field(header: &str, data: &[f32]) -> Vec<u8> {
+        let mut bytes = [MAGIC, header.as_bytes()].concat();
+        bytes.resize(bytes.len() + 4 - bytes.len() % 4, 0);
+        bytes.extend(data.iter().flat_map(|value| value.to_le_bytes()));
+        bytes
+    }
+
+    #[test]
+    fn a_gwyddion_field_reads_with_its_pitches() {
+        let data = [1.0f32, 2.0, 3.0, 4.0, 5.0, 6.0];
+        // Headers of every length modulo four.
+        for title in ["", "a", "ab", "abc"] {
+            let header = format!(
+                "XRes = 3\nYRes = 2\nXReal = 6e-6\nYReal=1e-6\nXYUnits = m\nZUnits = nm\nTitle = {title}\n"
+            );
+            let map = read(&field(&header, &data)).expect("a field");
+            assert_eq!((map.columns, map.rows, map.stored), (3, 2, Stored::Single));
+            assert_eq!(map.heights, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+            // 2 um and 0.5 um in nm; a quotient and two products round.
+            for (found, expected) in map.pitch.iter().zip([2000.0, 500.0]) {
+                assert!((found.expect("a pitch") - expected).abs() < 4.0 * f64::EPSILON * expected);
+            }
+        }
+        let bare = read(&field("XRes = 3\nYRes = 2\nXReal = 6\nYReal = 4\n", &data)).expect("a field");
+        assert_eq!(bare.pitch, [Some(2.0), Some(2.0)]);
+        let volts =
+            read(&field("XRes = 3\nYRes = 2\nXReal = 6\nYReal = 4\nXYUnits = m\nZUnits = V\n", &data));
+        assert_eq!(volts.expect("a field").pitch, [None, None]);
+    }
+
+    #[test]
+    fn damaged_fields_are_refused_with_a_reason() {
+        let reason = |bytes: &[u8]| read(bytes).expect_err("must be refused");
+        assert!(reason(&[MAGIC, b"XRes = 3\n"].concat()).contains("does not end"));
+        assert!(reason(&field("YRes = 2\n", &[])).contains("no XRes"));
+        assert!(reason(&field("XRes = -3\nYRes = 2\n", &[])).contains("whole number"));
+        assert!(
+            reason(&field("XRes = 3\nYRes = 2\n", &[0.0; 5])).contains("20 bytes of data do not make 3 x 2")
+        );
+        let huge = "XRes = 4294967296\nYRes = 4294967296\n";
+        assert!(reason(&field(huge, &[0.0])).contains("do not make"));
+        assert!(reason(&field("XRes = 1\nYRes = 1\nXReal = wide\n", &[0.0])).contains("XReal = wide"));
+    }
+}
