@@ -88,6 +88,16 @@ fn the_page_follows_from_the_table_and_its_summary() {
     assert_eq!(without_cost(&one), without_cost(&two));
     done(&gonio(folder.path(), &["report", "one/small.exr", "-o", "again.html"]));
     assert!(read(&at("again.html")) == one, "the stored table gives another page than the measured one");
+    done(&gonio(folder.path(), &["report", "one/small.exr", "-o", "again.md"]));
+    let card = read(&at("one/small.card.md"));
+    assert!(read(&at("again.md")) == card, "the stored table gives another card than the measured one");
+    let campaign = fs::read_to_string(at("small.toml")).expect("the campaign");
+    let name = campaign.lines().find(|line| line.starts_with("name")).expect("a name");
+    for wanted in
+        [name, "| seed |", "| table SHA-256 |", "| samples |", "| time |", "| quality |", "## What it is not"]
+    {
+        assert!(card.contains(wanted), "{wanted}: {card}");
+    }
     says_the_numbers(&one, &serde_json::from_str(&read(&at("one/small.json"))).expect("JSON"));
     fits_a_terminal(&text);
     // Without its summary the same figures are found anew; the cost is not known.

@@ -6,22 +6,27 @@
 //!
 //! A random surface has two noises: rays and patches. One ladder adds samples to a fixed number of patches (its b
 //! holds the patches' spread and the bias), the other adds patches of fixed samples (its b is the bias alone).
-//! A campaign with a `[bench]` table varies cells and correlation length instead.
+//! A campaign with a `[bench]` table varies cells and correlation length instead. `against` measures one table by two
+//! ways, `scale` one stop on patches of several sizes.
 
+pub mod against;
 pub mod fit;
 pub mod ladder;
 pub mod plot;
 pub mod resolution;
 pub mod run;
+pub mod scale;
 pub mod scene;
 mod scene_file;
 mod scene_work;
 pub mod truth;
 
+pub use against::{Against, Other, against};
 pub use fit::{Fit, Point, fit};
 pub use ladder::{Ladders, Range, Varies, planned};
 pub use resolution::{Flatness, ResolutionRow, flatness, resolution};
 pub use run::{Bench, Ladder, Row, bench};
+pub use scale::{Scale, ScalePatch, ScaleRow, scale};
 pub use scene::{Scene, SceneRow, Workload};
 pub use truth::{Truth, TruthKind};
 

@@ -140,7 +140,7 @@ fn row(
 }
 
 /// The seed of one run, of 53 bits: any campaign can write it.
-fn seed_of(seed: u64, [ladder, rung, replicate]: [u64; 3]) -> u64 {
+pub(super) fn seed_of(seed: u64, [ladder, rung, replicate]: [u64; 3]) -> u64 {
     let id = StreamId { seed, purpose: Purpose::Bench, realisation: ladder, stop: rung, block: replicate };
     rng::stream(id).next_u64() >> 11
 }

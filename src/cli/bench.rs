@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
+use super::against;
 use super::output::{Output, columns, duration, grouped, json_text, say, to_json, warn};
 use super::progress::Progress;
 use super::resolution_text;
 use super::scene::{self, SceneArguments};
 use super::targets;
-use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, Range, Row, TruthKind, Varies, plot};
+use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, Other, Range, Row, TruthKind, Varies, plot};
 use crate::campaign::{self, Campaign, Parsed, Resolution};
 use crate::error::{Error, Fault, Result};
 use crate::files;
@@ -23,7 +24,10 @@ use crate::validate::model::Model;
     after_help = "Example: gonio bench configs/bench.toml --from 2^12 --to 2^20",
     after_long_help = "Writes bench.svg and bench.json to the folder. A random surface gets a second ladder, over\n\
     realisations: its b is free of the patches' spread. N: samples of a stop, all realisations.\n\
-    With a [bench] table in the campaign it varies cells and correlation length instead.\n\n\
+    With a [bench] table in the campaign it varies cells and correlation length instead.\n\
+    --against measures the same patches, azimuths and bins --replicates times as planned and by\n\
+    another way: forward (rays from above instead of starts on facets), rays (no line sweeps),\n\
+    hemisphere (all starts, not those alone that the apertures ask for). It writes no files.\n\n\
     Example: gonio bench configs/bench.toml --from 2^12 --to 2^20"
 )]
 pub struct Arguments {
@@ -32,6 +36,12 @@ pub struct Arguments {
     campaign: Option<PathBuf>,
     #[command(flatten)]
     scene: SceneArguments,
+    /// The same table by another way: noise and time to an equal error
+    #[arg(long, value_name = "forward|rays|hemisphere", value_parser = other, conflicts_with_all = LADDERS)]
+    against: Option<Other>,
+    /// The stops on a patch of each of these sizes: time and bytes for each cell
+    #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(8..=16_384), conflicts_with_all = LADDERS, conflicts_with_all = ["against", "replicates"])]
+    cells: Vec<u32>,
     /// What errors are counted from [default: model where there is one]
     #[arg(long, value_enum, value_name = "model|reference", hide_possible_values = true)]
     truth: Option<Wanted>,
@@ -42,7 +52,7 @@ pub struct Arguments {
     #[arg(long, value_name = "N", value_parser = count)]
     to: Option<u64>,
     /// Largest number of realisations [default: 4 times the campaign's]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=65_536))]
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=65_536))]
     realisations_to: Option<u32>,
     /// Runs of each rung, each with a seed of its own
     #[arg(long, value_name = "R", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -54,11 +64,19 @@ pub struct Arguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
     /// Replace the bench of another campaign
-    #[arg(long)]
+    #[arg(long, hide_short_help = true)]
     force: bool,
     /// Print one JSON document: rows and fit
     #[arg(long)]
     json: bool,
+}
+
+/// What belongs to ladders alone.
+const LADDERS: [&str; 7] = ["scene", "truth", "from", "to", "realisations_to", "output", "force"];
+
+fn other(text: &str) -> std::result::Result<Other, String> {
+    let found = Other::ALL.into_iter().find(|other| other.name() == text);
+    found.ok_or_else(|| "one of forward, rays, hemisphere".into())
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -88,6 +106,12 @@ fn ladders(arguments: &Arguments, path: &Path) -> Result<u8> {
     let Parsed { campaign, notes, .. } = campaign::read(path)?;
     notes.iter().for_each(warn);
     one_roughness(&campaign, path)?;
+    if let Some(other) = arguments.against {
+        return against::against(&campaign, other, arguments.replicates, arguments.json);
+    }
+    if !arguments.cells.is_empty() {
+        return against::sizes(&campaign, &arguments.cells, arguments.json);
+    }
     let kind = match arguments.truth {
         Some(Wanted::Model) => TruthKind::Model,
         Some(Wanted::Reference) => TruthKind::Reference,

@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::files;
 use crate::measure::{self, Cost, Measured, Patches, Plan, StopResult, StoppedBy};
 use crate::report::summary::summary;
-use crate::report::{Scene, specimen, terminal};
+use crate::report::{self, Scene, specimen, terminal};
 use crate::stats;
 use crate::table::realisations::{self, Kept};
 use crate::table::store;
@@ -24,11 +24,9 @@ use crate::validate::{self, Prediction, Verdict};
 
 /// Measure a campaign: table, realisations, summary and report
 #[derive(Args)]
-#[command(
-    after_help = "Writes <name>.exr, <name>.realisations.exr, <name>.html (the page to look at) and, last,\n\
-    <name>.json to the folder; several roughnesses give one set each, <name>_alpha_<value>.\n\n\
-    Example: gonio measure configs/quickstart.toml --threads 2"
-)]
+#[command(after_help = "Writes <name>.exr, <name>.realisations.exr, <name>.html (the page to look at),\n\
+    <name>.card.md (where it comes from) and, last, <name>.json to the folder; several roughnesses give one set each, <name>_alpha_<value>.\n\n\
+    Example: gonio measure configs/quickstart.toml --threads 2")]
 pub struct Arguments {
     /// The campaign, a TOML file
     campaign: PathBuf,
@@ -139,6 +137,8 @@ fn write(measured: &Measured, summary: &Value, page: &str, target: &Target) -> R
         targets::remove(&target.realisations)?;
     }
     files::write_atomically(&target.page, page.as_bytes())?;
+    let card = report::card(&measured.table, summary)?;
+    files::write_atomically(&target.card, card.as_bytes())?;
     files::write_atomically(&target.summary, format!("{}\n", json_text(summary)?).as_bytes())?;
     Ok(kept)
 }
@@ -248,7 +248,14 @@ fn files_written(target: &Target, kept: Kept) -> Vec<String> {
         Kept::Nothing => format!("{:<14}left out: they would exceed {limit} MB", "realisations"),
     };
     let summary = line("summary", &target.summary);
-    vec![String::new(), line("table", &target.table), realisations, summary, line("report", &target.page)]
+    vec![
+        String::new(),
+        line("table", &target.table),
+        realisations,
+        summary,
+        line("report", &target.page),
+        line("card", &target.card),
+    ]
 }
 
 fn cost_lines(cost: &Cost) -> [String; 2] {

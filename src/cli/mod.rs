@@ -10,6 +10,7 @@ use clap::{ColorChoice, Parser, Subcommand};
 
 use crate::error::{Error, Result};
 
+mod against;
 mod bench;
 mod certificate_text;
 mod check;

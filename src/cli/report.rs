@@ -23,7 +23,7 @@ use crate::validate::{self, Prediction};
 pub struct Arguments {
     /// The table
     table: PathBuf,
-    /// The page [default: <stem>.html beside the table]
+    /// The page, or with a name that ends in .md the provenance card [default: <stem>.html]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// The answer of `gonio bench`, for the plot of error against samples
@@ -37,7 +37,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));
     targets::spare(&output, [Some(path), arguments.bench.as_ref()].into_iter().flatten(), "command")?;
     let bench = arguments.bench.as_deref().map(read_json).transpose()?;
-    let text = stored_page(path, &table, bench.as_ref())?;
+    let is_card = output.extension().is_some_and(|end| end == "md");
+    let text = if is_card { stored_card(path, &table)? } else { stored_page(path, &table, bench.as_ref())? };
     files::write_atomically(&output, text.as_bytes())?;
     Output::default().line(format_args!(
         "report        {} ({})",
@@ -47,14 +48,31 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     Ok(0)
 }
 
+/// The card of a table from its file and the summary beside it.
+fn stored_card(path: &Path, table: &BrdfTable) -> Result<String> {
+    let campaign = table_file::campaign_if_any(path, table)?;
+    let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
+    report::card(table, &summary_of(path, table, campaign.as_ref(), prediction.as_ref())?)
+}
+
+/// The summary beside a table, or what the table alone says.
+fn summary_of(
+    path: &Path,
+    table: &BrdfTable,
+    campaign: Option<&Campaign>,
+    prediction: Option<&Prediction>,
+) -> Result<Value> {
+    match summary_beside(path, table)? {
+        Some(summary) => Ok(summary),
+        None => examined(path, table, campaign, prediction),
+    }
+}
+
 /// The page of a table from its file and what lies beside it.
 fn stored_page(path: &Path, table: &BrdfTable, bench: Option<&Value>) -> Result<String> {
     let campaign = table_file::campaign_if_any(path, table)?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
-    let summary = match summary_beside(path, table)? {
-        Some(summary) => summary,
-        None => examined(path, table, campaign.as_ref(), prediction.as_ref())?,
-    };
+    let summary = summary_of(path, table, campaign.as_ref(), prediction.as_ref())?;
     let specimen = match &campaign {
         Some(campaign) => specimen::remade(campaign)?,
         None => Err("The table holds no campaign: its surface cannot be made anew.".into()),

@@ -17,7 +17,7 @@ const REPETITIONS: usize = 5;
 #[derive(Args)]
 pub struct SceneArguments {
     /// Time the ray kernels on a folder of heights and rays (.npy)
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["campaign", "truth", "from", "to", "realisations_to", "replicates", "output", "force"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["campaign", "against", "cells", "truth", "from", "to", "realisations_to", "replicates", "output", "force"])]
     pub scene: Option<PathBuf>,
     /// Cells a side of the scene
     #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(8..=16_384), requires = "scene")]

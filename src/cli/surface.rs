@@ -117,8 +117,10 @@ impl<'a> Job<'a> {
             }
             (Patches::Exact { alpha, .. }, _) => [alpha.x, alpha.y],
             (Patches::Map { map, .. }, _) => [map.alpha_x, map.alpha_y],
-            (Patches::Random { .. } | Patches::Files { .. }, [Some(alpha)]) => [alpha.x, alpha.y],
-            (Patches::Random { .. } | Patches::Files { .. }, _) => {
+            (Patches::Random { .. } | Patches::Files { .. } | Patches::Held(_), [Some(alpha)]) => {
+                [alpha.x, alpha.y]
+            }
+            (Patches::Random { .. } | Patches::Files { .. } | Patches::Held(_), _) => {
                 notes.push(
                     "several roughnesses share these patches: written with pitch 1, as alpha = 1".into(),
                 );

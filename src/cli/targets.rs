@@ -61,6 +61,8 @@ pub struct Target {
     pub summary: PathBuf,
     /// Its page.
     pub page: PathBuf,
+    /// Its provenance card.
+    pub card: PathBuf,
     campaign: String,
 }
 
@@ -81,6 +83,7 @@ impl Target {
                 realisations: folder.join(format!("{stem}.realisations.exr")),
                 summary: folder.join(format!("{stem}.json")),
                 page: folder.join(format!("{stem}.html")),
+                card: folder.join(format!("{stem}.card.md")),
                 campaign: campaign::to_toml(&one),
             }
         };
@@ -107,8 +110,8 @@ impl Target {
     }
 
     /// All its files.
-    pub fn paths(&self) -> [&Path; 4] {
-        [&self.table, &self.realisations, &self.summary, &self.page]
+    pub fn paths(&self) -> [&Path; 5] {
+        [&self.table, &self.realisations, &self.summary, &self.page, &self.card]
     }
 }
 

@@ -161,6 +161,12 @@ impl<'a> Block<'a> {
         self.leave_out(starts.saturating_sub(self.counted));
     }
 
+    /// Counts the rays that went ahead of the starts, and those of them that found none.
+    pub fn end_primaries(&mut self, rays: u64, lost: u64) {
+        self.rays.traced += rays;
+        self.tally.lost += lost;
+    }
+
     /// Counts a path.
     pub fn end(&mut self, ending: Ending, light: Light) {
         self.counted += 1;

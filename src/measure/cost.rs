@@ -1,5 +1,6 @@
 //! What a run costs: time and memory, as the system tells them. Nothing of it enters a table.
 
+use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
 
 /// What a run cost.
@@ -13,6 +14,8 @@ pub struct Cost {
     pub synthesis_s: f64,
     /// Wall time spent tracing.
     pub tracing_s: f64,
+    /// Processor time spent tracing, and laying out patches for it.
+    pub tracing_cpu_s: f64,
     /// Threads.
     pub threads: usize,
     /// Starts.
@@ -25,24 +28,33 @@ pub struct Cost {
     pub peak_bytes: u64,
 }
 
-/// Processor time of the process so far; 0 where the system does not tell.
+/// Processor time of the process so far, all threads.
 pub fn cpu_seconds() -> f64 {
-    let ticks = || {
-        let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-        let after_name = stat.rsplit_once(')')?.1;
-        let field = |n: usize| after_name.split_whitespace().nth(n)?.parse::<f64>().ok();
-        Some(field(11)? + field(12)?)
-    };
-    // The kernel reports in ticks of 1/100 s.
-    ticks().unwrap_or(0.0) / 100.0
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 /// Largest resident memory so far; 0 where the system does not tell.
 pub fn peak_bytes() -> u64 {
-    let peak = || {
+    status_bytes("VmHWM:")
+}
+
+/// Resident memory now; 0 where the system does not tell.
+pub fn resident_bytes() -> u64 {
+    status_bytes("VmRSS:")
+}
+
+/// Lets `peak_bytes` count from now on, where the system can.
+pub fn reset_peak() {
+    // Without the right to it the peak stays that of the process: an upper bound.
+    std::fs::write("/proc/self/clear_refs", "5").ok();
+}
+
+fn status_bytes(key: &str) -> u64 {
+    let found = || {
         let status = std::fs::read_to_string("/proc/self/status").ok()?;
-        let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+        let line = status.lines().find(|line| line.starts_with(key))?;
         line.split_whitespace().nth(1)?.parse::<u64>().ok()
     };
-    peak().unwrap_or(0) * 1024
+    found().unwrap_or(0) * 1024
 }

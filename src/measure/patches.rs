@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
+use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use crate::campaign::{Alpha, Campaign, HeightSpectrum, SmithHeights, SmithNdf, SurfaceKind};
@@ -28,6 +29,8 @@ pub enum Patches {
         /// Cells along a side.
         cells: usize,
     },
+    /// Random ones, made beforehand and kept for several runs.
+    Held(Vec<Heightfield>),
     /// One exact shape for all realisations.
     Exact {
         /// The heights.
@@ -128,6 +131,17 @@ impl Patches {
         })
     }
 
+    /// The patches of a random surface (ggx, beckmann), made now and kept: for several runs over the same ones.
+    pub fn held(campaign: &Campaign) -> Result<Self> {
+        let patches = Patches::prepare(campaign, &mut Vec::new())?;
+        let make = |k: u64| match patches.realisation(k)? {
+            Specimen::Patch(patch) => Ok(patch.field),
+            Specimen::Statistical { .. } => Err(Error::Internal("patches of a law without heights".into())),
+        };
+        let all = (0..u64::from(campaign.surface.realisations)).into_par_iter();
+        Ok(Patches::Held(all.map(make).collect::<Result<_>>()?))
+    }
+
     /// The patches of a random surface from a folder that `gonio surface` wrote, instead of making them: the same
     /// heights, so the same tables. Every file must be there; each is read when its realisation is measured.
     ///
@@ -160,6 +174,10 @@ impl Patches {
             }
             Patches::Files { folder, cells } => {
                 let field = load(&folder.join(patch_name(realisation, "exr")), *cells)?;
+                Patch { window: Window::all(&field), own_alpha: None, field }
+            }
+            Patches::Held(fields) => {
+                let field = fields[realisation as usize].clone();
                 Patch { window: Window::all(&field), own_alpha: None, field }
             }
             Patches::Exact { field, alpha } => {

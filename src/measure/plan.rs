@@ -48,12 +48,20 @@ pub struct Plan {
     /// Whether line sweeps may replace the search for starts and the light's rays (`is_swept`); tests and benches
     /// switch it off.
     pub sweeps: bool,
+    /// Up to how many cells for each start of a block they do; benches raise it.
+    #[serde(skip)]
+    pub most_cells_per_start: f64,
     /// Whether only light towards the sensor's apertures counts: a facet that sends light elsewhere gets no ray, and
     /// albedos are not known. Tests switch it off.
     pub apertures_only: bool,
     /// Whether the facets that send light towards the apertures are found by an index of all facets by slope; tests
     /// and benches switch it off.
     pub indexed: bool,
+    /// Whether starts follow the facets in the order of their slopes.
+    pub by_slope: bool,
+    /// Whether starts are found by rays from above instead, for comparison: only `bench --against forward` says so.
+    #[serde(skip)]
+    pub from_above: bool,
     /// Mirror images of each patch that serve as further samples (1: none).
     pub images: u64,
     /// For each stop, whether mirrored arrivals count as well.
@@ -93,8 +101,11 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
         total_samples: saturated(total.iter().product()),
         averages_azimuth,
         sweeps: random && campaign.trace.visibility,
+        most_cells_per_start: MOST_CELLS_PER_START,
         apertures_only,
         indexed: apertures_only && random && few_apertures(&grid, &folded),
+        by_slope: false,
+        from_above: false,
         images,
         folded,
         colours: if campaign.optics == Optics::PerfectMirror { 1 } else { 3 },
@@ -191,7 +202,10 @@ pub fn is_swept(
     let run_in = (high - low) * alpha.max_element() * sin / cos;
     // An aperture gives every stop an azimuth of its own.
     let shared = campaign.light.aperture_deg == 0.0;
-    plan.sweeps && shared && side * side <= MOST_CELLS_PER_START * plan.block_starts as f64 && run_in <= side
+    plan.sweeps
+        && shared
+        && side * side <= plan.most_cells_per_start * plan.block_starts as f64
+        && run_in <= side
 }
 
 /// Half of the memory that is available now.

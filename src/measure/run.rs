@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::assemble::{Measured, StopRecord, assemble};
 use super::cost::{Cost, cpu_seconds, peak_bytes};
 use super::optics::f0_of;
-use super::patches::Patches;
+use super::patches::{Patches, Specimen};
 use super::plan::Plan;
 use super::rounds::Tables;
 use super::stage::Mounted;
@@ -72,7 +72,7 @@ pub fn measure(
         }
     }
     let patch_digest = if run.digests.is_empty() { String::new() } else { files::sha256_hex(&run.digests) };
-    let (synthesis_s, tracing_s) = (run.synthesis_s, run.tracing_s);
+    let Run { synthesis_s, tracing_s, tracing_cpu_s, .. } = run;
     let samples = run.tables.starts(plan);
     let finished = run.tables.finished(plan).into_iter();
     let results = finished.map(|table| assemble(campaign, plan, table, &patch_digest)).collect();
@@ -81,6 +81,7 @@ pub fn measure(
         cpu_s: cpu_seconds() - cpu,
         synthesis_s,
         tracing_s,
+        tracing_cpu_s,
         threads: rayon::current_num_threads(),
         samples,
         rays_traced: context.rays.into_inner(),
@@ -100,12 +101,15 @@ struct Run<'a> {
     tables: Tables,
     synthesis_s: f64,
     tracing_s: f64,
+    tracing_cpu_s: f64,
 }
 
 impl<'a> Run<'a> {
     fn new(context: &'a Context<'a>, patches: &'a Patches) -> Self {
         let tables = Tables::new(context.campaign, context.plan);
-        Run { context, patches, kept: vec![], digests: vec![], tables, synthesis_s: 0.0, tracing_s: 0.0 }
+        let (synthesis_s, tracing_s, tracing_cpu_s) = (0.0, 0.0, 0.0);
+        let (kept, digests) = (Vec::new(), Vec::new());
+        Run { context, patches, kept, digests, tables, synthesis_s, tracing_s, tracing_cpu_s }
     }
 
     /// The blocks of one round, for all open stops of all realisations.
@@ -130,18 +134,20 @@ impl<'a> Run<'a> {
 
     fn mount(&mut self, realisations: &[u64]) -> Result<Vec<Mounted>> {
         let clock = Instant::now();
-        let mount = |&k: &u64| {
-            Ok(Mounted::new(self.patches.realisation(k)?, self.context.campaign, self.context.plan))
-        };
-        let made = realisations.par_iter().map(mount).collect::<Result<Vec<Mounted>>>()?;
-        let digest = |mounted: &Mounted| mounted.specimen.digest().map(Vec::from);
-        self.digests.extend(made.par_iter().filter_map(digest).collect::<Vec<_>>().concat());
+        let made = realisations.par_iter().map(|&k| self.patches.realisation(k));
+        let made = made.collect::<Result<Vec<Specimen>>>()?;
+        let digests: Vec<_> = made.par_iter().filter_map(|made| made.digest().map(Vec::from)).collect();
+        self.digests.extend(digests.concat());
+        let cpu = cpu_seconds();
+        let mount = |made: Specimen| Mounted::new(made, self.context.campaign, self.context.plan);
+        let mounted = made.into_par_iter().map(mount).collect();
+        self.tracing_cpu_s += cpu_seconds() - cpu;
         self.synthesis_s += clock.elapsed().as_secs_f64();
-        Ok(made)
+        Ok(mounted)
     }
 
     fn trace(&mut self, realisations: &[u64], mounted: &[Mounted], blocks: &Range<u64>) -> Result<()> {
-        let clock = Instant::now();
+        let (clock, cpu) = (Instant::now(), cpu_seconds());
         for table in self.tables.each_mut() {
             let open = table.open_stops();
             let measured = realisations.par_iter().zip(mounted).map(|(&realisation, mounted)| {
@@ -152,6 +158,7 @@ impl<'a> Run<'a> {
             }
         }
         self.tracing_s += clock.elapsed().as_secs_f64();
+        self.tracing_cpu_s += cpu_seconds() - cpu;
         Ok(())
     }
 }

@@ -53,12 +53,16 @@ pub(super) enum Way {
     Rays,
     /// On the wanted facets of one stop alone, each with this share of the incident flux of a block.
     Index(f64),
+    /// All along the facets of one stop in the order of their slopes, a ray towards the light for each.
+    BySlope,
+    /// Where rays from above come down, of one stop.
+    Above,
 }
 
 impl Mounted {
     pub fn new(specimen: Specimen, campaign: &Campaign, plan: &Plan) -> Self {
         let index = match &specimen {
-            Specimen::Patch(patch) if plan.indexed => FacetIndex::new(&patch.field),
+            Specimen::Patch(patch) if plan.indexed || plan.by_slope => FacetIndex::new(&patch.field),
             _ => None,
         };
         let lanes = match &specimen {
@@ -95,12 +99,19 @@ impl Mounted {
 impl Stage<'_> {
     /// The `open` stops in groups: those that a sweep sees together by their azimuth, the others each alone.
     pub fn groups(&self, open: &[usize], campaign: &Campaign, plan: &Plan, realisation: u64) -> Vec<Group> {
+        let alone = |stop: usize, way| Group { stops: vec![stop], way };
+        if plan.from_above {
+            return open.iter().map(|&stop| alone(stop, Way::Above)).collect();
+        }
         if let Stage::Heights(heights) = self
             && let Some(index) = heights.index
         {
+            if plan.by_slope {
+                return open.iter().map(|&stop| alone(stop, Way::BySlope)).collect();
+            }
             let of = |&stop: &usize| {
                 let arms = BlockArms::new(campaign, plan, stop, realisation, 0);
-                Group { stops: vec![stop], way: Way::Index(heights.start_share(index, &arms, plan)) }
+                alone(stop, Way::Index(heights.start_share(index, &arms, plan)))
             };
             return open.iter().map(of).collect();
         }
@@ -119,8 +130,8 @@ impl Stage<'_> {
                 None => groups.push(Group { stops: vec![stop], way: Way::Sweep }),
             }
         }
-        let alone = open.iter().copied().filter(|&stop| !swept(stop));
-        groups.extend(alone.map(|stop| Group { stops: vec![stop], way: Way::Rays }));
+        let others = open.iter().copied().filter(|&stop| !swept(stop));
+        groups.extend(others.map(|stop| alone(stop, Way::Rays)));
         groups
     }
 }

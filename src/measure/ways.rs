@@ -1,5 +1,5 @@
-//! The ways to start a block: by a line sweep, along all facets with a ray for each, on the wanted facets alone, or
-//! from a law without heights.
+//! The ways to start a block: by a line sweep, along all facets with a ray for each, on the wanted facets alone, from
+//! a law without heights, or, for comparison, by rays from above.
 
 use glam::DVec3;
 
@@ -11,7 +11,7 @@ use super::run::Context;
 use super::stage::{Group, Heights, Stage, Way};
 use super::tally::Tally;
 use crate::rng;
-use crate::trace::{Place, Sample, Selection, SmithWalk, Starts, Sweep};
+use crate::trace::{BySlope, FromAbove, Place, Sample, Selection, SmithWalk, Starts, Sweep};
 
 impl Context<'_> {
     /// One block of starts of every stop of a group.
@@ -21,6 +21,8 @@ impl Context<'_> {
                 Way::Sweep => self.swept_block(work, heights, tallies),
                 Way::Rays => self.ray_block(work, heights, &mut tallies[0]),
                 Way::Index(share) => self.indexed_block(work, heights, share, &mut tallies[0]),
+                Way::BySlope => self.block_by_slope(work, heights, &mut tallies[0]),
+                Way::Above => self.block_from_above(work, heights, &mut tallies[0]),
             },
             Stage::Statistical(walk) => self.walked_block(work, walk, &mut tallies[0]),
         }
@@ -49,6 +51,24 @@ impl Context<'_> {
         let sample = heights.sample(&arms);
         let light = sample.to_field(arms.wi);
         let starts = Starts::new(&heights.patch.field, heights.patch.window, light);
+        let flux = starts.share(plan.block_starts) / plan.blocks as f64;
+        let mut block = Block::new(self, arms, stop, flux, false, tally);
+        follow_all(&mut block, heights, &sample, light, |visit| {
+            starts.each(plan.block_starts, &mut rng, visit);
+        });
+    }
+
+    /// Starts on the facets in the order of their slopes, and a ray towards the light for each.
+    fn block_by_slope(&self, work: &Work, heights: &Heights, tally: &mut Tally) {
+        let Some(index) = heights.index else {
+            unreachable!("only stages with an index are walked by slope")
+        };
+        let (plan, stop) = (self.plan, work.group.stops[0]);
+        let arms = self.arms(work, stop);
+        let mut rng = rng::stream(self.starts_stream(work, stop));
+        let sample = heights.sample(&arms);
+        let light = sample.to_field(arms.wi);
+        let starts = BySlope::new(index, &heights.patch.field, light);
         let flux = starts.share(plan.block_starts) / plan.blocks as f64;
         let mut block = Block::new(self, arms, stop, flux, false, tally);
         follow_all(&mut block, heights, &sample, light, |visit| {
@@ -115,6 +135,26 @@ impl Context<'_> {
                 block.follow_wave(&sample, over, wave);
             }
         });
+    }
+
+    /// Starts where rays from above come down: all that it takes is done by rays, and the light sees every start.
+    fn block_from_above(&self, work: &Work, heights: &Heights, tally: &mut Tally) {
+        let Some(over) = heights.lanes else { unreachable!("only fields with lanes are compared") };
+        let (plan, stop) = (self.plan, work.group.stops[0]);
+        let arms = self.arms(work, stop);
+        let mut rng = rng::stream(self.starts_stream(work, stop));
+        let sample = heights.sample(&arms);
+        let beam = FromAbove::new(over, sample.to_field(arms.wi));
+        let flux = 1.0 / (plan.block_starts as f64 * plan.blocks as f64);
+        let mut block = Block::new(self, arms, stop, flux, true, tally);
+        let (rays, lost) = with_waves(1, |waves| {
+            let sent = beam.each(plan.block_starts, &mut rng, |start| {
+                block.follow_later(&sample, &over, start, &mut waves[0]);
+            });
+            block.follow_wave(&sample, &over, &mut waves[0]);
+            sent
+        });
+        block.end_primaries(rays, lost);
     }
 
     fn arms(&self, work: &Work, stop: usize) -> BlockArms {

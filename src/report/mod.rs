@@ -1,5 +1,6 @@
 //! 9. What a measurement says to its reader: the summary, the page, the plot in the terminal.
 
+pub mod card;
 pub mod chart;
 pub mod convergence;
 pub mod inline;
@@ -12,5 +13,6 @@ pub mod specimen;
 pub mod summary;
 pub mod terminal;
 
+pub use card::card;
 pub use page::{Page, page};
 pub use slices::Scene;

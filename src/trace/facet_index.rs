@@ -24,6 +24,8 @@ pub struct FacetIndex {
     first: Vec<u32>,
     /// 2 (y nx + x), and 1 for the upper one; in a bin by row and column.
     facets: Vec<u32>,
+    /// Sum of the slopes of each bin's facets.
+    sums: Vec<DVec2>,
     /// Largest |dz/dx| or |dz/dy|.
     steepest: f64,
 }
@@ -47,11 +49,16 @@ impl FacetIndex {
         let mut bins = vec![[0u16; 2]; cells_x * cells_y];
         let (mut near, mut far) = (vec![0.0; cells_x + 1], vec![0.0; cells_x + 1]);
         copy_heights(field, 0, 0, &mut far);
+        let mut sums = vec![DVec2::ZERO; SIDE * SIDE];
         let mut steepest = 0.0;
         for (y, row) in bins.chunks_exact_mut(cells_x).enumerate() {
             std::mem::swap(&mut near, &mut far);
             copy_heights(field, y + 1, 0, &mut far);
             steepest = positive_max(steepest, bins_of_row(&near, &far, row));
+            for (k, &[lower, upper]) in row.iter().enumerate() {
+                sums[usize::from(lower)] += DVec2::new(near[k + 1] - near[k], far[k] - near[k]);
+                sums[usize::from(upper)] += DVec2::new(far[k + 1] - far[k], far[k + 1] - near[k + 1]);
+            }
         }
         let mut first = vec![0u32; SIDE * SIDE + 1];
         for &bin in bins.as_flattened() {
@@ -67,12 +74,17 @@ impl FacetIndex {
             facets[*at as usize] = facet;
             *at += 1;
         }
-        Some(FacetIndex { cells_x, first, facets, steepest })
+        Some(FacetIndex { cells_x, first, facets, sums, steepest })
     }
 
     /// Number of bins.
     pub fn bins(&self) -> usize {
         SIDE * SIDE
+    }
+
+    /// Bytes of its tables.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.first) + size_of_val(&*self.facets) + size_of_val(&*self.sums)
     }
 
     /// Number of facets in a bin.
@@ -87,6 +99,20 @@ impl FacetIndex {
         let facet = self.facets[self.first[bin] as usize + k] as usize;
         let cell = facet / 2;
         Facet { x: cell % self.cells_x, y: cell / self.cells_x, upper: facet % 2 == 1 }
+    }
+
+    /// Sum of the slopes of a bin's facets.
+    #[inline]
+    pub fn slope_sum(&self, bin: usize) -> DVec2 {
+        self.sums[bin]
+    }
+
+    /// All bins, row after row, every other one backwards: neighbours follow each other.
+    pub fn in_rows_there_and_back(&self) -> impl Iterator<Item = usize> {
+        let along = |row: usize| {
+            (0..SIDE).map(move |k| row * SIDE + if row.is_multiple_of(2) { k } else { SIDE - 1 - k })
+        };
+        (0..SIDE).flat_map(along)
     }
 
     /// The slopes that a bin holds; no facet is steeper than the outermost ones say.

@@ -1,6 +1,8 @@
 //! 4. Light on the surface: where paths start, what they hit, and where they leave.
 
+pub mod by_slope;
 pub mod facet_index;
+pub mod from_above;
 pub mod image;
 mod lane_cell;
 pub mod lane_field;
@@ -19,7 +21,9 @@ pub mod walk;
 pub mod wave_paths;
 pub mod waves;
 
+pub use by_slope::BySlope;
 pub use facet_index::FacetIndex;
+pub use from_above::FromAbove;
 pub use image::Image;
 pub use lane_field::LaneField;
 pub use lane_kernel::{Answers, Fate, LONGEST, LaneHit};

@@ -69,6 +69,11 @@ impl<'a> Starts<'a> {
         starts
     }
 
+    /// Bytes of its sums.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.before)
+    }
+
     /// The flux of one start of a block of `count`, as a share of the flux that falls on the window: the turned
     /// area over light.z x cells x count. Over all starts it sums to at least 1: those that the light does not see
     /// are counted, and dropped.

@@ -30,6 +30,11 @@ impl<'a> LaneWalker<'a> {
         &self.walker
     }
 
+    /// Bytes of the lanes' tables.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.lanes.heights) + size_of_val(&*self.lanes.maxima)
+    }
+
     /// The corner heights of a cell: those of the field, from the lanes' smaller copy.
     #[inline]
     pub fn corners(&self, facet: &Facet) -> Corners {

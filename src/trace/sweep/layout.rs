@@ -19,6 +19,11 @@ impl<'a> Layout<'a> {
         field.is_periodic().then(|| Layout { field, transposed: transposed(), range: highest - lowest })
     }
 
+    /// Bytes of what it holds besides the field.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.transposed)
+    }
+
     /// Heights across in column `column`.
     pub(super) fn column(&self, column: usize, across: usize, lines_along_x: bool) -> &[f64] {
         let heights = if lines_along_x { &self.transposed } else { self.field.heights() };
