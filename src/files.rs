@@ -2,6 +2,7 @@
 
 pub mod exr_header;
 pub mod image;
+pub mod image_rows;
 pub mod npy;
 
 use std::fs::{self, File};

@@ -168,3 +168,69 @@ fn an_imported_table_is_a_table() {
     let wrong = interchange::import(&path, Format::Npz, &Options::default(), None).expect_err("mislabelled");
     assert!(matches!(wrong, Error::Format { .. }) && wrong.to_string().contains("t.npz"), "{wrong}");
 }
+
+/// Largest resident memory of a process while it ran, bytes, and how long it took.
+fn peak(mut child: std::process::Child) -> (u64, std::time::Duration) {
+    let (begin, mut most) = (std::time::Instant::now(), 0);
+    loop {
+        // The system keeps the high-water mark: whenever it is read, nothing before is missed.
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let mark = status
+            .lines()
+            .find_map(|line| line.strip_prefix("VmHWM:"))
+            .and_then(|line| line.trim().strip_suffix(" kB").and_then(|kb| kb.trim().parse::<u64>().ok()));
+        most = mark.unwrap_or(0).max(most / 1024) * 1024;
+        if let Some(status) = child.try_wait().expect("waits") {
+            assert!(status.success(), "{status}");
+            return (most, begin.elapsed());
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+}
+
+/// The table of the issue: 144 stops of 90 x 360 bins, 112 MB of values, with noise of 1 % as measured ones have.
+#[test]
+#[ignore = "takes minutes: cargo test --release --test interchange_arrays -- --ignored --nocapture"]
+fn exports_of_a_large_table_stay_below_twice_its_memory() {
+    let folder = tempfile::tempdir().expect("folder");
+    let exr = folder.path().join("large.exr");
+    let grid = hemisphere(steps(15.0, 6), Some(steps(15.0, 24)), 90, 360);
+    let values = (grid.stops() * grid.bins()) as u64;
+    let mut large = table(&Ggx::new(0.3, 0.5), &grid);
+    let mut bits = mutations::Bits(1);
+    for colour in &mut large.colours {
+        let noise =
+            |value: &mut f32| *value *= 0.99 + 0.02 * (bits.next() >> 40) as f32 / (1u32 << 24) as f32;
+        colour.total.iter_mut().for_each(noise);
+        colour.single.clone_from(&colour.total);
+        colour.stderr = colour.total.iter().map(|value| 0.01 * value).collect();
+        colour.stderr_single.clone_from(&colour.stderr);
+    }
+    store::save(&exr, &large).expect("saved");
+    drop(large);
+    let size = values * (5 + 1) * 4;
+    let mut over = Vec::new();
+    for (name, format) in Format::ALL.into_iter().filter(|(_, format)| *format != Format::Merl) {
+        let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("gonio"));
+        let target = folder.path().join(format!("large.{name}"));
+        command.args([
+            "export",
+            &exr.to_string_lossy(),
+            "--to",
+            format.name(),
+            "-o",
+            &target.to_string_lossy(),
+        ]);
+        let child = command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null()).spawn();
+        let (most, time) = peak(child.expect("runs"));
+        let written = std::fs::metadata(&target).map_or(0, |meta| meta.len());
+        println!(
+            "{name:<12} {:>5.2} x the table's memory, {:>6.1} s, {:>6.1} MB",
+            most as f64 / size as f64,
+            time.as_secs_f64(),
+            written as f64 / 1e6
+        );
+        over.extend((most >= 2 * size).then_some(name));
+    }
+    assert!(over.is_empty(), "above twice the table's {size} bytes: {over:?}");
+}

@@ -38,6 +38,45 @@ fn a_texel_becomes_a_campaign() {
     assert!(found.campaign(1, 0).expect("in range").contains("f0 = [0.75, 0.25, 0.125]"));
 }
 
+fn gonio(folder: &Path, words: &[&str]) -> (Option<i32>, String, String) {
+    let mut command = assert_cmd::Command::cargo_bin("gonio").expect("built");
+    let output = command.current_dir(folder).args(words).output().expect("runs");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn a_grid_of_texels_becomes_a_row_of_campaigns() {
+    let folder = tempfile::tempdir().expect("folder");
+    let here = folder.path();
+    std::fs::create_dir(here.join("maps")).expect("folder");
+    std::fs::write(here.join("maps/ax_ay.exr"), alpha()).expect("written");
+    std::fs::write(here.join("maps/ps.exr"), f0()).expect("written");
+    let import =
+        |words: &[&str]| gonio(here, &[&["import", "maps", "--from", "maps", "-o", "row"], words].concat());
+    // Two of the four texels have no roughness: of a grid they are left out, one that was asked for is a fault.
+    let (code, out, err) = import(&["--every", "1"]);
+    assert_eq!((code, out.as_str()), (Some(0), "row/texel_0_0.toml\nrow/texel_1_0.toml\n"), "{err}");
+    assert!(err.contains("2 of 4 texels left out") && err.trim_end().lines().count() == 1, "{err}");
+    assert_eq!(gonio(here, &["check", "row/texel_1_0.toml"]).0, Some(0));
+    for (words, code, reason) in [
+        (vec!["--every", "1"], 3, "is there already"),
+        (vec!["--texel", "0,1", "--force"], 3, "alpha_x"),
+        (vec!["--texel", "5,0", "--force"], 3, "outside 2 x 2"),
+        (vec!["--texel", "five"], 2, "COLUMN,ROW"),
+        (vec!["--every", "0"], 2, "1 or more"),
+        (vec![], 2, "either --texel X,Y or --every N"),
+        (vec!["--texel", "0,0", "--every", "1"], 2, "either --texel X,Y or --every N"),
+        (vec!["--texel", "0,0", "--merl-centre"], 2, "say nothing"),
+    ] {
+        let (found, _, err) = import(&words);
+        assert_eq!(found, Some(code), "{words:?}: {err}");
+        assert!(err.contains(reason) && err.trim_end().lines().count() == 1, "{words:?}: {err}");
+    }
+    let (code, _, err) = gonio(here, &["import", "x.csv", "--from", "csv", "-o", "t.exr", "--every", "1"]);
+    assert!(code == Some(2) && err.contains("choose texels of maps"), "{err}");
+}
+
 #[test]
 fn damaged_maps_are_refused() {
     let found = maps::read(&alpha(), &f0()).expect("sound");

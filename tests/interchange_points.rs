@@ -6,8 +6,8 @@ mod analytic;
 mod mutations;
 
 use analytic::{Ggx, hemisphere, measured_looking, points, steps, table};
-use gonio::files::image;
-use gonio::interchange::{Brdf, exr_parts, utia};
+use gonio::files::image::{self, Part, Samples};
+use gonio::interchange::{self, Brdf, Format, Options, exr_parts, utia};
 use gonio::sphere;
 
 fn coloured() -> Ggx {
@@ -31,6 +31,52 @@ fn utia_comes_back_exactly() {
     let back = utia::read(&bytes).expect("readable");
     assert!(back.colours == native.colours && back.grid == native.grid);
     assert_eq!(utia::write(&back).expect("written"), bytes);
+}
+
+#[test]
+fn the_image_form_of_utia_comes_back() {
+    let (theta, phi) = (steps(15.0, 6), steps(7.5, 48));
+    let native = table(&coloured(), &points(theta.clone(), phi.clone(), &theta, &phi));
+    let bytes = utia::write_image(&native).expect("written");
+    // Row = light (theta_i 30, phi_i 15), column = sensor (45, 187.5).
+    let part = &image::decode(&bytes).expect("an EXR")[0];
+    assert_eq!((part.width, part.height), (288, 288));
+    let Samples::F32(green) = &part.channels["G"] else { panic!("FLOAT") };
+    assert_eq!(
+        green[(48 * 2 + 2) * 288 + 48 * 3 + 25],
+        native.colours[1].total[(48 * 2 + 2) * 288 + 48 * 3 + 25]
+    );
+    let back = utia::read(&bytes).expect("readable");
+    assert!(back.colours == native.colours && back.grid == native.grid);
+    // Chosen by the name of the file.
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("brdf.exr");
+    let export = interchange::export(&native, Format::Utia, &Options::default(), &path).expect("written");
+    assert!(std::fs::read(&path).expect("there") == bytes && export.read_back.is_some());
+}
+
+#[test]
+fn other_images_are_not_taken_for_utia() {
+    let reason = |change: fn(&mut Part)| {
+        let mut part = Part { width: 288, height: 288, ..Part::default() };
+        for name in ["R", "G", "B"] {
+            part.channels.insert(name.into(), Samples::F32(vec![0.5; 288 * 288]));
+        }
+        change(&mut part);
+        utia::read(&image::encode(vec![part]).expect("encoded")).expect_err("refused")
+    };
+    assert!(reason(|part| drop(part.channels.remove("G"))).contains("no channel `G`"));
+    let narrow = |part: &mut Part| {
+        part.height = 287;
+        part.channels.values_mut().for_each(|samples| *samples = Samples::F32(vec![0.5; 288 * 287]));
+    };
+    assert!(reason(narrow).contains("288 x 287"));
+    let nan = |part: &mut Part| {
+        let mut values = vec![0.5; 288 * 288];
+        values[300] = f32::NAN;
+        part.channels.insert("R".into(), Samples::F32(values));
+    };
+    assert!(reason(nan).contains("stop 1, bin 12: NaN"));
 }
 
 #[test]
@@ -59,6 +105,29 @@ fn damaged_utia_files_are_refused() {
     bytes.push(0);
     assert!(reason(&bytes).contains("1990657 bytes"));
     assert_eq!(mutations::survives(&[7; 600], 100_000, utia::read), 100_000);
+}
+
+/// Each round decodes 288 x 288 pixels.
+fn damaged_images(rounds: usize) {
+    let mut part = Part { width: 288, height: 288, ..Part::default() };
+    for name in ["R", "G", "B"] {
+        part.channels.insert(name.into(), Samples::F32(vec![0.5; 288 * 288]));
+    }
+    let good = image::encode(vec![part]).expect("encoded");
+    assert!(utia::read(&good).is_ok());
+    let refused = mutations::survives(&good, rounds, utia::read);
+    assert!(refused > rounds / 3, "{refused}");
+}
+
+#[test]
+fn damaged_utia_images_are_refused() {
+    damaged_images(2_000);
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test --test interchange_points -- --ignored"]
+fn damaged_utia_images_are_refused_a_hundred_thousand_times() {
+    damaged_images(100_000);
 }
 
 #[test]

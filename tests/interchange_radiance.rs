@@ -77,6 +77,32 @@ fn tensor_trees_of_both_ranks_are_within_three_hundredths() {
 }
 
 #[test]
+fn colours_of_radiance_files_come_back() {
+    let mut ggx = Ggx::new(0.5, 0.5);
+    ggx.tint = vec![0.9, 0.5, 0.2];
+    let own = table(&ggx, &hemisphere(steps(10.0, 9), None, 30, 60));
+    let text = klems::write(&own).expect("written");
+    for channel in ["Visible", "CIE-X", "CIE-Z"] {
+        assert!(text.contains(&format!("<Wavelength unit=\"Integral\">{channel}</Wavelength>")));
+    }
+    let back = klems::read(text.as_bytes()).expect("readable");
+    assert_eq!(back.colours.len(), 3);
+    let [r, g, b] = [0, 1, 2].map(|c| &back.colours[c].total);
+    // Eight digits of XYZ, through a matrix with a condition number below 5.
+    let off = |k: usize| (g[k] / r[k] - 5.0 / 9.0).abs().max((b[k] / r[k] - 2.0 / 9.0).abs());
+    assert!((0..r.len()).all(|k| off(k) < 1e-5));
+    let text = tensor_tree::write(&Lookup::new(&own).expect("a product"));
+    assert!(text.contains("CIE-u") && text.contains("CIE-v"));
+    let found = tensor_tree::read(text.as_bytes()).expect("readable");
+    assert_eq!(found.colours(), 3);
+    let [r, g, b] = found.brdf(sphere::direction_deg(30.0, 0.0), sphere::direction_deg(35.0, 185.0));
+    // u' and v' have five digits; b is a small difference of Y, u' and v'.
+    assert!((g / r - 5.0 / 9.0).abs() < 1e-3 && (b / r - 2.0 / 9.0).abs() < 2e-3, "{r} {g} {b}");
+    let damaged = text.replacen("CIE-u</", "CIE-w</", 1);
+    assert_eq!(tensor_tree::read(damaged.as_bytes()).expect("readable").colours(), 1);
+}
+
+#[test]
 fn damaged_xml_is_refused() {
     let tree = small("TensorTree3", "", "{ {1} {2} {3} {4} {5} {6} {7} { 1 2 3 4 5 6 7 8 } }");
     assert!(tensor_tree::read(tree.as_bytes()).is_ok());
@@ -100,11 +126,19 @@ fn damaged_xml_is_refused() {
     assert!(tree_reason(&tree.replace("{7}", "{inf}")).contains("no finite number"));
     let deep = tree.replace("{7}", &"{".repeat(100_000));
     assert!(tree_reason(&deep).contains("deep"));
+    let coloured = gonio::interchange::radiance_xml::write(
+        "TensorTree3",
+        "",
+        "",
+        &[("Visible", "{ 1 }".into()), ("CIE-u", "{ 0.2 }".into()), ("CIE-v", "{ 0 }".into())],
+    );
+    assert_eq!(tensor_tree::read(coloured.as_bytes()).expect("sound").colours(), 3);
     assert!(mutations::survives(tree.as_bytes(), 100_000, tensor_tree::read) > 20_000);
+    assert!(mutations::survives(coloured.as_bytes(), 100_000, tensor_tree::read) > 10_000);
     assert!(mutations::survives(matrix.as_bytes(), 100_000, klems::read) > 20_000);
 }
 
 fn small(structure: &str, basis: &str, data: &str) -> String {
     let bases = "<ColumnAngleBasis>B</ColumnAngleBasis><RowAngleBasis>B</RowAngleBasis>";
-    gonio::interchange::radiance_xml::write(structure, basis, bases, data)
+    gonio::interchange::radiance_xml::write(structure, basis, bases, &[("Visible", data.into())])
 }

@@ -9,6 +9,7 @@ use super::output::{Output, columns, or_na, to_json};
 use super::table_file;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
+use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, Realisations};
 use crate::validate::aperture::{Extrapolated, extrapolate};
 use crate::validate::two_tables::{Difference, DifferenceFigures, Side, difference};
@@ -33,7 +34,13 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let (a, b) = (Read::from(&arguments.a)?, Read::from(&arguments.b)?);
+    let load = |path: &Path| table_file::load_as_stored(path);
+    let (a, b) = (load(&arguments.a)?, load(&arguments.b)?);
+    // Where only one has half/difference angles, it is seen at the stops and bins of the other.
+    let other = |grid: &Grid| (grid.kind != GridKind::HalfDifference).then(|| grid.clone());
+    let (grid_a, grid_b) = (other(&a.grid), other(&b.grid));
+    let a = Read::of(&arguments.a, table_file::arms(&arguments.a, a, grid_b.as_ref())?)?;
+    let b = Read::of(&arguments.b, table_file::arms(&arguments.b, b, grid_a.as_ref())?)?;
     let mut out = Output::default();
     if arguments.richardson {
         let rows = extrapolate(a.side(), b.side()).map_err(|why| Error::format(&arguments.b, why))?;
@@ -61,8 +68,7 @@ struct Read {
 }
 
 impl Read {
-    fn from(path: &Path) -> Result<Self> {
-        let table = table_file::load(path)?;
+    fn of(path: &Path, table: BrdfTable) -> Result<Self> {
         let campaign = table_file::campaign_if_any(path, &table)?;
         let parts = table_file::realisations_beside(path, &table)?;
         Ok(Read { table, campaign, parts })

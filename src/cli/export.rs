@@ -15,7 +15,8 @@ use crate::table::store;
 /// Write a table in another program's format, and say how far the file is from the table
 #[derive(Args)]
 #[command(
-    after_help = "Formats: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto\n\n\
+    after_help = "Formats: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto\n\
+    utia with -o FILE.exr writes the image form\n\n\
     Example: gonio export out/quickstart/quickstart.exr --to rgl -o quickstart.bsdf"
 )]
 pub struct Arguments {
@@ -72,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 /// What the options say about the file.
 pub fn options_of(merl_centre: bool, wavelengths_nm: &[f64]) -> Options {
     let merl_sampling = if merl_centre { Sampling::Centre } else { Sampling::Node };
-    Options { merl_sampling, wavelengths_nm: wavelengths_nm.to_vec() }
+    Options { merl_sampling, wavelengths_nm: wavelengths_nm.to_vec(), ..Options::default() }
 }
 
 /// A format by its name on the command line.

@@ -10,13 +10,18 @@ use super::output::{Output, to_json, warn, wrapped};
 use super::targets::in_the_way;
 use crate::error::{Error, Result};
 use crate::files;
+use crate::instrument::GridKind;
 use crate::interchange::{self, maps};
 use crate::table::store;
+
+/// Campaigns that are written at once.
+const MOST_CAMPAIGNS: usize = 10_000;
 
 /// Make a table of another program's file
 #[derive(Args)]
 #[command(
-    after_help = "Formats: npz csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd; maps (GGX parameters)\n\n\
+    after_help = "Formats: npz csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd; maps (GGX parameters)\n\
+    utia: .bin or the image form (EXR); merl keeps its half/difference angles unless --like is given\n\n\
     Example: gonio import gold.binary --from merl -o gold.exr"
 )]
 pub struct Arguments {
@@ -53,10 +58,24 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         return campaigns(arguments);
     }
     let format = format_of("--from", &arguments.from)?;
+    if !arguments.texel.is_empty() || arguments.every.is_some() {
+        return Err(Error::Usage(format!(
+            "--texel and --every choose texels of maps, not of --from {}",
+            arguments.from
+        )));
+    }
     check_output(&arguments.file, &arguments.output, arguments.force)?;
     let options = options_of(arguments.merl_centre, &[]);
     let like = arguments.like.as_ref().map(|path| store::load(path)).transpose()?;
     let grid = like.as_ref().map(|loaded| &loaded.table.grid);
+    if let Some((path, _)) =
+        arguments.like.as_ref().zip(grid).filter(|(_, grid)| grid.kind == GridKind::HalfDifference)
+    {
+        return Err(Error::format(
+            path,
+            "has half/difference angles; --like needs a table of stops and bins",
+        ));
+    }
     let (table, notes) = interchange::import(&arguments.file, format, &options, grid)?;
     store::save(&arguments.output, &table)?;
     for note in &notes {
@@ -81,17 +100,40 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     Ok(0)
 }
 
-/// A campaign for each wanted texel, all checked before the first is written.
+/// A campaign for each wanted texel, all checked before the first is written. Of a grid, texels that no campaign may
+/// have (background, mostly) are left out.
 fn campaigns(arguments: &Arguments) -> Result<u8> {
+    if arguments.like.is_some() || arguments.merl_centre {
+        return Err(Error::Usage("--like and --merl-centre say nothing of --from maps".into()));
+    }
     let maps = maps::load(&arguments.file)?;
     let texels = texels(arguments, &maps)?;
-    let campaign = |&(column, row): &(usize, usize)| {
-        let text = maps.campaign(column, row).map_err(|why| Error::format(&arguments.file, why))?;
-        Ok((arguments.output.join(format!("texel_{column}_{row}.toml")), text))
+    if texels.len() > MOST_CAMPAIGNS {
+        return Err(Error::Refused(format!(
+            "{} texels of {} x {}: at most {MOST_CAMPAIGNS} campaigns at once; take a larger --every",
+            texels.len(),
+            maps.width,
+            maps.height
+        )));
+    }
+    let (mut campaigns, mut left_out) = (Vec::new(), Vec::new());
+    for &(column, row) in &texels {
+        match maps.campaign(column, row) {
+            Ok(text) => campaigns.push((arguments.output.join(format!("texel_{column}_{row}.toml")), text)),
+            Err(why) => left_out.push(Error::format(&arguments.file, why)),
+        }
+    }
+    let skipped = left_out.len();
+    let all_needed = campaigns.is_empty() || arguments.every.is_none();
+    let why = match left_out.into_iter().next() {
+        Some(why) if all_needed => return Err(why),
+        why => why,
     };
-    let campaigns = texels.iter().map(campaign).collect::<Result<Vec<_>>>()?;
     if let Some((path, _)) = campaigns.iter().find(|(path, _)| path.exists() && !arguments.force) {
         return Err(in_the_way(path, "is there already"));
+    }
+    if let Some(why) = why {
+        warn(format_args!("{skipped} of {} texels left out, the first: {why}", texels.len()));
     }
     files::create_folder(&arguments.output)?;
     for (path, text) in &campaigns {
@@ -100,7 +142,7 @@ fn campaigns(arguments: &Arguments) -> Result<u8> {
     let paths: Vec<String> = campaigns.iter().map(|(path, _)| path.display().to_string()).collect();
     let mut out = Output::default();
     if arguments.json {
-        out.json(&json!({ "campaigns": paths }))?
+        out.json(&json!({ "campaigns": paths, "left_out": skipped }))?
     } else {
         out.lines(paths)?
     }

@@ -5,10 +5,32 @@ use std::path::Path;
 use super::output::{say, warn};
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
+use crate::instrument::Grid;
+use crate::interchange::half_difference;
 use crate::table::{BrdfTable, Realisations, realisations, store};
 
-/// The table in a file; what is odd about it goes to stderr.
+/// The table in a file; what is odd about it goes to stderr. One of half/difference angles comes as stops and bins.
 pub fn load(path: &Path) -> Result<BrdfTable> {
+    arms(path, load_as_stored(path)?, None)
+}
+
+/// A table with stops and bins: those of `grid`, or the usual ones, where it has half/difference angles.
+pub fn arms(path: &Path, table: BrdfTable, grid: Option<&Grid>) -> Result<BrdfTable> {
+    let arms = half_difference::as_arms(&table, grid).map_err(|why| Error::format(path, why))?;
+    if let Some(arms) = &arms {
+        say(format_args!(
+            "note: {} has half/difference angles, in which a pair and its exchange are one value (reciprocal as it \
+             stands); taken as means over {} stops of {} bins",
+            path.display(),
+            arms.grid.stops(),
+            arms.grid.bins()
+        ));
+    }
+    Ok(arms.unwrap_or(table))
+}
+
+/// The table in a file, whatever its geometry.
+pub fn load_as_stored(path: &Path) -> Result<BrdfTable> {
     let loaded = store::load(path)?;
     for warning in &loaded.warnings {
         warn(format_args!("{}: {warning}", path.display()));

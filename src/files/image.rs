@@ -117,7 +117,7 @@ fn layer(part: Part) -> Result<Layer<AnyChannels<FlatSamples>>, String> {
     Ok(Layer::new(size, attributes, encoding, AnyChannels::sort(channels)))
 }
 
-fn text(text: &str) -> Text {
+pub(super) fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
 

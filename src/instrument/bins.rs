@@ -94,6 +94,8 @@ impl Sensor {
             }
             GridKind::Points => Self::arm(grid, grid.points_deg.iter().map(|&[t, p]| (t, p))),
             GridKind::Patches => Sensor::Patches(grid.patches_deg.clone()),
+            // The sensor moves with the light: no direction falls into a bin of its own.
+            GridKind::HalfDifference => Sensor::Patches(vec![]),
         }
     }
 

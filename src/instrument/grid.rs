@@ -21,6 +21,9 @@ pub enum GridKind {
     Patches,
     /// A list of directions; the values are those at the directions, not means.
     Points,
+    /// Rusinkiewicz angles: row = half vector (theta_h major), column = difference (theta_d major); values at the
+    /// angles. Both arms of a pair move from column to column.
+    HalfDifference,
 }
 
 /// The axes of a table: row = stop (theta_i major, phi_i minor), column = bin (theta_r major, phi_r minor).
@@ -58,6 +61,18 @@ pub struct Grid {
     /// Points: `[theta_r, phi_r]` each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub points_deg: Vec<[f64; 2]>,
+    /// Half/difference: polar angles of the half vector; `theta_i_deg` and `phi_i_deg` are then empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub theta_h_deg: Vec<f64>,
+    /// Half/difference: azimuths of the half vector; a single 0 where every azimuth is alike.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phi_h_deg: Vec<f64>,
+    /// Half/difference: polar angles of the difference vector.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub theta_d_deg: Vec<f64>,
+    /// Half/difference: azimuths of the difference vector, [0, 180): half a turn exchanges the arms.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub phi_d_deg: Vec<f64>,
 }
 
 /// One sensor bin as a part of the hemisphere, in the stage's frame, radians.
@@ -95,9 +110,11 @@ impl Region {
 }
 
 impl Grid {
-    /// Number of light stops.
+    /// Number of light stops; of half/difference angles, of half vectors.
     pub fn stops(&self) -> usize {
-        if self.stops_deg.is_empty() {
+        if self.kind == GridKind::HalfDifference {
+            self.theta_h_deg.len() * self.phi_h_deg.len()
+        } else if self.stops_deg.is_empty() {
             self.theta_i_deg.len() * self.phi_i_deg.len()
         } else {
             self.stops_deg.len()
@@ -120,19 +137,36 @@ impl Grid {
             GridKind::Arm => pairs(self.theta_r_deg.len(), self.phi_r_deg.len()),
             GridKind::Patches => self.patches_deg.len(),
             GridKind::Points => self.points_deg.len(),
+            GridKind::HalfDifference => pairs(self.theta_d_deg.len(), self.phi_d_deg.len()),
         }
     }
 
-    /// (theta_i, phi_i) of a stop in degrees.
+    /// (theta_i, phi_i) of a stop in degrees; of half/difference angles, (theta_h, phi_h).
     pub fn stop_deg(&self, stop: usize) -> (f64, f64) {
         if let Some(&[theta_i, phi_i]) = self.stops_deg.get(stop) {
             return (theta_i, phi_i);
         }
-        let columns = self.phi_i_deg.len();
-        (self.theta_i_deg[stop / columns], self.phi_i_deg[stop % columns])
+        let half = self.kind == GridKind::HalfDifference;
+        let (theta, phi) =
+            if half { (&self.theta_h_deg, &self.phi_h_deg) } else { (&self.theta_i_deg, &self.phi_i_deg) };
+        (theta[stop / phi.len()], phi[stop % phi.len()])
     }
 
-    /// Direction to the light at a stop.
+    /// The arms (wi, wo) of a half vector and a difference: unit vectors, either of which may lie below the horizon.
+    ///
+    /// wi = R_z(phi_h) R_y(theta_h) d, wo = 2 (wi.h) h - wi. Source: Rusinkiewicz 1998. Held by:
+    /// `arms_and_half_difference_angles_agree` (tests/interchange_merl.rs).
+    pub fn arms_of_half(&self, row: usize, column: usize) -> (DVec3, DVec3) {
+        let (theta_h, phi_h) = self.stop_deg(row);
+        let count = self.phi_d_deg.len();
+        let d = sphere::direction_deg(self.theta_d_deg[column / count], self.phi_d_deg[column % count]);
+        let (sin, cos) = sphere::sin_cos_deg(theta_h);
+        let (h, turn) = (sphere::direction_deg(theta_h, phi_h), sphere::sin_cos_deg(phi_h));
+        let wi = sphere::turned(DVec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x), turn);
+        (wi, 2.0 * wi.dot(h) * h - wi)
+    }
+
+    /// Direction to the light at a stop; of half/difference angles the half vector.
     pub fn wi(&self, stop: usize) -> DVec3 {
         let (theta_i, phi_i) = self.stop_deg(stop);
         sphere::direction_deg(theta_i, phi_i)
@@ -150,6 +184,10 @@ impl Grid {
             }
             GridKind::Patches => self.patches(origin_deg),
             GridKind::Points => self.caps(self.points_deg.iter().copied(), origin_deg),
+            GridKind::HalfDifference => {
+                let cap = |bin| Region::Cap { axis: self.arms_of_half(stop, bin).1, half_angle: 0.0 };
+                (0..self.bins()).map(cap).collect()
+            }
         }
     }
 

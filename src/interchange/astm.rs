@@ -3,9 +3,9 @@
 //! `KEY value` lines, the last `VARS theta_i,phi_i,theta_s,phi_s,<channels>`, then the samples. The standard's text is
 //! not free; this is the form that its readers share (libbsdf).
 
-use std::io::Write;
+use std::io::{BufRead, ErrorKind, Write};
 
-use super::read_back::middle_deg;
+use super::read_back::{ReadBack, middle_deg};
 use super::samples::{self, Sample};
 use super::{Fail, Reason};
 use crate::table::BrdfTable;
@@ -43,20 +43,46 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
 ///
 /// Held by: `astm_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "not a text in UTF-8")?;
-    let mut lines = text.lines().enumerate().map(|(k, line)| (k + 1, line.trim()));
+    let mut found = Vec::new();
+    let colours = each_sample(bytes, |sample| {
+        if found.len() == MOST_LINES {
+            return Err(format!("more than {MOST_LINES} lines"));
+        }
+        found.push(sample);
+        Ok(())
+    })?;
+    samples::table(&found, colours)
+}
+
+/// Holds a file of the table's own bins, in their order, to the table, line by line.
+pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
+    // Twelve digits of radians.
+    samples::held_to(table, 1e-8, |each| each_sample(file, each).map(|_| ()))
+}
+
+/// Visits the samples of a file, and returns the number of colours.
+fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) -> Reason<usize> {
+    let unread = |e: std::io::Error| match e.kind() {
+        ErrorKind::InvalidData => "not a text in UTF-8".to_string(),
+        _ => e.to_string(),
+    };
+    let mut lines = file.lines().enumerate().map(|(k, line)| (k + 1, line.map_err(unread)));
     let names = loop {
         let Some((_, line)) = lines.next() else { return Err("no VARS line: not an ASTM file".into()) };
-        if let Some(names) = line.strip_prefix("VARS ") {
-            break names.split(',').map(str::trim).collect::<Vec<_>>();
+        if let Some(names) = line?.trim().strip_prefix("VARS ") {
+            break names.split(',').map(|name| name.trim().to_string()).collect::<Vec<_>>();
         }
     };
     let colours = names.len().saturating_sub(4);
     if names.iter().take(4).ne(&ANGLES) || !matches!(colours, 1 | 3) {
         return Err("VARS theta_i,phi_i,theta_s,phi_s and one or three channels needed".into());
     }
-    let mut found = Vec::new();
-    for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
+    for (number, line) in lines {
+        let line = line?;
+        let line = line.trim();
+        if line.is_empty() {
+            continue;
+        }
         let mut numbers = Vec::with_capacity(names.len());
         for cell in line.split(',') {
             let value: f64 =
@@ -72,10 +98,7 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
             *angle = (turned.to_degrees() * 1e8).round() / 1e8;
         }
         numbers[4..].iter_mut().for_each(|value| *value = value.max(0.0));
-        if found.len() == MOST_LINES {
-            return Err(format!("more than {MOST_LINES} lines"));
-        }
-        found.push(Sample::of(&numbers));
+        visit(Sample::of(&numbers))?;
     }
-    samples::table(&found, colours)
+    Ok(colours)
 }

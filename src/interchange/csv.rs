@@ -1,8 +1,8 @@
 //! CSV: one line a bin, with a heading. Read back as a table of points in the order of the lines.
 
-use std::io::Write;
+use std::io::{Read, Write};
 
-use super::read_back::middle_deg;
+use super::read_back::{ReadBack, middle_deg};
 use super::samples::{self, Sample};
 use super::{Fail, Reason};
 use crate::instrument::Region;
@@ -54,7 +54,25 @@ fn failed(error: csv::Error) -> Fail {
 ///
 /// Held by: `csv_comes_back`, `damaged_lines_are_refused` (tests/interchange_arrays.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(bytes);
+    let mut found = Vec::new();
+    let colours = each_sample(bytes, |sample| {
+        if found.len() == MOST_LINES {
+            return Err(format!("more than {MOST_LINES} lines"));
+        }
+        found.push(sample);
+        Ok(())
+    })?;
+    samples::table(&found, colours)
+}
+
+/// Holds a file of the table's own bins, in their order, to the table, line by line.
+pub fn read_back(file: impl Read, table: &BrdfTable) -> Reason<Option<ReadBack>> {
+    samples::held_to(table, 0.0, |each| each_sample(file, each).map(|_| ()))
+}
+
+/// Visits the samples of a file, and returns the number of colours.
+fn each_sample(file: impl Read, mut visit: impl FnMut(Sample) -> Reason<()>) -> Reason<usize> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let heading = reader.headers().map_err(|e| one_line(&e))?.clone();
     let column = |name: &str| heading.iter().position(|cell| cell == name);
     let need = |name: &str| column(name).ok_or_else(|| format!("no column `{name}`"));
@@ -66,7 +84,6 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
         }
         _ => return Err("a column `Y` or columns `R`, `G`, `B` needed".into()),
     }
-    let mut found = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| one_line(&e))?;
         let line = record.position().map_or(0, |at| at.line());
@@ -76,12 +93,9 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
             if value.is_finite() { Ok(value) } else { Err(format!("line {line}: {value} is not finite")) }
         };
         let numbers = columns.iter().map(number).collect::<Reason<Vec<f64>>>()?;
-        if found.len() == MOST_LINES {
-            return Err(format!("more than {MOST_LINES} lines"));
-        }
-        found.push(Sample::of(&numbers));
+        visit(Sample::of(&numbers))?;
     }
-    samples::table(&found, columns.len() - 4)
+    Ok(columns.len() - 4)
 }
 
 fn one_line(error: &csv::Error) -> String {

@@ -3,8 +3,12 @@
 //! Channels and attributes are those of the native table, `gonio.stop`, `gonio.theta_i_deg` and `gonio.phi_i_deg`
 //! beside them; the campaign stands in the first part. Comes back bit for bit.
 
+use std::io::{BufRead, Seek};
+
+use super::read_back::{Listing, ReadBack};
 use super::{Reason, npz};
 use crate::files::image::{self, Part, Samples};
+use crate::files::image_rows;
 use crate::instrument::Grid;
 use crate::table::{BrdfTable, ColourChannels, check_grid};
 
@@ -34,28 +38,43 @@ fn size(grid: &Grid) -> (usize, usize) {
     }
 }
 
-/// The bytes of a file.
+/// The bytes of a file; the table's values go into it row by row.
 pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
     let grid = serde_json::to_string(&table.grid).map_err(|e| e.to_string())?;
-    let parts = (0..table.grid.stops()).map(|stop| part(table, stop, &grid)).collect();
-    image::encode(parts)
+    let parts: Vec<Part> = (0..table.grid.stops()).map(|stop| part(table, stop, &grid)).collect();
+    let (width, height) = size(&table.grid);
+    let values = |name: &str| -> Option<&[f32]> {
+        let places = table.colour_names().iter().zip(&table.colours);
+        let of = |(end, colour)| {
+            let layer = name.strip_suffix(end)?;
+            CHANNELS.iter().find(|channel| channel.0 == layer).map(|channel| channel.1(colour).as_slice())
+        };
+        if name == "schlick" { table.schlick.as_deref() } else { places.filter_map(of).next() }
+    };
+    image_rows::encode(&parts, |(stop, name, row), out| {
+        let first = (stop * height + row) * width;
+        let places = out.as_chunks_mut::<4>().0.iter_mut();
+        match values(name) {
+            Some(values) => places.zip(&values[first..]).for_each(|(out, value)| *out = value.to_ne_bytes()),
+            None => places.zip(&table.hits[first..]).for_each(|(out, hits)| *out = hits.to_ne_bytes()),
+        }
+    })
 }
 
+/// The heading of a part: its channels have types only.
 fn part(table: &BrdfTable, stop: usize, grid: &str) -> Part {
     let (width, height) = size(&table.grid);
-    let here = stop * width * height..(stop + 1) * width * height;
     let (theta_i, phi_i) = table.grid.stop_deg(stop);
     let mut part = Part { width, height, ..Part::default() };
     part.name = Some(format!("stop{stop:04}_thetaI{theta_i:05.1}_phiI{phi_i:05.1}"));
-    for (name, colour) in table.colour_names().iter().zip(&table.colours) {
-        for (layer, channel, _) in CHANNELS {
-            part.channels
-                .insert(format!("{layer}{name}"), Samples::F32(channel(colour)[here.clone()].to_vec()));
+    for name in table.colour_names() {
+        for (layer, ..) in CHANNELS {
+            part.channels.insert(format!("{layer}{name}"), Samples::F32(vec![]));
         }
     }
-    part.channels.insert("hits".into(), Samples::U32(table.hits[here.clone()].to_vec()));
-    if let Some(schlick) = &table.schlick {
-        part.channels.insert("schlick".into(), Samples::F32(schlick[here].to_vec()));
+    part.channels.insert("hits".into(), Samples::U32(vec![]));
+    if table.schlick.is_some() {
+        part.channels.insert("schlick".into(), Samples::F32(vec![]));
     }
     for (name, value) in [(STOP, stop as f64), ("gonio.theta_i_deg", theta_i), ("gonio.phi_i_deg", phi_i)] {
         part.attributes.insert(name.into(), image::Attribute::Number(value));
@@ -67,6 +86,24 @@ fn part(table: &BrdfTable, stop: usize, grid: &str) -> Part {
         TEXTS.iter().zip(texts).for_each(|(name, text)| part.set_text(name, text));
     }
     part
+}
+
+/// Holds the totals of a file to the table that it was written from, row by row.
+pub fn read_back(file: impl BufRead + Seek, table: &BrdfTable) -> Reason<Option<ReadBack>> {
+    let (width, mut listing) = (size(&table.grid).0, Listing::new(table));
+    image_rows::each_row(file, STOP, |(stop, name, row), values| {
+        let Some(colour) = table.colour_names().iter().position(|colour| *colour == name) else {
+            return Ok(());
+        };
+        if !(0.0..table.grid.stops() as f64).contains(&stop) || values.len() != 4 * width {
+            return Err(format!("{STOP} = {stop}, {} bytes in a row", values.len()));
+        }
+        for (column, value) in values.as_chunks::<4>().0.iter().enumerate() {
+            listing.add(stop as usize, row * width + column, colour, f32::from_ne_bytes(*value));
+        }
+        Ok(())
+    })?;
+    listing.finish()
 }
 
 /// The table in the bytes of a file.

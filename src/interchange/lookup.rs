@@ -279,6 +279,9 @@ fn pairs(edges_deg: &[f64]) -> Vec<[f64; 2]> {
 
 /// Polar angles and azimuths whose product the stops are, degrees.
 pub(super) fn stop_axes(grid: &Grid) -> Reason<(Vec<f64>, Vec<f64>)> {
+    if grid.kind == GridKind::HalfDifference {
+        return Err("half/difference angles are no stops and bins".into());
+    }
     if grid.stops_deg.is_empty() {
         return Ok((grid.theta_i_deg.clone(), grid.phi_i_deg.clone()));
     }
@@ -297,6 +300,7 @@ pub(super) fn bin_axes(grid: &Grid) -> Reason<(Vec<f64>, Vec<f64>)> {
         GridKind::Patches => {
             grid.patches_deg.iter().map(|p| [0.5 * (p[0] + p[1]), 0.5 * (p[2] + p[3])]).collect()
         }
+        GridKind::HalfDifference => return Err("half/difference angles are no stops and bins".into()),
     };
     product(&points)
         .ok_or_else(|| "the sensor's directions are no product of polar angles and azimuths".into())

@@ -9,9 +9,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Brdf, Colour, Lookup, Reason};
-use crate::instrument::Grid;
+use super::half_difference::HalfDifference;
+use super::{Brdf, Colour, Reason, foreign_table};
+use crate::instrument::{Grid, GridKind};
 use crate::sphere;
+use crate::table::BrdfTable;
 
 /// Cells along theta_h, theta_d, phi_d.
 const SIZE: [usize; 3] = [90, 90, 180];
@@ -40,7 +42,10 @@ impl Sampling {
     /// How the values are meant.
     pub fn convention(self) -> String {
         let (word, reader) = match self {
-            Sampling::Node => ("nodes (index i is the angle of i)", "interpolating readers"),
+            Sampling::Node => (
+                "nodes (index i is the angle of i), such that straight lines between them along theta_h keep the means",
+                "interpolating readers",
+            ),
             Sampling::Centre => ("centres (index i is the angle of i + 0.5)", "nearest-cell readers"),
         };
         format!(
@@ -61,21 +66,18 @@ fn directions([ih, id, ip]: [f64; 3]) -> (DVec3, DVec3) {
     (wi, 2.0 * wi.dot(h) * h - wi)
 }
 
-/// Fractional indices of a pair, phi_d in [0, 180).
-///
-/// Held by: `indices_and_directions_agree`, `every_cell_lies_where_the_layout_says` (tests/interchange_merl.rs).
-fn indices(wi: DVec3, wo: DVec3) -> [f64; 3] {
-    let h = (wi + wo).normalize();
-    let (theta_h, phi_h) = (sphere::theta(h), sphere::phi(h));
-    let turned = sphere::turned(wi, (-phi_h.sin(), phi_h.cos()));
-    let (sin, cos) = theta_h.sin_cos();
-    let d = DVec3::new(cos * turned.x - sin * turned.z, turned.y, sin * turned.x + cos * turned.z);
-    let phi_d = sphere::phi(d) % PI;
-    [
-        SIZE[0] as f64 * (theta_h / FRAC_PI_2).sqrt(),
-        SIZE[1] as f64 * sphere::theta(d) / FRAC_PI_2,
-        SIZE[2] as f64 * phi_d / PI,
-    ]
+/// The geometry of a file's cells.
+pub fn grid(sampling: Sampling) -> Grid {
+    let (at, [h, d, p]) = (sampling.offset(), SIZE);
+    let even = |count: usize| (0..count).map(|k| k as f64 + at).collect::<Vec<f64>>();
+    Grid {
+        kind: GridKind::HalfDifference,
+        theta_h_deg: even(h).iter().map(|k| k * k / h as f64).collect(),
+        phi_h_deg: vec![0.0],
+        theta_d_deg: even(d),
+        phi_d_deg: even(p),
+        ..Grid::default()
+    }
 }
 
 /// Refuses anisotropic tables.
@@ -88,40 +90,105 @@ pub fn check(grid: &Grid) -> Reason<()> {
         .into())
 }
 
-/// The bytes of a file of an isotropic table; one of one colour has it in all three. Both arms of a pair are one cell: their mean.
-pub fn write(lookup: &Lookup, sampling: Sampling) -> Vec<u8> {
-    let colours = lookup.colours();
-    let cell = |at: usize| -> Colour {
-        let index = [at / (SIZE[1] * SIZE[2]), at / SIZE[2] % SIZE[1], at % SIZE[2]];
-        let (wi, wo) = directions(index.map(|i| i as f64 + sampling.offset()));
-        if wi.z <= 0.0 || wo.z <= 0.0 {
-            return [INVALID; 3];
-        }
-        let (there, back) = (lookup.brdf(wi, wo), lookup.brdf(wo, wi));
-        std::array::from_fn(|c| 0.5 * (there[c.min(colours - 1)] + back[c.min(colours - 1)]) / SCALE[c])
-    };
-    let cells: Vec<Colour> = (0..CELLS).into_par_iter().map(cell).collect();
+/// The bytes of a file of an isotropic BRDF; one of one colour has it in all three. Both arms of a pair are one cell:
+/// their mean.
+///
+/// Straight lines between values of a lobe lie above it nearly everywhere. Node values are therefore moved by two thirds
+/// of the gap in the middles of the neighbouring intervals of theta_h, the mean of a parabola: what is left has no mean,
+/// and two fifths of the L1. Held by:
+/// `of_a_table_that_holds_the_lobe_it_is_within_three_thousandths` (tests/interchange_merl.rs).
+pub fn write(brdf: &dyn Brdf, sampling: Sampling) -> Vec<u8> {
+    let mut cells: Vec<Colour> = (0..CELLS)
+        .into_par_iter()
+        .map(|at| value(brdf, indices(at).map(|i| i as f64 + sampling.offset())))
+        .collect();
+    if sampling == Sampling::Node {
+        let gaps: Vec<Colour> = (0..CELLS - ROW).into_par_iter().map(|at| gap(brdf, &cells, at)).collect();
+        let shift = |at: usize| -> Colour {
+            let (mut sum, mut widths) = ([0.0; 3], 0.0);
+            let before = at.checked_sub(ROW);
+            for at in before.into_iter().chain(Some(at)).filter(|&at| at < gaps.len()) {
+                // theta_h goes with the square of the index.
+                let width = (2 * (at / ROW) + 1) as f64;
+                sum.iter_mut().zip(gaps[at]).for_each(|(s, gap)| *s += width * gap);
+                widths += width;
+            }
+            sum.map(|s| 2.0 / 3.0 * s / widths)
+        };
+        cells.par_iter_mut().enumerate().filter(|(_, cell)| cell[0] >= 0.0).for_each(|(at, cell)| {
+            cell.iter_mut().zip(shift(at)).for_each(|(value, shift)| *value = (*value + shift).max(0.0));
+        });
+    }
+    let colours = brdf.colours();
+    encode(|colour, at| cells[at][colour.min(colours - 1)])
+}
+
+/// The bytes of a file of a table that has the cells of the format: its values as they are.
+pub fn write_cells(table: &BrdfTable) -> Vec<u8> {
+    let of = |colour: usize| &table.colours[colour.min(table.colours.len() - 1)].total;
+    encode(|colour, at| if table.hits[at] > 0 { f64::from(of(colour)[at]) } else { INVALID })
+}
+
+fn encode(value: impl Fn(usize, usize) -> f64) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(BYTES);
     SIZE.iter().for_each(|&side| bytes.extend((side as i32).to_le_bytes()));
-    for colour in 0..3 {
-        cells.iter().for_each(|cell| bytes.extend(cell[colour].to_le_bytes()));
+    for (colour, scale) in SCALE.into_iter().enumerate() {
+        let stored = |at| match value(colour, at) {
+            value if value < 0.0 => INVALID,
+            value => value / scale,
+        };
+        (0..CELLS).for_each(|at| bytes.extend(stored(at).to_le_bytes()));
     }
     bytes
 }
 
+/// Cells of one theta_h.
+const ROW: usize = SIZE[1] * SIZE[2];
+
+fn indices(at: usize) -> [usize; 3] {
+    [at / ROW, at / SIZE[2] % SIZE[1], at % SIZE[2]]
+}
+
+/// The mean of f(wi, wo) and f(wo, wi) at fractional indices; below the horizon the mark of an invalid cell.
+fn value(brdf: &dyn Brdf, index: [f64; 3]) -> Colour {
+    let (wi, wo) = directions(index);
+    if wi.z <= 0.0 || wo.z <= 0.0 {
+        return [INVALID; 3];
+    }
+    let (there, back) = (brdf.brdf(wi, wo), brdf.brdf(wo, wi));
+    std::array::from_fn(|c| 0.5 * (there[c] + back[c]))
+}
+
+/// How far the value half-way to the next theta_h lies above the straight line; 0 beside invalid cells.
+fn gap(brdf: &dyn Brdf, cells: &[Colour], at: usize) -> Colour {
+    let ([h, d, p], (low, high)) = (indices(at), (cells[at], cells[at + ROW]));
+    let half_way = (0.5 * (h * h + (h + 1) * (h + 1)) as f64).sqrt();
+    let middle = value(brdf, [half_way, d as f64, p as f64]);
+    if low[0] < 0.0 || high[0] < 0.0 || middle[0] < 0.0 {
+        return [0.0; 3];
+    }
+    std::array::from_fn(|c| middle[c] - 0.5 * (low[c] + high[c]))
+}
+
 /// A file as a function: linear between its values, invalid ones left out.
 pub struct Merl {
-    values: Vec<f32>,
-    sampling: Sampling,
+    half: HalfDifference,
     /// Share of the values that are negative: marks of "below the horizon".
     pub invalid: f64,
 }
 
 /// Reads the bytes of a file.
+pub fn read(bytes: &[u8], sampling: Sampling) -> Reason<Merl> {
+    let table = read_table(bytes, sampling)?;
+    let unseen = table.hits.iter().filter(|&&hits| hits == 0).count();
+    Ok(Merl { half: HalfDifference::new(&table)?, invalid: unseen as f64 / CELLS as f64 })
+}
+
+/// The table of a file's own cells; invalid ones have no arrivals.
 ///
 /// Refused: another length, another size of the grid, values that are not finite. Held by:
-/// `damaged_files_are_refused` (tests/interchange_merl.rs).
-pub fn read(bytes: &[u8], sampling: Sampling) -> Reason<Merl> {
+/// `damaged_files_are_refused`, `the_cells_of_a_file_are_a_table` (tests/interchange_merl.rs).
+pub fn read_table(bytes: &[u8], sampling: Sampling) -> Reason<BrdfTable> {
     let side = |k: usize| bytes.get(4 * k..4 * k + 4).map(|b| i32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let sides = [side(0), side(1), side(2)];
     if sides != SIZE.map(|side| Some(side as i32)) {
@@ -135,21 +202,25 @@ pub fn read(bytes: &[u8], sampling: Sampling) -> Reason<Merl> {
     if bytes.len() != BYTES {
         return Err(format!("{} bytes, a MERL file has {BYTES}", bytes.len()));
     }
-    let mut values = Vec::with_capacity(3 * CELLS);
-    let mut invalid = 0;
+    let mut total: Vec<Vec<f32>> = (0..3).map(|_| Vec::with_capacity(CELLS)).collect();
+    let mut hits = vec![1u32; CELLS];
     for (at, chunk) in bytes[12..].as_chunks::<8>().0.iter().enumerate() {
         let value = f64::from_le_bytes(*chunk) * SCALE[at / CELLS];
         let stored = value as f32;
         if !stored.is_finite() {
             return Err(format!("value {at} is {value}, no finite BRDF"));
         }
-        invalid += usize::from(stored < 0.0);
-        values.push(stored);
+        if stored < 0.0 {
+            hits[at % CELLS] = 0;
+        }
+        total[at / CELLS].push(stored);
     }
-    if invalid == values.len() {
+    if hits.iter().all(|&hits| hits == 0) {
         return Err("every value is marked invalid".into());
     }
-    Ok(Merl { values, sampling, invalid: invalid as f64 / (3 * CELLS) as f64 })
+    let seen = |values: Vec<f32>| values.iter().zip(&hits).map(|(&v, &hits)| v * hits as f32 + 0.0).collect();
+    let table = foreign_table(grid(sampling), total.into_iter().map(seen).collect())?;
+    Ok(BrdfTable { hits, ..table })
 }
 
 impl Brdf for Merl {
@@ -158,50 +229,6 @@ impl Brdf for Merl {
     }
 
     fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let found = indices(wi, wo).map(|index| index - self.sampling.offset());
-        // Below the first node and above the last the end values hold; phi_d wraps into the other arm's half.
-        let clamped = |index: f64, last: usize| index.clamp(0.0, last as f64);
-        let [h, d] = [clamped(found[0], SIZE[0] - 1), clamped(found[1], SIZE[1] - 1)];
-        let (h0, d0, p0) = (h as usize, d as usize, found[2].floor());
-        // The nodes along theta_h lie at squares: the fraction is one of angles, not of indices.
-        let square = |index: usize| (index as f64 + self.sampling.offset()).powi(2);
-        let at = (h + self.sampling.offset()).powi(2);
-        let fractions = [(at - square(h0)) / (square(h0 + 1) - square(h0)), d - d0 as f64, found[2] - p0];
-        let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        for corner in 0..8 {
-            let step = [corner & 1, corner >> 1 & 1, corner >> 2];
-            let weight: f64 =
-                step.iter().zip(fractions).map(|(&s, f)| if s == 1 { f } else { 1.0 - f }).product();
-            let (h, d) = ((h0 + step[0]).min(SIZE[0] - 1), (d0 + step[1]).min(SIZE[1] - 1));
-            let p = (p0 as isize + step[2] as isize).rem_euclid(SIZE[2] as isize) as usize;
-            let cell = (h * SIZE[1] + d) * SIZE[2] + p;
-            if weight == 0.0 || self.values[cell] < 0.0 {
-                continue;
-            }
-            weights += weight;
-            for (colour, sum) in sum.iter_mut().enumerate() {
-                *sum += weight * f64::from(self.values[colour * CELLS + cell].max(0.0));
-            }
-        }
-        if weights > 0.0 { sum.map(|s| s / weights) } else { sum }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn indices_and_directions_agree() {
-        for index in [[10.0, 20.0, 30.0], [3.5, 44.5, 100.5], [60.0, 10.0, 179.0], [25.0, 30.0, 0.5]] {
-            let (wi, wo) = directions(index);
-            for (found, wanted) in indices(wi, wo).into_iter().zip(index) {
-                // Angles to a few ulp; the square root at small theta_h and the azimuth at small theta_d lose some.
-                assert!((found - wanted).abs() < 1e-10, "{index:?}: {found} {wanted}");
-            }
-            // The arms exchanged are the same cell.
-            let back = indices(wo, wi);
-            assert!(back.iter().zip(index).all(|(found, wanted)| (found - wanted).abs() < 1e-10), "{back:?}");
-        }
+        self.half.brdf(wi, wo)
     }
 }

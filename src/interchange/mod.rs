@@ -6,9 +6,13 @@
 
 pub mod astm;
 mod axis;
+mod colour;
 pub mod csv;
+pub mod export;
 pub mod exr_parts;
 pub mod format;
+pub mod half_difference;
+pub mod import;
 pub mod klems;
 pub mod lookup;
 pub mod maps;
@@ -22,13 +26,16 @@ pub mod resample;
 pub mod rgl;
 pub mod samples;
 pub mod ssdd;
+mod tensor_cells;
 pub mod tensor_file;
 pub mod tensor_tree;
 pub mod utia;
 mod warp;
 pub mod zemax;
 
-pub use format::{Export, Exported, Format, Imported, Options, export, import};
+pub use export::{Export, Exported, export};
+pub use format::{Format, Options};
+pub use import::{Imported, decode, import};
 pub use lookup::Lookup;
 pub use read_back::{ReadBack, read_back};
 pub use resample::resample;

@@ -4,12 +4,13 @@
 //! (`schlick` f4) without colours, axes f8 in degrees, `phi_r_relative` u1, texts as u1: `campaign`, `grid` (JSON, the
 //! whole geometry), `version`, `seed`, `patch_digest`. Lists of patches or points have [stop, bin(, colour)].
 
-use std::io::{Cursor, Read, Write};
+use std::io::{Cursor, Read, Seek, Write};
 
 use npyz::AutoSerialize;
 use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
+use super::read_back::{Listing, ReadBack};
 use super::{Fail, Reason, foreign_table};
 use crate::files::npy::{self, Array, Values};
 use crate::instrument::{Grid, GridKind};
@@ -126,22 +127,22 @@ fn axes(grid: &Grid) -> [(&'static str, &[f64]); 6] {
 }
 
 /// An archive while it is read.
-struct Members<'a> {
-    zip: ZipArchive<Cursor<&'a [u8]>>,
+struct Members<R> {
+    zip: ZipArchive<R>,
     /// No member can hold more.
     limit: u64,
 }
 
-impl Members<'_> {
-    fn open(bytes: &[u8]) -> Reason<Members<'_>> {
-        if bytes.is_empty() {
+impl<R: Read + Seek> Members<R> {
+    fn open(file: R, length: u64) -> Reason<Self> {
+        if length == 0 {
             return Err("the file is empty".into());
         }
-        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(|e| format!("not an NPZ archive: {e}"))?;
+        let zip = ZipArchive::new(file).map_err(|e| format!("not an NPZ archive: {e}"))?;
         if zip.len() > MOST_MEMBERS {
             return Err(format!("{} members; a table has at most {MOST_MEMBERS}", zip.len()));
         }
-        Ok(Members { zip, limit: MAX_RATIO.saturating_mul(bytes.len() as u64) })
+        Ok(Members { zip, limit: MAX_RATIO.saturating_mul(length) })
     }
 
     fn array(&mut self, name: &str) -> Reason<Option<Array>> {
@@ -225,7 +226,7 @@ impl Members<'_> {
 ///
 /// Held by: `npz_comes_back_bit_for_bit`, `damaged_archives_are_refused` (tests/interchange_arrays.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
-    let mut members = Members::open(bytes)?;
+    let mut members = Members::open(Cursor::new(bytes), bytes.len() as u64)?;
     let grid = members.grid()?;
     check_grid(&grid)?;
     let colours = match members.need("brdf")?.shape.len() as isize - shape(&grid, 1).len() as isize {
@@ -265,4 +266,15 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
         table.seed = seed.parse().map_err(|_| format!("array `seed`: `{seed}` is no seed"))?;
     }
     Ok(table)
+}
+
+/// Holds the totals of an archive to the table that it was written from.
+pub fn read_back(file: impl Read + Seek, length: u64, table: &BrdfTable) -> Reason<Option<ReadBack>> {
+    let (colours, bins) = (table.colours.len(), table.grid.bins());
+    let total = Members::open(file, length)?.channel("brdf", &shape(&table.grid, colours))?;
+    let (total, mut listing) = (total.ok_or("no array `brdf`")?, Listing::new(table));
+    for (k, &value) in total.iter().enumerate() {
+        listing.add(k / colours / bins, k / colours % bins, k % colours, value);
+    }
+    listing.finish()
 }

@@ -37,22 +37,30 @@ pub struct Block {
     pub data: String,
 }
 
-/// A file with one block, `Visible`, `Reflection Back`.
-pub fn write(structure: &str, basis: &str, block_bases: &str, data: &str) -> String {
-    format!(
+/// A file with a block for each channel: its wavelength (`Visible`, `CIE-X`, ..), and its values as text. All are
+/// `Reflection Back`.
+pub fn write(structure: &str, basis: &str, block_bases: &str, channels: &[(&str, String)]) -> String {
+    let mut text = format!(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <WindowElement xmlns=\"http://windows.lbl.gov\">\n\
          <WindowElementType>System</WindowElementType>\n<FileType>BSDF</FileType>\n<Optical>\n<Layer>\n\
          <Material>\n<Name>gonio</Name>\n<Manufacturer>gonio {}</Manufacturer>\n<DeviceType>Other</DeviceType>\n</Material>\n\
-         <DataDefinition>\n<IncidentDataStructure>{structure}</IncidentDataStructure>\n{basis}</DataDefinition>\n\
-         <WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">Visible</Wavelength>\n\
-         <SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n\
-         <DetectorSpectrum>ASTM E308 1931 Y.dsp</DetectorSpectrum>\n<WavelengthDataBlock>\n\
-         <WavelengthDataDirection>Reflection Back</WavelengthDataDirection>\n{block_bases}\
-         <ScatteringDataType>BRDF</ScatteringDataType>\n<ScatteringData>\n{data}</ScatteringData>\n\
-         </WavelengthDataBlock>\n</WavelengthData>\n</Layer>\n</Optical>\n</WindowElement>\n",
+         <DataDefinition>\n<IncidentDataStructure>{structure}</IncidentDataStructure>\n{basis}</DataDefinition>\n",
         env!("CARGO_PKG_VERSION")
-    )
+    );
+    for (wavelength, data) in channels {
+        let detector = if *wavelength == "Visible" { "ASTM E308 1931 Y.dsp" } else { "none" };
+        text += &format!(
+            "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">{wavelength}</Wavelength>\n\
+             <SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n\
+             <DetectorSpectrum>{detector}</DetectorSpectrum>\n<WavelengthDataBlock>\n\
+             <WavelengthDataDirection>Reflection Back</WavelengthDataDirection>\n{block_bases}\
+             <ScatteringDataType>BRDF</ScatteringDataType>\n<ScatteringData>\n"
+        );
+        text += data;
+        text += "</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n";
+    }
+    text + "</Layer>\n</Optical>\n</WindowElement>\n"
 }
 
 /// Reads a file. Its text is held about twice.
@@ -163,14 +171,18 @@ fn flat(error: &quick_xml::Error) -> String {
 }
 
 impl Document {
-    /// The block of reflected visible light, of the side +z where there is one.
-    pub fn reflection(&self) -> Reason<&Block> {
-        let find = |direction: &str| {
-            let visible = |block: &&Block| block.direction == direction && block.wavelength == "Visible";
-            self.blocks.iter().find(visible)
+    /// The blocks of reflected light, of the side +z where there is one: visible, and those of the colour `others`
+    /// (all or none; a file with one of two is taken for one without colour, as Radiance has it).
+    pub fn reflection(&self, others: [&str; 2]) -> Reason<Vec<&Block>> {
+        let find = |direction: &str, wavelength: &str| {
+            self.blocks.iter().find(|block| block.direction == direction && block.wavelength == wavelength)
         };
-        find("Reflection Back")
-            .or_else(|| find("Reflection Front"))
-            .ok_or_else(|| "no block of visible reflection".into())
+        let direction = ["Reflection Back", "Reflection Front"];
+        let direction = direction.into_iter().find(|direction| find(direction, "Visible").is_some());
+        let direction = direction.ok_or("no block of visible reflection")?;
+        let visible = find(direction, "Visible").into_iter();
+        let coloured: Vec<&Block> = others.into_iter().filter_map(|name| find(direction, name)).collect();
+        let coloured = if coloured.len() == others.len() { coloured } else { vec![] };
+        Ok(visible.chain(coloured).collect())
     }
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::resample::mean;
-use super::{Brdf, Colour};
+use super::{Brdf, Colour, Reason};
 use crate::instrument::Region;
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -92,34 +92,74 @@ fn stop_sums(table: &BrdfTable, brdf: &dyn Brdf, stop: usize, stride: usize) -> 
     sums
 }
 
-/// Holds totals in the table's own order to the table; `None` as for [`read_back`].
-pub fn listed(table: &BrdfTable, totals: &[Vec<f32>]) -> Option<ReadBack> {
-    let (stops, bins) = (table.grid.stops(), table.grid.bins());
-    let (mut ratios, mut worst, mut place) = (Vec::new(), 0.0, (0, 0));
-    for stop in 0..stops {
-        let regions = table.grid.regions(stop);
-        for (colour, found) in table.colours.iter().zip(totals) {
-            let (values, found) = (&colour.total[stop * bins..][..bins], &found[stop * bins..][..bins]);
-            let peak = values.iter().fold(0.0f32, |most, &v| most.max(v));
-            let (mut distance, mut sum) = (0.0, 0.0);
-            for (bin, (&value, &back)) in values.iter().zip(found).enumerate() {
-                let off = f64::from((back - value).abs());
-                distance += size_of(&regions[bin]) * off;
-                sum += size_of(&regions[bin]) * f64::from(value);
-                if off > worst * f64::from(peak) {
-                    (worst, place) = (off / f64::from(peak), (stop, bin));
-                }
-            }
-            ratios.extend((sum > 0.0).then(|| distance / sum));
+/// Values that a reader finds at the table's own bins, in any order, held to the table as they come.
+pub struct Listing<'a> {
+    table: &'a BrdfTable,
+    /// Of the bins of any stop.
+    sizes: Vec<f64>,
+    /// By stop and colour: largest value, sum of distances, sum of values.
+    sums: Vec<[f64; 3]>,
+    worst: (f64, usize, usize),
+    count: usize,
+}
+
+impl<'a> Listing<'a> {
+    /// Nothing found so far.
+    pub fn new(table: &'a BrdfTable) -> Self {
+        let (bins, colours) = (table.grid.bins(), &table.colours);
+        let peak = |entry: usize| {
+            let values = &colours[entry % colours.len()].total[entry / colours.len() * bins..][..bins];
+            [values.iter().fold(0.0, |most, &v| f64::max(most, f64::from(v))), 0.0, 0.0]
+        };
+        Listing {
+            sizes: table.grid.regions(0).iter().map(size_of).collect(),
+            sums: (0..table.grid.stops() * colours.len()).map(peak).collect(),
+            worst: (0.0, 0, 0),
+            count: 0,
+            table,
         }
     }
-    (!ratios.is_empty()).then(|| ReadBack {
-        l1: ratios.iter().sum::<f64>() / ratios.len() as f64,
-        worst,
-        worst_stop_deg: table.grid.stop_deg(place.0),
-        worst_bin_deg: middle_deg(&table.grid.regions(place.0)[place.1]),
-        bins: stops * bins,
-    })
+
+    /// Takes in a value of a stop, bin and colour.
+    pub fn add(&mut self, stop: usize, bin: usize, colour: usize, found: f32) {
+        let colours = self.table.colours.len();
+        let value = self.table.colours[colour].total[stop * self.sizes.len() + bin];
+        let off = f64::from((found - value).abs());
+        let [peak, distance, sum] = &mut self.sums[stop * colours + colour];
+        *distance += self.sizes[bin] * off;
+        *sum += self.sizes[bin] * f64::from(value);
+        if *peak > 0.0 && off > self.worst.0 * *peak {
+            self.worst = (off / *peak, stop, bin);
+        }
+        self.count += 1;
+    }
+
+    /// The measures; `None` as for [`read_back`]. Values that are missing, or are there twice, are a reason.
+    pub fn finish(self) -> Reason<Option<ReadBack>> {
+        let (bins, wanted) = (self.table.hits.len(), self.table.hits.len() * self.table.colours.len());
+        if self.count != wanted {
+            return Err(format!("{} values, {wanted} needed", self.count));
+        }
+        let lit = self.sums.iter().filter(|sums| sums[2] > 0.0);
+        let ratios: Vec<f64> = lit.map(|[_, distance, sum]| distance / sum).collect();
+        let (worst, stop, bin) = self.worst;
+        Ok((!ratios.is_empty()).then(|| ReadBack {
+            l1: ratios.iter().sum::<f64>() / ratios.len() as f64,
+            worst,
+            worst_stop_deg: self.table.grid.stop_deg(stop),
+            worst_bin_deg: middle_deg(&self.table.grid.regions(stop)[bin]),
+            bins,
+        }))
+    }
+}
+
+/// Holds totals in the table's own order to the table.
+pub fn listed(table: &BrdfTable, totals: &[Vec<f32>]) -> Reason<Option<ReadBack>> {
+    let (bins, mut listing) = (table.grid.bins(), Listing::new(table));
+    for (colour, found) in totals.iter().enumerate().take(table.colours.len()) {
+        found.iter().enumerate().for_each(|(k, &value)| listing.add(k / bins, k % bins, colour, value));
+    }
+    listing.finish()
 }
 
 /// What a bin counts with: its projected solid angle, of a single direction the cosine.

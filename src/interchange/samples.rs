@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use super::read_back::{Listing, ReadBack, middle_deg};
 use super::{Colour, Reason, foreign_table};
 use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, check_grid};
@@ -60,6 +61,43 @@ pub fn table(samples: &[Sample], colours: usize) -> Reason<BrdfTable> {
     let grid = with_axes(grid);
     check_grid(&grid)?;
     foreign_table(grid, total)
+}
+
+/// Holds samples of the table's own bins, in their order, to the table; their angles may be off by `digits` degrees.
+pub fn held_to(
+    table: &BrdfTable,
+    digits: f64,
+    visit: impl FnOnce(&mut dyn FnMut(Sample) -> Reason<()>) -> Reason<()>,
+) -> Reason<Option<ReadBack>> {
+    let (grid, bins) = (&table.grid, table.grid.bins());
+    let (mut listing, mut count, mut regions) = (Listing::new(table), 0, Vec::new());
+    let mut each = |sample: Sample| {
+        let (stop, bin) = (count / bins, count % bins);
+        if stop >= grid.stops() {
+            return Err("more samples than bins".into());
+        }
+        if bin == 0 {
+            regions = grid.regions(stop);
+        }
+        let (light, sensor) = (grid.stop_deg(stop), middle_deg(&regions[bin]));
+        let wanted = [light.0, light.1, sensor.0, sensor.1];
+        let found = [sample.light, sample.sensor].concat();
+        let off = found.iter().zip(wanted).any(|(found, wanted)| {
+            // A negative azimuth may come back a turn later.
+            let turn = (found - wanted).rem_euclid(360.0);
+            turn.min(360.0 - turn) > digits
+        });
+        if off {
+            return Err(format!("sample {count} is at {found:?} degrees, the bin at {wanted:?}"));
+        }
+        for colour in 0..table.colours.len() {
+            listing.add(stop, bin, colour, sample.value[colour] as f32);
+        }
+        count += 1;
+        Ok(())
+    };
+    visit(&mut each)?;
+    listing.finish()
 }
 
 /// The stops as axes where they are a product.

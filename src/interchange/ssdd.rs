@@ -3,9 +3,10 @@
 //! `KEY value` lines, `PARAM0_LIST` .. `PARAM3_LIST` (theta_i, phi_i, theta_o, phi_o), `DATA ascii`, then one colour a
 //! line, theta_i fastest, phi_o slowest. Source: the SSDD 0.2 specification.
 
-use std::io::Write;
+use std::io::{BufRead, ErrorKind, Write};
 
 use super::lookup::{bin_axes, stop_axes};
+use super::read_back::{Listing, ReadBack};
 use super::{Fail, Reason, foreign_table};
 use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, check_grid};
@@ -55,17 +56,68 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
 ///
 /// Held by: `ssdd_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "not a text in UTF-8: only `DATA ascii` is read")?;
-    let mut lines =
-        text.lines().enumerate().map(|(k, line)| (k + 1, line.trim())).filter(|(_, line)| !line.is_empty());
-    if lines.next().is_none_or(|(_, line)| !line.starts_with("VERSION ")) {
+    let mut lines = Lines::of(bytes);
+    let (grid, colours) = heading(&mut lines)?;
+    let (stops, bins) = check_grid(&grid)?;
+    let pixels = stops.checked_mul(bins).filter(|&pixels| pixels <= bytes.len());
+    let pixels =
+        pixels.ok_or_else(|| format!("{stops} stops of {bins} directions: more than the file holds"))?;
+    let mut total = vec![vec![0.0f32; pixels]; colours];
+    each_value(&mut lines, &grid, colours, |stop, bin, colour, value| {
+        total[colour][stop * bins + bin] = value;
+    })?;
+    foreign_table(grid, total)
+}
+
+/// Holds a file of the table's own angles to the table, line by line.
+pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
+    let mut lines = Lines::of(file);
+    let (grid, colours) = heading(&mut lines)?;
+    let sizes = (grid.stops(), grid.bins(), colours);
+    if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {
+        return Err(format!("{} stops of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
+    }
+    let mut listing = Listing::new(table);
+    each_value(&mut lines, &grid, colours, |stop, bin, colour, value| listing.add(stop, bin, colour, value))?;
+    listing.finish()
+}
+
+/// The lines of a file that are not empty, without the space round them, and their numbers.
+struct Lines<R> {
+    lines: std::io::Lines<R>,
+    number: usize,
+}
+
+impl<R: BufRead> Lines<R> {
+    fn of(file: R) -> Self {
+        Lines { lines: file.lines(), number: 0 }
+    }
+
+    fn next(&mut self) -> Reason<Option<(usize, String)>> {
+        for line in self.lines.by_ref() {
+            self.number += 1;
+            let line = line.map_err(|e| match e.kind() {
+                ErrorKind::InvalidData => "not a text in UTF-8: only `DATA ascii` is read".to_string(),
+                _ => e.to_string(),
+            })?;
+            if !line.trim().is_empty() {
+                return Ok(Some((self.number, line.trim().to_string())));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The geometry, and the number of colours.
+fn heading(lines: &mut Lines<impl BufRead>) -> Reason<(Grid, usize)> {
+    if lines.next()?.is_none_or(|(_, line)| !line.starts_with("VERSION ")) {
         return Err("no VERSION line: not an SSDD file".into());
     }
     let mut lists: [Vec<f64>; 4] = Default::default();
     let mut colours = 0;
     loop {
-        let Some((number, line)) = lines.next() else { return Err("no DATA line".into()) };
-        let (key, value) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        let Some((number, line)) = lines.next()? else { return Err("no DATA line".into()) };
+        let (key, value) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
         let needs = |wanted: &str| {
             if value == wanted { Ok(()) } else { Err(format!("line {number}: {key} {wanted} needed")) }
         };
@@ -91,42 +143,41 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     }
     let [theta_i_deg, phi_i_deg, theta_r, phi_r] = lists;
     let points_deg = theta_r.iter().flat_map(|&t| phi_r.iter().map(move |&p| [t, p])).collect();
-    let relative = phi_i_deg.len() == 1;
-    let grid = Grid {
-        kind: GridKind::Points,
-        theta_i_deg,
-        phi_i_deg,
-        phi_r_relative: relative,
-        points_deg,
-        ..Grid::default()
-    };
-    let (stops, bins) = check_grid(&grid)?;
-    let pixels = stops.checked_mul(bins).filter(|&pixels| pixels <= bytes.len());
-    let pixels =
-        pixels.ok_or_else(|| format!("{stops} stops of {bins} directions: more than the file holds"))?;
-    let mut total = vec![vec![0.0f32; pixels]; colours];
-    let (thetas, phis, columns) = (grid.theta_i_deg.len(), grid.phi_i_deg.len(), phi_r.len());
+    let phi_r_relative = phi_i_deg.len() == 1;
+    let kind = GridKind::Points;
+    Ok((Grid { kind, theta_i_deg, phi_i_deg, phi_r_relative, points_deg, ..Grid::default() }, colours))
+}
+
+/// Visits the values: stop, bin, colour.
+fn each_value(
+    lines: &mut Lines<impl BufRead>,
+    grid: &Grid,
+    colours: usize,
+    mut visit: impl FnMut(usize, usize, usize, f32),
+) -> Reason<()> {
+    let (thetas, phis, bins) = (grid.theta_i_deg.len(), grid.phi_i_deg.len(), grid.bins());
+    let columns = grid.points_deg.iter().take_while(|point| point[0] == grid.points_deg[0][0]).count();
+    let (rows, pixels) = (bins / columns.max(1), thetas * phis * bins);
     let mut count = 0;
-    for (number, line) in lines {
-        let values: Vec<f32> = line
-            .split_whitespace()
-            .map(str::parse)
-            .collect::<Result<_, _>>()
-            .map_err(|_| format!("line {number}: no number"))?;
-        if values.len() != colours || count == pixels {
+    while let Some((number, line)) = lines.next()? {
+        let (ti, pi, rest) = (count % thetas, count / thetas % phis, count / (thetas * phis));
+        let (tr, pr) = (rest % rows, rest / rows);
+        let mut found = 0;
+        for cell in line.split_whitespace() {
+            let value: f32 = cell.parse().map_err(|_| format!("line {number}: no number"))?;
+            if found == colours || count == pixels {
+                return Err(format!("line {number}: {pixels} lines of {colours} values needed"));
+            }
+            visit(ti * phis + pi, tr * columns + pr, found, if value < 0.0 { 0.0 } else { value });
+            found += 1;
+        }
+        if found != colours {
             return Err(format!("line {number}: {pixels} lines of {colours} values needed"));
         }
-        let (ti, pi, rest) = (count % thetas, count / thetas % phis, count / (thetas * phis));
-        let (tr, pr) = (rest % theta_r.len(), rest / theta_r.len());
-        let at = (ti * phis + pi) * bins + tr * columns + pr;
-        total
-            .iter_mut()
-            .zip(values)
-            .for_each(|(total, value)| total[at] = if value < 0.0 { 0.0 } else { value });
         count += 1;
     }
     if count != pixels {
         return Err(format!("{count} lines of values, {pixels} needed"));
     }
-    foreign_table(grid, total)
+    Ok(())
 }

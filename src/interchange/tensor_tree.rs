@@ -9,20 +9,23 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::fmt::Write;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::radiance_xml::{self, short};
-use super::{Brdf, Colour, Lookup, Reason};
+use super::tensor_cells::{Cell, FIRST, Task};
+use super::{Brdf, Colour, Lookup, Reason, colour};
 use crate::sphere;
 
 /// How the values are meant.
 pub const CONVENTION: &str = "tensor tree on Shirley-Chiu squares, BRDF in 1/sr, no cosine, constant in each cell; \
-    Reflection Back is the +z side; incident coordinates are those of -wi; Visible only";
+    Reflection Back is the +z side; incident coordinates are those of -wi; Visible is Y, of a table of three colours \
+    CIE-u and CIE-v (u\', v\' of 1976) beside it (linear BT.709 primaries, white D65)";
 
-/// Levels that are divided whatever the values, and the last, by rank.
-const LEVELS: [(usize, usize); 2] = [(4, 7), (3, 5)];
-/// A cell is divided where its values spread by more than this share of their mean plus this much, 1/sr.
-const SPREAD: (f64, f64) = (0.02, 0.002);
+/// What the blocks of a coloured file are, after `Visible`.
+const COLOURS: [&str; 2] = ["CIE-u", "CIE-v"];
+/// Where division ends: share of the error in the sum, and number of values (20 MB of text).
+const VISIBLE: (f64, usize) = (0.02, 1 << 21);
+/// The same of u' and v', which vary little.
+const CHROMATICITY: (f64, usize) = (0.002, 1 << 18);
 /// Deeper than any file.
 const DEEPEST: usize = 16;
 
@@ -91,78 +94,85 @@ fn coordinates(rank: usize, wi: DVec3, wo: DVec3) -> [f64; 4] {
     [0.5 - 0.5 * sin, out[0], out[1], 0.0]
 }
 
-/// Builds the cells of a function.
-struct Builder<'a> {
-    lookup: &'a Lookup,
-    rank: usize,
+/// What a cell counts with: pairs even in projected solid angle of both arms. The squares of rank 4 keep it; along the
+/// first axis of rank 3 it goes with sin theta_i.
+fn weight(rank: usize, first: f64) -> f64 {
+    if rank == 4 { 1.0 } else { (4.0 - 8.0 * first).max(0.0) }
 }
 
-impl Builder<'_> {
-    /// Values in the middles of a cell's 2^rank parts, in the order of branches.
-    fn parts(&self, corner: &[f64; 4], side: f64) -> Vec<f64> {
-        let value = |part: usize| {
-            let at = std::array::from_fn(|k| corner[k] + side * (0.25 + 0.5 * ((part >> k) & 1) as f64));
-            directions(self.rank, &at).map_or(0.0, |(wi, wo)| {
-                if wi.z > 0.0 && wo.z > 0.0 { self.lookup.brdf(wi, wo)[0] } else { 0.0 }
-            })
-        };
-        (0..1 << self.rank).map(value).collect()
-    }
+/// The tree of a function of two directions, 0 where there are none.
+fn tree(rank: usize, (target, most): (f64, usize), brdf: impl Fn(DVec3, DVec3) -> f64 + Sync) -> Tree {
+    let value = |at: &[f64; 4]| match directions(rank, at) {
+        Some((wi, wo)) if wi.z > 0.0 && wo.z > 0.0 => brdf(wi, wo),
+        _ => 0.0,
+    };
+    let (first, cells) = Task { rank, value: &value, weight, target, most }.cells();
+    gathered(rank, &cells, first, &[0; 4])
+}
 
-    /// A cell whose middle has the value `centre`, which is all that the last level looks at.
-    fn cell(&self, corner: [f64; 4], level: usize, centre: f64) -> Tree {
-        let (first, last) = LEVELS[self.rank - 3];
-        if level >= last {
-            return Tree::Leaf(1, vec![centre as f32]);
-        }
-        let side = 0.5f64.powi(level as i32);
-        let parts = self.parts(&corner, side);
-        let mean = parts.iter().sum::<f64>() / parts.len() as f64;
-        let (least, most) = parts.iter().fold((f64::MAX, 0.0f64), |(a, b), &v| (a.min(v), b.max(v)));
-        if level >= first && most - least <= SPREAD.0 * mean + SPREAD.1 {
-            return Tree::Leaf(1, vec![mean as f32]);
-        }
-        let child = |part: usize| {
-            let at = std::array::from_fn(|k| corner[k] + 0.5 * side * ((part >> k) & 1) as f64);
-            self.cell(at, level + 1, parts[part])
-        };
-        let count = 1 << self.rank;
-        let children: Vec<Tree> = if level < 2 {
-            (0..count).into_par_iter().map(child).collect()
-        } else {
-            (0..count).map(child).collect()
-        };
-        self.joined(children)
+/// The branch over `size` cells a side of the start, from the place `at` on.
+fn gathered(rank: usize, cells: &[Cell], size: usize, at: &[usize; 4]) -> Tree {
+    let first = FIRST[rank - 3];
+    if size == 1 {
+        let place = (0..rank).rev().fold(0, |place, axis| place * first + at[axis]);
+        return grown(rank, cells, place);
     }
+    let child = |part: usize| {
+        let corner = std::array::from_fn(|axis| at[axis] + size / 2 * (part >> axis & 1));
+        gathered(rank, cells, size / 2, &corner)
+    };
+    joined(rank, (0..1 << rank).map(child).collect())
+}
 
-    /// Children that are all single values become one grid; where they are equal, one value.
-    fn joined(&self, children: Vec<Tree>) -> Tree {
-        let single = |child: &Tree| match child {
-            Tree::Leaf(1, values) => Some(values[0]),
-            _ => None,
-        };
-        let Some(values) = children.iter().map(single).collect::<Option<Vec<f32>>>() else {
-            return Tree::Branch(children);
-        };
-        if values.iter().all(|&value| value == values[0]) {
-            return Tree::Leaf(1, vec![values[0]]);
-        }
-        // In a grid the last axis runs fastest, in a branch the first.
-        let reversed =
-            |k: usize| (0..self.rank).fold(0, |part, bit| part | ((k >> bit) & 1) << (self.rank - 1 - bit));
-        Tree::Leaf(2, (0..values.len()).map(|k| values[reversed(k)]).collect())
+/// A cell with all that it was divided into.
+fn grown(rank: usize, cells: &[Cell], place: usize) -> Tree {
+    match cells[place].children {
+        Some(first) => joined(rank, (first..first + (1 << rank)).map(|k| grown(rank, cells, k)).collect()),
+        None => joined(rank, cells[place].parts.iter().map(|&value| Tree::Leaf(1, vec![value])).collect()),
     }
 }
 
-/// The text of a file of a table with one colour: rank 3 where it is isotropic, else 4.
+/// Children that are all single values become one grid; where they are equal, one value.
+fn joined(rank: usize, children: Vec<Tree>) -> Tree {
+    let single = |child: &Tree| match child {
+        Tree::Leaf(1, values) => Some(values[0]),
+        _ => None,
+    };
+    let Some(values) = children.iter().map(single).collect::<Option<Vec<f32>>>() else {
+        return Tree::Branch(children);
+    };
+    if values.iter().all(|&value| value == values[0]) {
+        return Tree::Leaf(1, vec![values[0]]);
+    }
+    // In a grid the last axis runs fastest, in a branch the first.
+    let reversed = |k: usize| (0..rank).fold(0, |part, bit| part | ((k >> bit) & 1) << (rank - 1 - bit));
+    Tree::Leaf(2, (0..values.len()).map(|k| values[reversed(k)]).collect())
+}
+
+/// The text of a file: rank 3 where the table is isotropic, else 4; of three colours Y, u' and v'.
+///
+/// Held by: `tensor_trees_of_both_ranks_are_within_three_hundredths`, `colours_of_radiance_files_come_back`
+/// (tests/interchange_radiance.rs), and against Radiance in tests/interop.
 pub fn write(lookup: &Lookup) -> String {
     let rank = if lookup.is_isotropic() { 3 } else { 4 };
-    let tree = Builder { lookup, rank }.cell([0.0; 4], 0, 0.0);
-    let mut data = String::new();
-    print(&tree, &mut data);
-    data.push('\n');
+    let text = |tree: &Tree| {
+        let mut text = String::new();
+        print(tree, &mut text);
+        text.push('\n');
+        text
+    };
+    let coloured = lookup.colours() > 1;
+    let yuv = |wi, wo| {
+        let value = lookup.brdf(wi, wo);
+        if coloured { colour::yuv(value) } else { value }
+    };
+    let mut channels = vec![("Visible", text(&tree(rank, VISIBLE, |wi, wo| yuv(wi, wo)[0])))];
+    if coloured {
+        channels.push((COLOURS[0], text(&tree(rank, CHROMATICITY, |wi, wo| yuv(wi, wo)[1]))));
+        channels.push((COLOURS[1], text(&tree(rank, CHROMATICITY, |wi, wo| yuv(wi, wo)[2]))));
+    }
     let basis = "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>\n";
-    radiance_xml::write(&format!("TensorTree{rank}"), "", basis, &data)
+    radiance_xml::write(&format!("TensorTree{rank}"), "", basis, &channels)
 }
 
 fn print(tree: &Tree, out: &mut String) {
@@ -177,7 +187,7 @@ fn print(tree: &Tree, out: &mut String) {
         Tree::Leaf(_, values) => {
             for value in values {
                 // Writing into a String does not fail.
-                let _written = write!(out, " {value:.6e}");
+                let _written = write!(out, " {value:.4e}");
             }
             out.push(' ');
         }
@@ -188,7 +198,8 @@ fn print(tree: &Tree, out: &mut String) {
 /// A file as a function: constant in each cell.
 pub struct TensorTree {
     rank: usize,
-    tree: Tree,
+    /// Y; of a coloured file u' and v' too.
+    trees: Vec<Tree>,
 }
 
 impl TensorTree {
@@ -211,12 +222,17 @@ pub fn read(bytes: &[u8]) -> Reason<TensorTree> {
             ));
         }
     };
-    let mut parser = Parser { rest: document.reflection()?.data.trim_start(), rank };
-    let tree = parser.group(0)?;
-    if !parser.rest.trim().is_empty() {
-        return Err(format!("{:?} stands behind the tree", short(parser.rest.trim())));
-    }
-    Ok(TensorTree { rank, tree })
+    let tree = |data: &str| {
+        let mut parser = Parser { rest: data.trim_start(), rank };
+        let tree = parser.group(0)?;
+        if !parser.rest.trim().is_empty() {
+            return Err(format!("{:?} stands behind the tree", short(parser.rest.trim())));
+        }
+        Ok(tree)
+    };
+    let blocks = document.reflection(COLOURS)?;
+    let trees = blocks.iter().map(|block| tree(&block.data)).collect::<Reason<Vec<Tree>>>()?;
+    Ok(TensorTree { rank, trees })
 }
 
 struct Parser<'a> {
@@ -261,27 +277,35 @@ impl Parser<'_> {
     }
 }
 
-impl Brdf for TensorTree {
-    fn colours(&self) -> usize {
-        1
-    }
-
-    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let mut at = coordinates(self.rank, wi, wo);
-        let mut tree = &self.tree;
+impl Tree {
+    /// The value at a point of [0, 1]^rank.
+    fn at(&self, rank: usize, mut at: [f64; 4]) -> f64 {
+        let mut tree = self;
         while let Tree::Branch(children) = tree {
             let mut part = 0;
-            for (k, x) in at.iter_mut().take(self.rank).enumerate() {
+            for (k, x) in at.iter_mut().take(rank).enumerate() {
                 let upper = *x >= 0.5;
                 part |= usize::from(upper) << k;
                 *x = 2.0 * *x - if upper { 1.0 } else { 0.0 };
             }
             tree = &children[part];
         }
-        let Tree::Leaf(side, values) = tree else { return [0.0; 3] };
+        let Tree::Leaf(side, values) = tree else { return 0.0 };
         let index = |x: f64| ((x * *side as f64) as usize).min(side - 1);
-        let cell = at.iter().take(self.rank).fold(0, |cell, &x| cell * side + index(x));
-        [f64::from(values[cell]); 3]
+        let cell = at.iter().take(rank).fold(0, |cell, &x| cell * side + index(x));
+        f64::from(values[cell])
+    }
+}
+
+impl Brdf for TensorTree {
+    fn colours(&self) -> usize {
+        self.trees.len()
+    }
+
+    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
+        let at = coordinates(self.rank, wi, wo);
+        let value = |k: usize| self.trees[k].at(self.rank, at);
+        if self.trees.len() == 1 { [value(0); 3] } else { colour::of_yuv([value(0), value(1), value(2)]) }
     }
 }
 

@@ -1,13 +1,16 @@
-//! UTIA `.bin`: 288 x 288 directions, three colours, anisotropic; f64 without a header.
+//! UTIA: 288 x 288 directions, three colours, anisotropic; `.bin`, f64 without a header, or an image.
 //!
 //! theta 0, 15, .. 75 and phi 0, 7.5, .. 352.5 degrees for light and sensor; index = colour x 288^2 + light x 288 +
-//! sensor, of each (theta, phi) with phi fastest. Azimuths are absolute. Readers differ in how they take the values:
-//! here they are linear BRDF values. Layout: Filip and Vavra's data description.
+//! sensor, of each (theta, phi) with phi fastest. The image form is an EXR of the same order, row = light. Azimuths are
+//! absolute. Readers differ in how they take the values: here they are linear BRDF values. Layout: Filip and Vavra's
+//! data description; of the image form no file was found, it follows from the order.
 
 use rayon::prelude::*;
 
 use super::lookup::{bin_axes, stop_axes};
 use super::{Brdf, Lookup, Reason, foreign_table};
+use crate::files::exr_header;
+use crate::files::image::{self, Part, Samples};
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -37,9 +40,9 @@ fn is_native(grid: &Grid) -> bool {
     kinds.contains(&grid.kind) && !grid.phi_r_relative && same(stop_axes(grid)) && same(bin_axes(grid))
 }
 
-/// The bytes of a file; a table of one colour has it in all three. Values of a table with the format's own directions
-/// are kept exactly.
-pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
+/// The planes R, G, B of a file; a table of one colour has it in all three. Values of a table with the format's own
+/// directions are kept exactly.
+fn planes(table: &BrdfTable) -> Reason<[Vec<f64>; 3]> {
     let colours = table.colours.len();
     let planes: Vec<Vec<f64>> = if is_native(&table.grid) {
         table.colours.iter().map(|colour| colour.total.iter().map(|&v| f64::from(v)).collect()).collect()
@@ -50,26 +53,67 @@ pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
         let values: Vec<_> = (0..DIRECTIONS * DIRECTIONS).into_par_iter().map(pair).collect();
         (0..colours).map(|c| values.iter().map(|value| value[c]).collect()).collect()
     };
-    let all = (0..3).flat_map(|c| planes[c.min(colours - 1)].iter());
-    Ok(all.flat_map(|value| value.to_le_bytes()).collect())
+    Ok(std::array::from_fn(|c| planes[c.min(colours - 1)].clone()))
 }
 
-/// The table of points of a file. Negative values, which the database has where the light was too weak, become 0.
-///
-/// Held by: `utia_comes_back_exactly`, `damaged_utia_files_are_refused` (tests/interchange_points.rs).
-pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
-    if bytes.len() != BYTES {
-        return Err(format!("{} bytes, a UTIA file of 288 x 288 directions has {BYTES}", bytes.len()));
+/// The bytes of a `.bin` file.
+pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
+    Ok(planes(table)?.iter().flatten().flat_map(|value| value.to_le_bytes()).collect())
+}
+
+/// The bytes of the image form: an EXR of 288 x 288 pixels, row = light, column = sensor, channels R, G, B.
+pub fn write_image(table: &BrdfTable) -> Reason<Vec<u8>> {
+    let mut part = Part { width: DIRECTIONS, height: DIRECTIONS, ..Part::default() };
+    for (name, plane) in NAMES.iter().zip(planes(table)?) {
+        part.channels.insert(name.to_string(), Samples::F32(plane.iter().map(|&v| v as f32).collect()));
     }
-    let value = |chunk: &[u8; 8]| {
-        let value = f64::from_le_bytes(*chunk) as f32;
-        // NaN stays, to be refused with its place.
-        if value < 0.0 { 0.0 } else { value }
+    part.set_text("gonio.convention", CONVENTION);
+    image::encode(vec![part])
+}
+
+const NAMES: [&str; 3] = ["R", "G", "B"];
+
+/// The table of points of a file, `.bin` or image. Negative values, which the database has where the light was too weak, become 0.
+///
+/// Held by: `utia_comes_back_exactly`, `the_image_form_of_utia_comes_back`, `damaged_utia_files_are_refused` (tests/interchange_points.rs).
+pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    if exr_header::is_exr(bytes) {
+        return read_image(bytes);
+    }
+    if bytes.len() != BYTES {
+        return Err(format!(
+            "{} bytes, a UTIA file of 288 x 288 directions has {BYTES}; its image form is an EXR",
+            bytes.len()
+        ));
+    }
+    let values = bytes.as_chunks::<8>().0.iter().map(|chunk| f64::from_le_bytes(*chunk) as f32);
+    let values: Vec<f32> = values.collect();
+    of_planes(values.chunks(DIRECTIONS * DIRECTIONS).map(<[f32]>::to_vec).collect())
+}
+
+/// The image form, floats or halves.
+fn read_image(bytes: &[u8]) -> Reason<BrdfTable> {
+    let parts = image::decode(bytes)?;
+    let [mut part] = <[Part; 1]>::try_from(parts).map_err(|_| "several parts, one needed")?;
+    if (part.width, part.height) != (DIRECTIONS, DIRECTIONS) {
+        return Err(format!(
+            "{} x {} pixels, 288 x 288 needed (row = light, column = sensor)",
+            part.width, part.height
+        ));
+    }
+    let plane = |name: &&str| match part.channels.remove(*name) {
+        Some(Samples::F32(values)) => Ok(values),
+        Some(Samples::F16(values)) => Ok(values.iter().map(|value| value.to_f32()).collect()),
+        _ => Err(format!("no channel `{name}` of floats")),
     };
-    let values: Vec<f32> = bytes.as_chunks::<8>().0.iter().map(value).collect();
-    let total = values.chunks(DIRECTIONS * DIRECTIONS).map(<[f32]>::to_vec).collect();
+    of_planes(NAMES.iter().map(plane).collect::<Reason<_>>()?)
+}
+
+fn of_planes(mut planes: Vec<Vec<f32>>) -> Reason<BrdfTable> {
+    // NaN stays, to be refused with its place.
+    planes.iter_mut().flatten().filter(|value| **value < 0.0).for_each(|value| *value = 0.0);
     let (theta_i_deg, phi_i_deg) = axes();
     let grid =
         Grid { kind: GridKind::Points, theta_i_deg, phi_i_deg, points_deg: directions(), ..Grid::default() };
-    foreign_table(grid, total)
+    foreign_table(grid, planes)
 }

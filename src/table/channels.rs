@@ -19,6 +19,9 @@ pub(super) type Reason<T> = Result<T, String>;
 ///
 /// Held by: `axes_that_no_instrument_has_are_refused`.
 pub fn check_grid(grid: &Grid) -> Result<(usize, usize), String> {
+    if grid.kind == GridKind::HalfDifference {
+        return half_difference(grid);
+    }
     if grid.stops_deg.is_empty() {
         axis("theta_i_deg", &grid.theta_i_deg, 1, 0.0..=90.0)?;
         axis("phi_i_deg", &grid.phi_i_deg, 1, -360.0..=360.0)?;
@@ -44,6 +47,28 @@ pub fn check_grid(grid: &Grid) -> Result<(usize, usize), String> {
         }
         GridKind::Points => directions("points_deg", &grid.points_deg)?,
         GridKind::Patches => patches(&grid.patches_deg)?,
+        GridKind::HalfDifference => {}
+    }
+    Ok((grid.stops(), grid.bins()))
+}
+
+/// Axes of half vectors and differences; others are of no use beside them.
+fn half_difference(grid: &Grid) -> Reason<(usize, usize)> {
+    if !(grid.theta_i_deg.is_empty() && grid.phi_i_deg.is_empty() && grid.stops_deg.is_empty()) {
+        return Err(format!("{GRID}: stops of the light beside half/difference angles: only one is allowed"));
+    }
+    let axes = [
+        ("theta_h_deg", &grid.theta_h_deg, 90.0),
+        ("phi_h_deg", &grid.phi_h_deg, 360.0),
+        ("theta_d_deg", &grid.theta_d_deg, 90.0),
+        ("phi_d_deg", &grid.phi_d_deg, 180.0),
+    ];
+    for (name, values, most) in axes {
+        axis(name, values, 1, 0.0..=most)?;
+        increasing(name, values)?;
+        if most > 90.0 && values.last() == Some(&most) {
+            return Err(format!("{GRID}: {name} = {most} is there already, as 0"));
+        }
     }
     Ok((grid.stops(), grid.bins()))
 }

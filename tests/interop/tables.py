@@ -8,7 +8,8 @@ import sys
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-GONIO = ROOT / "target" / "release" / "gonio"
+# Another build may be named: check.py target/debug/gonio.
+GONIO = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else ROOT / "target" / "release" / "gonio"
 
 
 def gonio(*words):
@@ -39,8 +40,8 @@ def ggx(wi, wo, ax, ay):
     return d / (4.0 * sigma(wi) * sigma(wo))
 
 
-def analytic(path, ax, ay, theta_i, phi_i, rows, columns):
-    """Writes bin means (4 x 4 Gauss points in sin^2 theta, phi) as NPZ."""
+def analytic(path, ax, ay, theta_i, phi_i, rows, columns, tint=None):
+    """Writes bin means (4 x 4 Gauss points in sin^2 theta, phi) as NPZ; with a tint as R, G, B."""
     x, w = np.polynomial.legendre.leggauss(4)
     x, w = 0.5 * x + 0.5, 0.5 * w
     theta_edges = np.linspace(0, 90, rows + 1)
@@ -57,14 +58,16 @@ def analytic(path, ax, ay, theta_i, phi_i, rows, columns):
         for j, p in enumerate(phis):
             wi = direction(np.radians(t), np.radians(p))
             brdf[i, j] = np.einsum("rcst,s,t->rc", ggx(wi, wo, ax, ay), w, w)
+    if tint is not None:
+        brdf = brdf[..., None] * np.array(tint, np.float32)
     np.savez(path, brdf=brdf, theta_i_deg=np.array(theta_i, float), phi_i_deg=np.array(phis, float),
              theta_r_edges_deg=theta_edges, phi_r_edges_deg=phi_edges,
              phi_r_relative=np.array([phi_i is None], np.uint8))
 
 
-def table(folder, name, *what):
+def table(folder, name, *what, **colours):
     """An analytic table as the program's EXR."""
-    analytic(folder / f"{name}.npz", *what)
+    analytic(folder / f"{name}.npz", *what, **colours)
     gonio("import", folder / f"{name}.npz", "--from", "npz", "-o", folder / f"{name}.exr")
     return folder / f"{name}.exr"
 
