@@ -6,7 +6,7 @@
 use super::{Reason, npz};
 use crate::files::image::{self, Part, Samples};
 use crate::instrument::Grid;
-use crate::table::{BrdfTable, ColourChannels, check_grid};
+use crate::table::{BrdfTable, ColourChannels, SchlickSums, check_grid};
 
 /// How the values are meant.
 pub const CONVENTION: &str = "one part a stop, named by its angles; column = phi_r, row = theta_r; FLOAT, BRDF in 1/sr, no \
@@ -52,10 +52,13 @@ fn part(table: &BrdfTable, stop: usize, grid: &str) -> Part {
             part.channels
                 .insert(format!("{layer}{name}"), Samples::F32(channel(colour)[here.clone()].to_vec()));
         }
+        for (order, values) in (2..).zip(&colour.orders) {
+            part.channels.insert(format!("order{order}.{name}"), Samples::F32(values[here.clone()].to_vec()));
+        }
     }
     part.channels.insert("hits".into(), Samples::U32(table.hits[here.clone()].to_vec()));
-    if let Some(schlick) = &table.schlick {
-        part.channels.insert("schlick".into(), Samples::F32(schlick[here].to_vec()));
+    for (name, sums) in table.schlick.iter().flat_map(|sums| sums.channels(table.is_by_order())) {
+        part.channels.insert(name, Samples::F32(sums[here.clone()].to_vec()));
     }
     for (name, value) in [(STOP, stop as f64), ("gonio.theta_i_deg", theta_i), ("gonio.phi_i_deg", phi_i)] {
         part.attributes.insert(name.into(), image::Attribute::Number(value));
@@ -98,6 +101,9 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
         for (layer, _, place) in CHANNELS {
             *place(colour) = floats(&mut parts, &format!("{layer}{name}"))?;
         }
+        while let Some(order) = optional(&mut parts, &format!("order{}.{name}", colour.orders.len() + 2))? {
+            colour.orders.push(order);
+        }
     }
     let mut hits = Vec::with_capacity(stops * width * height);
     for part in &mut parts {
@@ -106,12 +112,17 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
             _ => return Err("channel `hits` (UINT) is missing".into()),
         }
     }
-    let schlick =
-        parts[0].channels.contains_key("schlick").then(|| floats(&mut parts, "schlick")).transpose()?;
+    let schlick = SchlickSums::gathered(|name| optional(&mut parts, name))?;
     let [campaign, version, seed, patch_digest] =
         TEXTS.map(|name| parts[0].text(name).unwrap_or_default().to_string());
     let seed = seed.parse().map_err(|_| format!("gonio.seed = `{seed}` is no seed"))?;
     Ok(BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick })
+}
+
+/// A FLOAT channel of all parts, where the first one has it.
+fn optional(parts: &mut [Part], name: &str) -> Reason<Option<Vec<f32>>> {
+    let there = parts.first().is_some_and(|part| part.channels.contains_key(name));
+    there.then(|| floats(parts, name)).transpose()
 }
 
 /// A FLOAT channel of all parts, one after the other.

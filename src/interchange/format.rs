@@ -118,6 +118,11 @@ impl Format {
         matches!(self, Format::Klems | Format::TensorTree | Format::Zemax | Format::Pabopto)
     }
 
+    /// Whether the file can hold more colours than R, G and B.
+    fn holds_wavelengths(self) -> bool {
+        matches!(self, Format::Npz | Format::Npy)
+    }
+
     /// Whether the file lists the table's own bins in their order.
     fn lists_bins(self) -> bool {
         matches!(
@@ -144,6 +149,12 @@ impl FromStr for Format {
 /// Errors: [`Error::Refused`] with the reason where the format cannot hold the table; [`Error::Io`].
 pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Result<Export> {
     let refused = |why: String| Error::Refused(format!("{}: {}: {why}", path.display(), format.name()));
+    if table.is_spectral() && !format.holds_wavelengths() {
+        let count = table.colours.len();
+        return Err(refused(format!(
+            "holds Y or R G B, the table has {count} wavelengths; npz and npy hold them"
+        )));
+    }
     if format.has_one_channel() && table.colours.len() > 1 {
         let luminance = luminance(table).map_err(refused)?;
         let mut export = export(&luminance, format, options, path)?;
