@@ -208,7 +208,10 @@ fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict)
         _ => String::new(),
     };
     out.line("")?;
-    out.line(format_args!("{}{alpha}: mean +- standard error over realisations", measured.campaign.name))?;
+    let material = measured.campaign.optics.label();
+    let material = if material.is_empty() { material } else { format!(", {material}") };
+    let name = &measured.campaign.name;
+    out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations"))?;
     out.lines(output::columns(&headings, &rows))?;
     out.lines(optics_text::order_lines(measured, plan))?;
     out.lines(end_lines(measured, plan))?;

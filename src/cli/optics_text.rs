@@ -52,7 +52,7 @@ pub fn schlick_lines(error: &SchlickError) -> Vec<String> {
     let mut lines = vec![String::new(), "Schlick's formula minus Fresnel's equations at one facet".into()];
     lines.extend(columns(&["colour", "F0", "largest", "at degrees", "hemispherical"], &rows));
     if left_out > 0 {
-        lines.push(format!("and {left_out} colours that differ less"));
+        lines.push(format!("(the {MOST_COLOURS} of {} colours that differ most)", error.colours.len()));
     }
     if !error.stops.is_empty() {
         let row = |stop: &StopError| {

@@ -142,21 +142,20 @@ fn of_materials(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &s
             "F = 1: tallies are counts",
             "three products and a rounding for each arrival".into(),
         );
-    } else {
-        let why = match (plan.weighing.serves_any_f0(), campaign.trace.bounces) {
-            (true, 1) => "Schlick's Fresnel follows from the bin's sum of (1-c)^5",
-            (true, _) => {
-                "Schlick's Fresnel of every order is a polynomial in F0, whose coefficients are summed"
-            }
-            (false, _) => "all colours are worked out along the same paths",
-        };
-        let tables = plan.tables / campaign.alphas().len();
-        let saves = match tables {
-            1 if plan.weighing.serves_any_f0() => {
-                "all traces but one, and all of a further material (`recolour`)".into()
-            }
-            _ => format!("{} of {} traces", plan.colours - 1, plan.colours),
-        };
-        skip("a trace for each colour and material", why, saves);
+        return;
     }
+    let colours = format!("{} of {} traces", plan.colours - 1, plan.colours);
+    let (why, saves) = match (plan.weighing.is_traced(), campaign.trace.bounces) {
+        (true, _) if plan.colours == 1 => return,
+        (true, _) => ("all colours are worked out along the same paths", colours),
+        (false, 1) => (
+            "Schlick's Fresnel follows from the bin's sum of (1-c)^5",
+            format!("{colours}, and all of a further material (`recolour`)"),
+        ),
+        (false, _) => (
+            "Schlick's Fresnel of every order is a polynomial in F0, whose coefficients are summed",
+            format!("{colours}, and all of a further material (`recolour`)"),
+        ),
+    };
+    skip("a trace for each colour and material", why, saves);
 }

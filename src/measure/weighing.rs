@@ -112,6 +112,11 @@ impl Weighing {
         self.sums != Sums::Counts
     }
 
+    /// Whether every colour has sums of its own.
+    pub fn is_traced(&self) -> bool {
+        self.sums == Sums::Colours
+    }
+
     /// Whether Schlick's reflectance for any F0 follows from the sums.
     pub fn serves_any_f0(&self) -> bool {
         self.sums == Sums::Parts || (self.sums == Sums::Colours && self.bounces == 1)
