@@ -49,6 +49,7 @@ fn table(values: [f32; 2], stderr: [f32; 2]) -> BrdfTable {
         multiple: vec![0.0; 2],
         stderr: stderr.to_vec(),
         stderr_single: stderr.to_vec(),
+        ..ColourChannels::default()
     };
     BrdfTable {
         grid,
@@ -98,7 +99,7 @@ fn bins_without_hits_have_no_t_and_tables_without_errors_no_noise() {
 #[test]
 fn tables_of_the_same_patches_are_paired() {
     // Realisations differ by 2 from each other, tables in each by 0.1 and 0.2: se = 0.05, not 1.4.
-    let part = |x: f32| RealisationPart { total: vec![vec![x, x]], single: vec![vec![x, x]] };
+    let part = |x: f32| RealisationPart { total: vec![vec![x, x]], single: vec![vec![x, x]], schlick: None };
     let parts = |values: [f32; 2]| Realisations { parts: values.map(part).to_vec() };
     let (mut a, mut b) = (table([2.15, 2.15], [1.0, 1.0]), table([2.0, 2.0], [1.0, 1.0]));
     (a.patch_digest, b.patch_digest) = ("same".into(), "same".into());

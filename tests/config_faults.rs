@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gonio::campaign::{self, Azimuth, Optics, PhiFrom, Sensor, SurfaceKind};
+use gonio::campaign::{self, Alpha, Azimuth, Optics, PhiFrom, Sensor, SurfaceKind};
 use gonio::error::{Error, Fault};
 
 #[path = "common/campaign_text.rs"]
@@ -469,19 +469,86 @@ fn optics_outside_physics_are_refused() {
         (gold, "f0 = [0.1, 0.2, 1.2]", f0, "must lie in [0, 1]"),
         (gold, "material = \"unobtainium\"", "optics.material", "known: gold, silver, aluminum"),
         (gold, "material = \"Gold\"", "optics.material", "did you mean `gold`?"),
-        (gold, "eta = 1.5", "optics.eta", "not yet: "),
+        (gold, "eta = 0", "optics.eta", "must lie in (0, 100]"),
+        (gold, "eta = nan", "optics.eta", "must be finite"),
+        (gold, "eta = 1", "optics.eta", "is no surface"),
+        (gold, "k = 1", "optics.k", "belongs to eta"),
+        (gold, "materials = []", "optics.materials", "must not be empty"),
+        (gold, "materials = [\"gold\", \"gold\"]", "optics.materials", "is there already"),
+        (gold, "materials = [\"gold\", \"tin\"]", "optics.materials", "unknown material"),
+        (gold, "file = \"nowhere.csv\"", "optics.file", "cannot be read"),
     ]);
     let both = with(gold, "material = \"gold\"\nf0 = 1");
     one_fault(&both, "f0", f0, "ambiguous");
     one_fault(&with(gold, ""), "[optics]", "optics.material", "leave out [optics] altogether");
-    let exact = with(gold, "material = \"gold\"\nfresnel = \"exact\"");
-    one_fault(&exact, "fresnel", "optics.fresnel", "not yet: ");
-    let polarised = with(gold, "material = \"gold\"\npolarisation = \"s\"");
-    one_fault(&polarised, "polarisation", "optics.polarisation", "not yet: ");
     let gray = accepted(&with(gold, "f0 = 1")).campaign.optics;
     assert_eq!(gray, Optics::Schlick { material: None, f0: [1.0; 3] });
     let ideal = with("[optics]\nmaterial = \"gold\"\n", "");
     assert_eq!(accepted(&ideal).campaign.optics, Optics::PerfectMirror);
+}
+
+#[test]
+fn indices_outside_physics_are_refused() {
+    let gold = "material = \"gold\"";
+    let one = |new: &str, key: &str, phrase: &str| {
+        let name = key.rsplit('.').next().expect("a name");
+        one_fault(&with(gold, new), name, key, phrase);
+    };
+    let lists = "eta = [1.5, 1.6]\nk = [2, 3]\nwavelength_nm = [450, 550]";
+    let (k, nm) = ("optics.k", "optics.wavelength_nm");
+    one("eta = 1.5\nk = -1", k, "must lie in [0, 100]; absorption is positive");
+    one(&lists.replace("[2, 3]", "[2, -3]"), k, "must lie in [0, 100]");
+    one(&lists.replace("[2, 3]", "[2]"), k, "has 1 entries, eta has 2");
+    one(&lists.replace("[450, 550]", "[550, 450]"), nm, "comes after 550; wavelengths must increase");
+    one(&lists.replace("[450, 550]", "[450, 450]"), nm, "wavelengths must increase, each once");
+    one(&lists.replace("[450, 550]", "[450, 550, 650]"), nm, "has 3 entries, eta has 2");
+    one(&lists.replace("[450, 550]", "[0.45, 550]"), nm, "must lie in [1, 1e6]");
+    let unnamed = with(gold, "eta = [1.5, 1.6]");
+    one_fault(&unnamed, "[optics]", nm, "a wavelength for each entry of eta");
+    one("eta = 1.5\nwavelength_nm = [550]", nm, "belongs to lists of eta and k");
+    one("material = \"gold\"\nwavelength_nm = [550]", nm, "belongs to eta, file or fresnel");
+    let exact = |what: &str| format!("{what}\nfresnel = \"exact\"");
+    one(&exact("material = \"skin\""), "optics.material", "has no n and k here");
+    one(&exact("f0 = 0.5"), "optics.f0", "holds no n and k");
+    one(&exact("material = \"gold\"\nwavelength_nm = [200]"), nm, "must lie in [367.9, 821.1]");
+    one("material = \"gold\"\nfresnel = \"cook\"", "optics.fresnel", "\"schlick\" or \"exact\"");
+    let polarisation = "optics.polarisation";
+    one("material = \"gold\"\npolarisation = \"s\"", polarisation, "Schlick's formula knows no polarisation");
+    one(
+        "eta = 1.5\nfresnel = \"exact\"\npolarisation = [\"s\", \"s\"]",
+        polarisation,
+        "each polarisation once",
+    );
+    let polarised = with(gold, "eta = 1.5\nfresnel = \"exact\"\npolarisation = \"p\"");
+    let twice = polarised.replace("bounces = 1", "bounces = 2");
+    one_fault(&twice, "polarisation", polarisation, "must be \"none\" with bounces = 2");
+    assert_eq!(accepted(&polarised).campaign.optics.colours(), 1);
+    let apart = with("bounces = 1", "bounces = 1\nby_order = true");
+    one_fault(&apart, "by_order", "trace.by_order", "2 to 16 orders");
+}
+
+#[test]
+fn an_artists_surface_is_converted_in_one_place() {
+    let alpha = "[surface.ggx]\nalpha = 0.2\n";
+    let artist = "[surface.artist]\nroughness = 0.5\nmetalness = 0.5\nbase_color = [1, 0.5, 0]\n";
+    let both = with(alpha, artist);
+    one_fault(&both, "[optics]", "optics", "[surface.artist] says what the facets reflect");
+    let text = both.replace("[optics]\nmaterial = \"gold\"\n", "");
+    let parsed = accepted(&text);
+    assert!(parsed.notes.iter().any(|note| note.contains("diffuse part")), "{:?}", parsed.notes);
+    assert_eq!(parsed.campaign.surface.kind, SurfaceKind::Ggx(vec![Alpha { x: 0.25, y: 0.25 }]));
+    // 0.04/2 + base/2, one rounding each.
+    let Optics::Schlick { material: None, f0 } = parsed.campaign.optics else { panic!() };
+    assert!(
+        f0.iter().zip([0.52, 0.27, 0.02]).all(|(found, wanted)| (found - wanted).abs() < 1e-15),
+        "{f0:?}"
+    );
+    let faulty = |from: &str, to: &str| text.replace(from, to);
+    let key = |name: &str| format!("surface.artist.{name}");
+    one_fault(&faulty("roughness = 0.5", "roughness = 0"), "roughness", &key("roughness"), "[0.01, 1]");
+    one_fault(&faulty("metalness = 0.5", "metalness = 2"), "metalness", &key("metalness"), "[0, 1]");
+    one_fault(&faulty("[1, 0.5, 0]", "[1, 0.5]"), "base_color", &key("base_color"), "[r, g, b]");
+    one_fault(&faulty("roughness = 0.5\n", ""), "[surface.artist]", &key("roughness"), "required");
 }
 
 #[test]
@@ -511,13 +578,6 @@ fn stopping_rules_outside_their_ranges_are_refused() {
     let text = with(samples, &format!("{samples}\nrelative_error = 0.01"));
     let one = text.replace("realisations = 4", "realisations = 1");
     one_fault(&one, "relative_error", "stop.relative_error", "at least 2 realisations");
-}
-
-#[test]
-fn what_is_not_there_yet_says_so() {
-    let alpha = "[surface.ggx]\nalpha = 0.2\n";
-    let text = with(alpha, "[surface.artist]\nalpha = 0.2\n");
-    one_fault(&text, "[surface.artist]", "surface.artist", "not yet: ");
 }
 
 #[test]

@@ -7,7 +7,9 @@ use std::sync::{Mutex, Once};
 use gonio::error::Error;
 use gonio::files::image::{self, Attribute, Part, Samples};
 use gonio::instrument::{Grid, GridKind};
-use gonio::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, realisations, store};
+use gonio::table::{
+    BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums, realisations, store,
+};
 
 /// A small repeatable source of bits (splitmix64).
 struct Bits(u64);
@@ -48,15 +50,19 @@ fn table(colours: usize) -> BrdfTable {
     let mut bits = Bits(7);
     let mut channel = || (0..pixels).map(|_| bits.unit() * 40.0).collect::<Vec<f32>>();
     let colours = (0..colours)
-        .map(|_| ColourChannels {
+        .map(|k| ColourChannels {
             total: channel(),
             single: channel(),
             multiple: channel(),
             stderr: channel(),
             stderr_single: vec![-1.0; pixels],
+            // Orders 2 and 3 by themselves; colours beyond R, G, B are told by their wavelengths.
+            orders: vec![channel(), channel()],
+            wavelength_nm: (colours > 3).then_some(400.0 + 12.5 * k as f64),
         })
         .collect();
-    let schlick = Some(channel());
+    let further = vec![vec![channel(), channel(), channel()], vec![channel(), channel()]];
+    let schlick = Some(SchlickSums { unit: channel(), first: channel(), further });
     BrdfTable {
         grid,
         campaign: "name = \"gold\"\nseed = 1 # µ\n".into(),
@@ -76,7 +82,7 @@ fn here() -> &'static Path {
 #[test]
 fn tables_of_one_and_three_colours_round_trip_exactly() {
     let folder = tempfile::tempdir().expect("temporary folder");
-    for colours in [1, 3] {
+    for colours in [1, 3, 5] {
         for schlick in [true, false] {
             let mut table = table(colours);
             table.schlick = table.schlick.filter(|_| schlick);
@@ -271,6 +277,7 @@ fn damaged_realisations_are_errors_and_never_panic() {
     let part = |k: usize| RealisationPart {
         total: vec![table.colours[0].total.iter().map(|v| v + k as f32).collect()],
         single: vec![table.colours[0].single.clone()],
+        schlick: table.schlick.clone(),
     };
     let parts = Realisations { parts: (0..3).map(part).collect() };
     let bytes = realisations::encode(&parts, &table, 1).expect("encodes");

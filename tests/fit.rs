@@ -46,6 +46,7 @@ fn table(grid: Grid, colours: Vec<Vec<f64>>) -> BrdfTable {
             multiple: vec![0.0; values.len()],
             stderr: stderr.clone(),
             stderr_single: stderr,
+            ..ColourChannels::default()
         }
     };
     BrdfTable {

@@ -12,7 +12,7 @@ use gonio::error::Error;
 use gonio::files::npy::{self, Values};
 use gonio::instrument::{Grid, GridKind};
 use gonio::interchange::{self, Format, Options, csv, npz};
-use gonio::table::{BrdfTable, store};
+use gonio::table::{BrdfTable, SchlickSums, store};
 
 fn npz_of(table: &BrdfTable) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -29,7 +29,12 @@ fn small(colours: usize) -> BrdfTable {
 #[test]
 fn npz_comes_back_bit_for_bit() {
     let mut with_schlick = small(1);
-    with_schlick.schlick = Some(with_schlick.colours[0].multiple.clone());
+    let sums = with_schlick.colours[0].multiple.clone();
+    with_schlick.colours[0].orders = vec![sums.clone(), sums.clone()];
+    let further = vec![vec![sums.clone(); 3], vec![sums.clone(); 4]];
+    with_schlick.schlick = Some(SchlickSums { unit: sums.clone(), first: sums, further });
+    let mut spectral = small(3);
+    spectral.colours.iter_mut().zip([450.0, 550.5, 650.0]).for_each(|(c, nm)| c.wavelength_nm = Some(nm));
     let listed =
         measured_looking(&Ggx::new(0.3, 0.3), &points(vec![10.0], vec![0.0], &[0.0, 30.0], &[0.0, 90.0]));
     let patches = Grid {
@@ -39,7 +44,7 @@ fn npz_comes_back_bit_for_bit() {
         ..Grid::default()
     };
     let patches = measured_looking(&Ggx::new(0.3, 0.3), &patches);
-    for wanted in [small(1), small(3), with_schlick, listed, patches] {
+    for wanted in [small(1), small(3), with_schlick, spectral, listed, patches] {
         let found = npz::read(&npz_of(&wanted)).expect("readable");
         assert!(found == wanted);
     }

@@ -170,6 +170,7 @@ fn made(colours: usize, angles: usize, azimuths: usize, bins: [usize; 2]) -> Mad
             multiple: vec![0.0; stops * bins],
             stderr: vec![0.01; stops * bins],
             stderr_single: vec![0.01; stops * bins],
+            ..ColourChannels::default()
         }
     };
     let optics = if colours == 3 { "[optics]\nmaterial = \"gold\"\n" } else { "" };

@@ -1,16 +1,12 @@
-//! The whole file, and its small tables: `name`, `seed`, `[optics]`, `[trace]`, `[stop]`, `[expect]`,
+//! The whole file, and its small tables: `name`, `seed`, `[trace]`, `[stop]`, `[expect]`,
 //! `[bench]`.
 
 use std::path::Path;
 
-use super::materials::{MATERIALS, f0_of};
 use super::preset::{self, Preset};
 use super::reader::{Bounds, Item, Slot, Table};
-use super::report::nearest;
-use super::schema::{
-    Campaign, Expect, ExpectedMasking, Optics, Resolution, Stop, Surface, SurfaceKind, Trace,
-};
-use super::{arms, surface};
+use super::schema::{Campaign, Expect, ExpectedMasking, Resolution, Stop, Surface, SurfaceKind, Trace};
+use super::{arms, optics, surface};
 
 /// Words for [`ExpectedMasking`].
 pub(super) const MASKINGS: [(&str, ExpectedMasking); 3] = [
@@ -22,8 +18,9 @@ pub(super) const MASKINGS: [(&str, ExpectedMasking); 3] = [
 /// Longest name: with its endings it stays within what file systems take.
 const LONGEST_NAME: usize = 100;
 
-const REFLECTANCE: Bounds = Bounds::closed(0.0, 1.0);
 const RELATIVE_ERROR: Bounds = Bounds::closed(1e-4, 1.0);
+/// Most orders with channels of their own.
+const MOST_APART: u32 = 16;
 /// Up to eleven days.
 const SECONDS: Bounds = Bounds::closed(1.0, 1e6);
 
@@ -34,7 +31,8 @@ pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<(Campaign, Opti
     ]);
     let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
     let seed = seed.or(1, |i| i.whole(0..=u64::MAX));
-    let surface = surface::surface(&surface, folder);
+    let mut artist = None;
+    let surface = surface::surface(&surface, folder, &mut artist);
     let isotropic = surface.as_ref().map(|s| s.kind.is_isotropic());
     let (light, sensor, preset) = match preset.given() {
         Some(_) => {
@@ -50,9 +48,10 @@ pub(super) fn campaign(root: Table<'_>, folder: &Path) -> Option<(Campaign, Opti
             (light, sensor, None)
         }
     };
-    let optics = optics.or(Optics::PerfectMirror, |i| fresnel(i.table()?));
     let statistical = surface.as_ref().is_some_and(|s| matches!(s.kind, SurfaceKind::Smith(_)));
     let trace = self::trace(&trace, statistical);
+    let orders = trace.as_ref().map(|trace| trace.bounces);
+    let optics = optics::optics(&optics, artist, &optics::Around { folder, orders });
     let realisations = surface.as_ref().map_or(u32::MAX, |s| s.realisations);
     let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
     let bench = bench.or(None, |i| resolution(i, surface.as_ref()).map(Some));
@@ -83,68 +82,19 @@ fn valid_name<'a>(item: &Item<'a>) -> Option<&'a str> {
     ))
 }
 
-fn fresnel(table: Table<'_>) -> Option<Optics> {
-    let [material, f0, eta, k, wavelength, fresnel, polarisation] =
-        table.keys(["material", "f0", "eta", "k", "wavelength_nm", "fresnel", "polarisation"]);
-    let named = material.or(None, |i| known_material(i).map(Some));
-    let colour = f0.or(None, |i| reflectances(i).map(Some));
-    let index = [&eta, &k, &wavelength]
-        .map(|slot| slot.absent("not yet: this version knows Schlick's Fresnel; give material or f0"));
-    let later = [
-        fresnel.or((), |i| only(i, "schlick", &["exact"])),
-        polarisation.or((), |i| only(i, "none", &["s", "p"])),
-    ];
-    let clean = index.iter().chain(&later).all(Option::is_some);
-    match (named?, colour?) {
-        (Some(_), Some(_)) => f0.refuse("ambiguous: give material or f0, never both"),
-        (Some((name, f0)), None) if clean => Some(Optics::Schlick { material: Some(name.to_string()), f0 }),
-        (None, Some(f0)) if clean => Some(Optics::Schlick { material: None, f0 }),
-        (None, None) if index.iter().all(Option::is_some) => {
-            material.refuse("required: material or f0; leave out [optics] altogether for F = 1")
-        }
-        _ => None,
-    }
-}
-
-fn known_material<'a>(item: &Item<'a>) -> Option<(&'a str, [f64; 3])> {
-    let name = item.text()?;
-    if let Some(f0) = f0_of(name) {
-        return Some((name, f0));
-    }
-    let names = MATERIALS.map(|(name, _)| name);
-    let guess = nearest(name, &names).map(|n| format!(" did you mean `{n}`?")).unwrap_or_default();
-    item.refuse(format!("unknown material;{guess} known: {}", names.join(", ")))
-}
-
-/// One reflectance for all colours, or three.
-fn reflectances(item: &Item<'_>) -> Option<[f64; 3]> {
-    match item.list_length() {
-        None => item.float(&REFLECTANCE).map(|gray| [gray; 3]),
-        Some(3) => {
-            let elements = item.list()?;
-            let read: Vec<Option<f64>> = elements.iter().map(|e| e.float(&REFLECTANCE)).collect();
-            let read: Vec<f64> = read.into_iter().collect::<Option<_>>()?;
-            read.try_into().ok()
-        }
-        Some(n) => item.refuse(format!("has {n} entries; give [r, g, b] or one number")),
-    }
-}
-
-/// The one word that is known now; `later` are refused as such.
-fn only(item: &Item<'_>, now: &str, later: &[&str]) -> Option<()> {
-    match item.text()? {
-        word if word == now => Some(()),
-        word if later.contains(&word) => item.refuse(format!("not yet: this version knows \"{now}\"")),
-        _ => item.refuse(format!("must be \"{now}\"")),
-    }
-}
-
 fn trace(slot: &Slot<'_>, statistical: bool) -> Option<Trace> {
-    let [bounces, visibility, fold] = slot.table()?.keys(["bounces", "visibility", "fold"]);
+    let [bounces, visibility, fold, by_order] =
+        slot.table()?.keys(["bounces", "visibility", "fold", "by_order"]);
     let orders = bounces.or(1, |i| i.count(1..=10_000));
     let visible = visibility.or(true, |i| i.boolean());
     let fold = fold.or(true, |i| i.boolean());
-    let (bounces, visible) = (orders?, visible?);
+    let apart = by_order.or(false, |i| i.boolean());
+    let (bounces, visible, apart) = (orders?, visible?, apart?);
+    if apart && !(2..=MOST_APART).contains(&bounces) {
+        return by_order.refuse(format!(
+            "must be false with bounces = {bounces}: 2 to {MOST_APART} orders can be kept apart"
+        ));
+    }
     if !visible && statistical {
         return visibility.refuse("must be true: a statistical Smith surface is nothing but its masking");
     }
@@ -153,7 +103,7 @@ fn trace(slot: &Slot<'_>, statistical: bool) -> Option<Trace> {
             "must be true with bounces = {bounces}: light that passes through facets has no second bounce"
         ));
     }
-    Some(Trace { bounces, visibility: visible, fold: fold? })
+    Some(Trace { bounces, visibility: visible, fold: fold?, by_order: apart })
 }
 
 fn stop(slot: &Slot<'_>, realisations: u32) -> Option<Stop> {

@@ -1,8 +1,12 @@
-//! Reflectance at normal incidence of materials by name, for Schlick's Fresnel.
-//!
-//! Linear R, G, B: the usual rounded values of rendering courses and engines. Metals are coloured, the others gray.
+//! Materials by name: reflectance at normal incidence for Schlick's Fresnel, n and k over wavelengths where they are
+//! published.
 
-/// Name and F0 of every known material.
+use super::index_file;
+use super::report::nearest;
+use super::schema::Medium;
+
+/// Name and F0 of every known material: linear R, G, B, the usual rounded values of rendering courses and engines.
+/// Metals are coloured, the others gray.
 pub const MATERIALS: [(&str, [f64; 3]); 13] = [
     ("gold", [1.0, 0.782, 0.344]),
     ("silver", [0.972, 0.960, 0.915]),
@@ -24,6 +28,212 @@ pub fn f0_of(name: &str) -> Option<[f64; 3]> {
     MATERIALS.iter().find(|(known, _)| *known == name).map(|(_, f0)| *f0)
 }
 
+/// F0 of a material by its name, or what is wrong with the name.
+pub fn named(name: &str) -> Result<[f64; 3], String> {
+    let names = MATERIALS.map(|(name, _)| name);
+    f0_of(name).ok_or_else(|| {
+        let guess = nearest(name, &names).map(|n| format!(" did you mean `{n}`?")).unwrap_or_default();
+        format!("unknown material;{guess} known: {}", names.join(", "))
+    })
+}
+
+/// The names whose n and k are known.
+pub const NAMES_WITH_INDEX: [&str; 8] =
+    ["gold", "silver", "copper", "nickel", "chromium", "iron", "aluminum", "water"];
+
+/// n and k of a material by its name, at increasing wavelengths about the visible ones.
+///
+/// From measured tables: P. B. Johnson, R. W. Christy, Phys. Rev. B 6, 4370 (1972) and 9, 5056 (1974); A. D. Rakic, Appl.
+/// Opt. 34, 4755 (1995); G. M. Hale, M. R. Querry, Appl. Opt. 12, 555 (1973); rows as the refractiveindex.info database
+/// (CC0) has them. Glass, plastic, skin, hair and stone are families without one index.
+/// Held by: `indices_reflect_as_the_names_do`.
+pub fn index_of(name: &str) -> Option<Vec<Medium>> {
+    let rows: &[[f64; 3]] = match name {
+        "gold" => &GOLD,
+        "silver" => &SILVER,
+        "copper" => &COPPER,
+        "nickel" => &NICKEL,
+        "chromium" => &CHROMIUM,
+        "iron" => &IRON,
+        "aluminum" => &ALUMINUM,
+        "water" => &WATER,
+        _ => return None,
+    };
+    Some(rows.iter().map(|&[nm, eta, k]| Medium { wavelength_nm: Some(nm), eta, k }).collect())
+}
+
+/// The wavelengths that stand for B, G and R, nm.
+pub const RGB_NM: [f64; 3] = [450.0, 550.0, 650.0];
+
+/// n and k for R, G and B, in this order.
+pub fn rgb_of(name: &str) -> Option<Vec<Medium>> {
+    let known = index_of(name)?;
+    RGB_NM.iter().rev().map(|&nm| index_file::at(&known, nm)).collect()
+}
+
+// [wavelength_nm, n, k].
+
+/// Johnson and Christy 1972.
+const GOLD: [[f64; 3]; 16] = [
+    [367.9, 1.48, 1.895],
+    [381.5, 1.46, 1.933],
+    [397.4, 1.47, 1.952],
+    [413.3, 1.46, 1.958],
+    [430.5, 1.45, 1.948],
+    [450.9, 1.38, 1.914],
+    [471.4, 1.31, 1.849],
+    [495.9, 1.04, 1.833],
+    [520.9, 0.62, 2.081],
+    [548.6, 0.43, 2.455],
+    [582.1, 0.29, 2.863],
+    [616.8, 0.21, 3.272],
+    [659.5, 0.14, 3.697],
+    [704.5, 0.13, 4.103],
+    [756.0, 0.14, 4.542],
+    [821.1, 0.16, 5.083],
+];
+
+/// Johnson and Christy 1972.
+const SILVER: [[f64; 3]; 16] = [
+    [367.9, 0.07, 1.657],
+    [381.5, 0.05, 1.864],
+    [397.4, 0.05, 2.07],
+    [413.3, 0.05, 2.275],
+    [430.5, 0.04, 2.462],
+    [450.9, 0.04, 2.657],
+    [471.4, 0.05, 2.869],
+    [495.9, 0.05, 3.093],
+    [520.9, 0.05, 3.324],
+    [548.6, 0.06, 3.586],
+    [582.1, 0.05, 3.858],
+    [616.8, 0.06, 4.152],
+    [659.5, 0.05, 4.483],
+    [704.5, 0.04, 4.838],
+    [756.0, 0.03, 5.242],
+    [821.1, 0.04, 5.727],
+];
+
+/// Johnson and Christy 1972.
+const COPPER: [[f64; 3]; 16] = [
+    [367.9, 1.36, 1.975],
+    [381.5, 1.33, 2.045],
+    [397.4, 1.32, 2.116],
+    [413.3, 1.28, 2.207],
+    [430.5, 1.25, 2.305],
+    [450.9, 1.24, 2.397],
+    [471.4, 1.25, 2.483],
+    [495.9, 1.22, 2.564],
+    [520.9, 1.18, 2.608],
+    [548.6, 1.02, 2.577],
+    [582.1, 0.7, 2.704],
+    [616.8, 0.3, 3.205],
+    [659.5, 0.22, 3.747],
+    [704.5, 0.21, 4.205],
+    [756.0, 0.24, 4.665],
+    [821.1, 0.26, 5.18],
+];
+
+/// Johnson and Christy 1974.
+const NICKEL: [[f64; 3]; 16] = [
+    [368.0, 1.7, 2.4],
+    [381.0, 1.72, 2.48],
+    [397.0, 1.72, 2.57],
+    [413.0, 1.7, 2.69],
+    [431.0, 1.71, 2.82],
+    [451.0, 1.73, 2.95],
+    [471.0, 1.78, 3.09],
+    [496.0, 1.82, 3.25],
+    [521.0, 1.85, 3.42],
+    [549.0, 1.92, 3.61],
+    [582.0, 1.96, 3.8],
+    [617.0, 1.99, 4.02],
+    [659.0, 1.99, 4.26],
+    [704.0, 2.06, 4.5],
+    [756.0, 2.13, 4.73],
+    [821.0, 2.26, 4.97],
+];
+
+/// Johnson and Christy 1974.
+#[allow(clippy::approx_constant)] // 3.14 is a k.
+const CHROMIUM: [[f64; 3]; 16] = [
+    [368.0, 1.87, 2.69],
+    [381.0, 1.92, 2.74],
+    [397.0, 2.0, 2.83],
+    [413.0, 2.08, 2.93],
+    [431.0, 2.19, 3.04],
+    [451.0, 2.33, 3.14],
+    [471.0, 2.51, 3.24],
+    [496.0, 2.75, 3.3],
+    [521.0, 2.94, 3.33],
+    [549.0, 3.18, 3.33],
+    [582.0, 3.22, 3.3],
+    [617.0, 3.17, 3.3],
+    [659.0, 3.09, 3.34],
+    [704.0, 3.05, 3.39],
+    [756.0, 3.08, 3.42],
+    [821.0, 3.2, 3.48],
+];
+
+/// Johnson and Christy 1974.
+const IRON: [[f64; 3]; 16] = [
+    [368.0, 2.02, 2.43],
+    [381.0, 2.12, 2.5],
+    [397.0, 2.24, 2.58],
+    [413.0, 2.35, 2.65],
+    [431.0, 2.48, 2.71],
+    [451.0, 2.59, 2.77],
+    [471.0, 2.67, 2.82],
+    [496.0, 2.74, 2.88],
+    [521.0, 2.86, 2.91],
+    [549.0, 2.95, 2.93],
+    [582.0, 2.94, 2.99],
+    [617.0, 2.88, 3.05],
+    [659.0, 2.92, 3.1],
+    [704.0, 2.86, 3.19],
+    [756.0, 2.87, 3.28],
+    [821.0, 2.94, 3.39],
+];
+
+/// Rakic 1995.
+const ALUMINUM: [[f64; 3]; 13] = [
+    [364.66, 0.39877, 4.3957],
+    [413.28, 0.52135, 5.0008],
+    [442.8, 0.6079, 5.3676],
+    [476.87, 0.7278, 5.7781],
+    [516.6, 0.8734, 6.2418],
+    [563.57, 1.0728, 6.7839],
+    [619.93, 1.366, 7.4052],
+    [652.25, 1.5724, 7.7354],
+    [688.81, 1.8301, 8.0601],
+    [729.32, 2.1606, 8.3565],
+    [774.91, 2.6154, 8.4914],
+    [794.78, 2.7675, 8.3866],
+    [815.69, 2.7668, 8.2573],
+];
+
+/// Hale and Querry 1973; what water absorbs over a wavelength is below 2e-7 and left out.
+const WATER: [[f64; 3]; 19] = [
+    [375.0, 1.341, 0.0],
+    [400.0, 1.339, 0.0],
+    [425.0, 1.338, 0.0],
+    [450.0, 1.337, 0.0],
+    [475.0, 1.336, 0.0],
+    [500.0, 1.335, 0.0],
+    [525.0, 1.334, 0.0],
+    [550.0, 1.333, 0.0],
+    [575.0, 1.333, 0.0],
+    [600.0, 1.332, 0.0],
+    [625.0, 1.332, 0.0],
+    [650.0, 1.331, 0.0],
+    [675.0, 1.331, 0.0],
+    [700.0, 1.331, 0.0],
+    [725.0, 1.33, 0.0],
+    [750.0, 1.33, 0.0],
+    [775.0, 1.33, 0.0],
+    [800.0, 1.329, 0.0],
+    [825.0, 1.329, 0.0],
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -36,5 +246,23 @@ mod tests {
             assert_eq!(f0_of(name), Some(*f0));
         }
         assert_eq!(f0_of("unobtainium"), None);
+    }
+
+    #[test]
+    fn indices_reflect_as_the_names_do() {
+        for (name, f0) in MATERIALS {
+            let Some(media) = index_of(name) else {
+                assert!(!NAMES_WITH_INDEX.contains(&name), "{name}");
+                continue;
+            };
+            assert!(media.windows(2).all(|pair| pair[0].wavelength_nm < pair[1].wavelength_nm), "{name}");
+            for (f0, nm) in f0.into_iter().zip([650.0, 550.0, 450.0]) {
+                let Medium { eta, k, .. } = index_file::at(&media, nm).expect("visible");
+                let found = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
+                // Single wavelengths stand for broad R, G and B, and names for samples of other makers: both move a
+                // metal's reflectance by up to a tenth.
+                assert!((found - f0).abs() < 0.1, "{name} at {nm} nm: {found} for {f0}");
+            }
+        }
     }
 }

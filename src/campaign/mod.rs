@@ -10,8 +10,12 @@ use crate::error::{Error, Fault, Result};
 
 mod angles;
 mod arms;
+mod artist;
 mod check;
+mod index_file;
 pub mod materials;
+mod optics;
+mod optics_schema;
 mod preset;
 mod reader;
 mod report;

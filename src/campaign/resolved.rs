@@ -3,9 +3,9 @@
 use std::fmt::{Debug, Display};
 
 use super::schema::{
-    Alpha, Azimuth, Campaign, Expect, HeightMap, Light, Optics, Sensor, Surface, SurfaceKind,
+    Alpha, Azimuth, Campaign, Expect, HeightMap, Index, Light, Medium, Optics, Sensor, Surface, SurfaceKind,
 };
-use super::{arms, check, surface};
+use super::{arms, check, optics, surface};
 
 /// The campaign as resolved, in the schema that [`parse`](super::parse) reads: parsing it gives the campaign again.
 ///
@@ -24,6 +24,9 @@ pub fn to_toml(campaign: &Campaign) -> String {
     text.line("bounces", campaign.trace.bounces);
     text.line("visibility", campaign.trace.visibility);
     text.line("fold", campaign.trace.fold);
+    if campaign.trace.by_order {
+        text.line("by_order", true);
+    }
     text.table("stop");
     text.line("samples", campaign.stop.samples);
     let rules = [("relative_error", campaign.stop.relative_error), ("seconds", campaign.stop.seconds)];
@@ -182,14 +185,62 @@ fn sensor_table(text: &mut Text, sensor: &Sensor) {
 }
 
 fn optics_table(text: &mut Text, optics: &Optics) {
-    let Optics::Schlick { material, f0 } = optics else { return };
-    text.table("optics");
-    match material {
-        Some(name) => text.line("material", quoted(name)),
-        None => text.floats("f0", f0),
+    if *optics == Optics::PerfectMirror {
+        return;
     }
-    text.line("fresnel", quoted("schlick"));
-    text.line("polarisation", quoted("none"));
+    text.table("optics");
+    match optics {
+        Optics::Schlick { material: Some(name), .. } => text.line("material", quoted(name)),
+        Optics::Schlick { material: None, f0 } => text.floats("f0", f0),
+        Optics::Index(index) => index_lines(text, index),
+        Optics::PerfectMirror => {}
+        Optics::Several(all) => several_lines(text, all),
+    }
+    let (law, polarisations) = optics::law_of(optics);
+    text.line("fresnel", word(&optics::LAWS, &law));
+    match polarisations[..] {
+        [one] => text.line("polarisation", word(&optics::POLARISATIONS, &one)),
+        _ => text.line("polarisation", words(polarisations.iter().map(|p| word(&optics::POLARISATIONS, p)))),
+    }
+}
+
+/// The numbers themselves for an index that came from a file or the campaign: a table needs no other file.
+fn index_lines(text: &mut Text, index: &Index) {
+    let nm: Vec<f64> = index.media.iter().filter_map(|medium| medium.wavelength_nm).collect();
+    if let Some(name) = &index.material {
+        text.line("material", quoted(name));
+        return text.floats("wavelength_nm", nm);
+    }
+    let part = |pick: fn(&Medium) -> f64| index.media.iter().map(pick).collect::<Vec<f64>>();
+    let (eta, k) = (part(|medium| medium.eta), part(|medium| medium.k));
+    if nm.is_empty() {
+        text.floats("eta", eta[0]);
+        return text.floats("k", k[0]);
+    }
+    text.floats("eta", eta);
+    text.floats("k", k);
+    text.floats("wavelength_nm", nm);
+}
+
+/// Several names, or one material in several polarisations.
+fn several_lines(text: &mut Text, all: &[Optics]) {
+    let mut names: Vec<&str> = all.iter().filter_map(Optics::material).collect();
+    names.dedup();
+    match (&all[0], &names[..]) {
+        (Optics::Index(index), [] | [_]) => index_lines(text, index),
+        (first, _) => {
+            text.line("materials", words(names.iter().map(|name| quoted(name))));
+            if let Optics::Index(index) = first {
+                let nm: Vec<f64> = index.media.iter().filter_map(|medium| medium.wavelength_nm).collect();
+                text.floats("wavelength_nm", nm);
+            }
+        }
+    }
+}
+
+/// A list of words that are quoted already.
+fn words(all: impl Iterator<Item = String>) -> String {
+    format!("[{}]", all.collect::<Vec<_>>().join(", "))
 }
 
 fn expect_table(text: &mut Text, expect: &Expect) {

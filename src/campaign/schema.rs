@@ -4,6 +4,7 @@
 
 use serde::Serialize;
 
+pub use super::optics_schema::{Index, Law, Medium, Optics, Polarisation};
 pub use super::sample::*;
 
 /// A whole campaign file.
@@ -104,21 +105,6 @@ pub enum PhiFrom {
     Sample,
 }
 
-/// What a facet reflects.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Optics {
-    /// F = 1.
-    PerfectMirror,
-    /// Schlick's Fresnel.
-    Schlick {
-        /// The material's name, where one was given.
-        material: Option<String>,
-        /// Reflectance at normal incidence for R, G, B, each in [0, 1].
-        f0: [f64; 3],
-    },
-}
-
 /// How paths are followed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trace {
@@ -128,6 +114,8 @@ pub struct Trace {
     pub visibility: bool,
     /// Mirror symmetry of the surface's law as extra samples.
     pub fold: bool,
+    /// Whether every order above 1 has channels of its own, not only all of them together.
+    pub by_order: bool,
 }
 
 /// When the measurement ends.
@@ -189,6 +177,11 @@ impl Campaign {
             *alphas = vec![alpha];
         }
         one
+    }
+
+    /// The same campaign for one of its materials: what a table of several stores.
+    pub fn with_optics(&self, optics: &Optics) -> Campaign {
+        Campaign { optics: optics.clone(), ..self.clone() }
     }
 
     /// Whether the law of the surface is the same at every azimuth.

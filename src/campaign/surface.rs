@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use super::angles::{AZIMUTH, reduced};
+use super::artist::{self, Artist};
 use super::reader::{Bounds, Item, Slot, Table, plain};
 use super::schema::{
     Alpha, Detrend, HeightMap, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind,
@@ -55,8 +56,8 @@ struct PatchKeys<'a> {
     mirror_images: Slot<'a>,
 }
 
-/// Reads `[surface]`; height maps are looked for in `folder`.
-pub(super) fn surface(slot: &Slot<'_>, folder: &Path) -> Option<Surface> {
+/// Reads `[surface]`; height maps are looked for in `folder`. `artist` gets the material of `[surface.artist]`.
+pub(super) fn surface(slot: &Slot<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<Surface> {
     let [realisations, cells, correlation_cells, rotation, mirror_images, kinds @ ..] = slot.table()?.keys([
         "realisations",
         "cells",
@@ -74,7 +75,7 @@ pub(super) fn surface(slot: &Slot<'_>, folder: &Path) -> Option<Surface> {
         "blinn_phong",
     ]);
     let given: Vec<&Item<'_>> = kinds.iter().filter_map(Slot::given).collect();
-    let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder)).collect();
+    let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder, artist)).collect();
     let rotation_deg = rotation.or(0.0, rotation_deg);
     let keys = PatchKeys { realisations, cells, correlation_cells, mirror_images };
     let kind = match given[..] {
@@ -167,8 +168,13 @@ fn made_or_measured(
     })
 }
 
-fn kind(item: &Item<'_>, folder: &Path) -> Option<SurfaceKind> {
+fn kind(item: &Item<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<SurfaceKind> {
     match item.name() {
+        "artist" => {
+            let (alpha, material) = artist::artist(item.table()?)?;
+            *artist = Some(material);
+            Some(SurfaceKind::Ggx(vec![alpha]))
+        }
         "ggx" => alphas(item.table()?).map(SurfaceKind::Ggx),
         "beckmann" => beckmann(item.table()?),
         "student_t" => student_t(item.table()?),

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 
+use super::optics_text;
 use super::output::{self, Output, duration, grouped, json_text, say, warn, with_error};
 use super::plan_text;
 use super::progress::Progress;
 use super::report::{Sources, page_of};
 use super::targets::{self, Target};
-use crate::campaign::{self, Campaign, Parsed};
+use crate::campaign::{self, Campaign, Optics, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::measure::{self, Cost, Measured, Patches, Plan, StopResult, StoppedBy};
@@ -20,6 +21,7 @@ use crate::stats;
 use crate::table::realisations::{self, Kept};
 use crate::table::store;
 use crate::validate::aperture::worst;
+use crate::validate::schlick_error::SchlickError;
 use crate::validate::{self, Prediction, Verdict};
 
 /// Measure a campaign: table, realisations, summary and report
@@ -81,11 +83,18 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     Ok(0)
 }
 
-/// The campaign with the roughnesses of `open` alone. Roughnesses share patches and draws: the tables stay the same.
+/// The campaign with the roughnesses and materials of `open` alone. They share patches and draws: the tables stay the
+/// same.
 fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
     let mut some = campaign.clone();
     if let Some(alphas) = some.surface.kind.alphas_mut() {
         alphas.retain(|alpha| open.iter().any(|target| target.alpha == Some(*alpha)));
+    }
+    if let Optics::Several(all) = &mut some.optics {
+        all.retain(|optics| open.iter().any(|target| target.optics == *optics));
+        if let [one] = &all[..] {
+            some.optics = one.clone();
+        }
     }
     some
 }
@@ -107,12 +116,17 @@ fn measure_all(campaign: &Campaign, open: &[&Target], arguments: &Arguments, out
     let progress = Progress::new(plan.total_samples, "samples");
     let (results, cost) = measure::measure(campaign, &plan, &patches, &|starts| progress.add(starts))?;
     progress.finish();
-    for (measured, target) in results.iter().zip(open) {
+    for (measured, target) in results.iter().filter_map(|measured| {
+        // A table that was finished before may be among the results.
+        open.iter().find(|target| target.is_of(&measured.table)).map(|target| (measured, target))
+    }) {
         let Measured { table, campaign, .. } = measured;
         let prediction = Prediction::of(campaign, &table.grid);
         let verdict =
             validate::examine_against(table, campaign, Some(&measured.realisations), prediction.as_ref());
-        let document = summary(measured, &plan, &cost, &verdict);
+        let schlick = SchlickError::of(campaign, table);
+        let mut document = summary(measured, &plan, &cost, &verdict);
+        document["fresnel"] = output::to_json(&schlick)?;
         let specimen = specimen::of_patches(&patches, campaign)?;
         let sources = Sources { table, campaign: Some(campaign), prediction: prediction.as_ref(), specimen };
         let page = page_of(sources, &document, None);
@@ -120,6 +134,7 @@ fn measure_all(campaign: &Campaign, open: &[&Target], arguments: &Arguments, out
         verdict.failures.iter().for_each(warn);
         if !json {
             report(out, measured, &plan, &verdict)?;
+            out.lines(schlick.iter().flat_map(optics_text::schlick_lines))?;
             out.lines(lobes(measured, prediction.as_ref()))?;
             out.lines(files_written(target, kept))?;
         }
@@ -164,6 +179,8 @@ fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
 fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict) -> Result<()> {
     let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
     let mut headings = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
+    let beyond = measured.stops.iter().any(|stop| stop.beyond_order_1().0.is_some());
+    headings.extend(beyond.then_some("beyond order 1"));
     headings.extend(open_map.then_some("left map"));
     headings.extend(plan.apertures_only.then_some("outside"));
     let row = |(index, stop): (usize, &StopResult)| {
@@ -180,6 +197,8 @@ fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict)
             share(stop.hidden),
             share(stop.cut),
         ];
+        let missed = stop.beyond_order_1();
+        row.extend(missed.0.map(|mean| with_error(mean, missed.1)));
         row.extend(open_map.then(|| share(stop.left_map)));
         row.extend(plan.apertures_only.then(|| share(stop.outside)));
         row
@@ -191,8 +210,12 @@ fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict)
         _ => String::new(),
     };
     out.line("")?;
-    out.line(format_args!("{}{alpha}: mean +- standard error over realisations", measured.campaign.name))?;
+    let material = measured.campaign.optics.label();
+    let material = if material.is_empty() { material } else { format!(", {material}") };
+    let name = &measured.campaign.name;
+    out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations"))?;
     out.lines(output::columns(&headings, &rows))?;
+    out.lines(optics_text::order_lines(measured, plan))?;
     out.lines(end_lines(measured, plan))?;
     out.line("")?;
     out.lines(verdict.lines())

@@ -19,9 +19,11 @@ mod export;
 mod fit;
 mod import;
 mod measure;
+mod optics_text;
 mod output;
 mod plan_text;
 mod progress;
+mod recolour;
 mod report;
 mod resolution_text;
 mod scene;
@@ -62,6 +64,7 @@ enum Verb {
     Import(import::Arguments),
     Bench(bench::Arguments),
     Report(report::Arguments),
+    Recolour(recolour::Arguments),
 }
 
 impl Verb {
@@ -73,7 +76,7 @@ impl Verb {
             Verb::Bench(arguments) => arguments.threads,
             Verb::Study(arguments) => arguments.threads,
             Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) | Verb::Report(_) => 0,
-            Verb::Export(_) | Verb::Import(_) => 0,
+            Verb::Export(_) | Verb::Import(_) | Verb::Recolour(_) => 0,
         }
     }
 
@@ -90,6 +93,7 @@ impl Verb {
             Verb::Import(arguments) => import::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
             Verb::Report(arguments) => report::run(arguments),
+            Verb::Recolour(arguments) => recolour::run(arguments),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::output::{bytes, duration, grouped, wrapped};
 use crate::campaign::{
-    Alpha, Azimuth, BinLayout, Campaign, HeightSpectrum, Optics, PhiFrom, Preset, Sensor, SmithHeights,
-    SmithNdf, SurfaceKind,
+    Alpha, Azimuth, BinLayout, Campaign, HeightSpectrum, PhiFrom, Preset, Sensor, SmithHeights, SmithNdf,
+    SurfaceKind,
 };
 use crate::measure::{Plan, Skip};
 use crate::validate::aperture::ApertureBias;
@@ -14,8 +14,11 @@ const HEAD: usize = 14;
 /// The plan, a line or two for each question.
 pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
     let trace = &campaign.trace;
-    let orders =
-        if trace.bounces == 1 { "order 1".into() } else { format!("orders up to {}", trace.bounces) };
+    let apart = if trace.by_order { ", each by itself" } else { "" };
+    let orders = match trace.bounces {
+        1 => "order 1".into(),
+        bounces => format!("orders up to {bounces}{apart}"),
+    };
     let sight = if trace.visibility { "shadowing and masking" } else { "no shadowing or masking" };
     let samples = format!(
         "{} for each stop and realisation ({} blocks), {} in all",
@@ -26,7 +29,7 @@ pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
     let facts = [
         ("campaign", format!("{}, seed {}", campaign.name, campaign.seed)),
         ("surface", surface(campaign)),
-        ("optics", optics(campaign)),
+        ("optics", campaign.optics.described()),
         ("trace", format!("{orders}; {sight}")),
         ("stops", stops(campaign, plan)),
         ("bins", format!("{} at each stop: {}", grouped(plan.bins as u128), sensor(campaign))),
@@ -123,14 +126,6 @@ fn surface(campaign: &Campaign) -> String {
 /// A roughness as it is written: one number where it is the same along x and y.
 fn roughness(alpha: Alpha) -> String {
     if alpha.x == alpha.y { alpha.x.to_string() } else { format!("{} along x, {} along y", alpha.x, alpha.y) }
-}
-
-fn optics(campaign: &Campaign) -> String {
-    match &campaign.optics {
-        Optics::PerfectMirror => "F = 1".into(),
-        Optics::Schlick { material: Some(name), f0 } => format!("{name}, Schlick, F0 {f0:?}"),
-        Optics::Schlick { material: None, f0 } => format!("Schlick, F0 {f0:?}"),
-    }
 }
 
 fn stops(campaign: &Campaign, plan: &Plan) -> String {

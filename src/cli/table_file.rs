@@ -1,6 +1,6 @@
 //! What a verb reads of a stored table: the table, its campaign, and its realisations beside it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::output::{say, warn};
 use crate::campaign::{self, Campaign};
@@ -56,10 +56,15 @@ pub fn campaign_of(path: &Path, table: &BrdfTable) -> Result<Campaign> {
     }
 }
 
+/// Where the realisations of a table lie.
+pub fn realisations_path(table: &Path) -> PathBuf {
+    let stem = table.file_stem().unwrap_or_default().to_string_lossy();
+    table.with_file_name(format!("{stem}.realisations.exr"))
+}
+
 /// The table's realisations, where they lie beside it.
 pub fn realisations_beside(path: &Path, table: &BrdfTable) -> Result<Option<Realisations>> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let beside = path.with_file_name(format!("{stem}.realisations.exr"));
+    let beside = realisations_path(path);
     if !beside.is_file() {
         say(format_args!("note: {} is absent: no pairing over realisations", beside.display()));
         return Ok(None);

@@ -5,10 +5,10 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::output::{say, warn};
-use crate::campaign::{self, Alpha, Campaign, SurfaceKind};
+use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files;
-use crate::table::store;
+use crate::table::{BrdfTable, store};
 
 /// The output folder, ready to take files: `wanted`, or `out/<name>`.
 pub fn open_folder(wanted: Option<&Path>, campaign: &Campaign) -> Result<PathBuf> {
@@ -53,6 +53,8 @@ pub fn remove(path: &Path) -> Result<()> {
 pub struct Target {
     /// The roughness, where there is one.
     pub alpha: Option<Alpha>,
+    /// The material.
+    pub optics: Optics,
     /// The table.
     pub table: PathBuf,
     /// Its realisations.
@@ -69,16 +71,21 @@ pub struct Target {
 impl Target {
     /// The files of every table of a campaign.
     pub fn of(campaign: &Campaign, folder: &Path) -> Vec<Target> {
-        let alphas = campaign.alphas();
-        let several = alphas.len() > 1;
-        let target = |alpha: Option<Alpha>| {
+        let (alphas, materials) = (campaign.alphas(), campaign.optics.each());
+        let (several_alphas, several_materials) = (alphas.len() > 1, materials.len() > 1);
+        let target = |(alpha, optics): (Option<Alpha>, &Optics)| {
             let one = alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
-            let stem = match alpha {
-                Some(alpha) if several => format!("{}_alpha_{}", campaign.name, alpha.x),
-                _ => campaign.name.clone(),
-            };
+            let one = one.with_optics(optics);
+            let mut stem = campaign.name.clone();
+            if let (Some(alpha), true) = (alpha, several_alphas) {
+                stem = format!("{stem}_alpha_{}", alpha.x);
+            }
+            if several_materials {
+                stem = format!("{stem}_{}", optics.label());
+            }
             Target {
                 alpha,
+                optics: optics.clone(),
                 table: folder.join(format!("{stem}.exr")),
                 realisations: folder.join(format!("{stem}.realisations.exr")),
                 summary: folder.join(format!("{stem}.json")),
@@ -87,7 +94,13 @@ impl Target {
                 campaign: campaign::to_toml(&one),
             }
         };
-        alphas.into_iter().map(target).collect()
+        let pairs = alphas.into_iter().flat_map(|alpha| materials.iter().map(move |&optics| (alpha, optics)));
+        pairs.map(target).collect()
+    }
+
+    /// Whether this is the table of `measured`.
+    pub fn is_of(&self, measured: &BrdfTable) -> bool {
+        measured.campaign == self.campaign
     }
 
     /// Whether the table is there and finished. A table of another campaign, or a file that is no table, is an

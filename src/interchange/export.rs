@@ -45,6 +45,12 @@ pub struct Exported<'a> {
 /// Errors: [`Error::Refused`] with the reason where the format cannot hold the table; [`Error::Io`].
 pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Result<Export> {
     let refused = |why: String| Error::Refused(format!("{}: {}: {why}", path.display(), format.name()));
+    if table.is_spectral() && !format.holds_wavelengths() {
+        let count = table.colours.len();
+        return Err(refused(format!(
+            "holds Y or R G B, the table has {count} wavelengths; npz and npy hold them"
+        )));
+    }
     if !format.holds_half_difference()
         && let Some(arms) = as_arms(table, None).map_err(refused)?
     {

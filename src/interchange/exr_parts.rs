@@ -3,6 +3,7 @@
 //! Channels and attributes are those of the native table, `gonio.stop`, `gonio.theta_i_deg` and `gonio.phi_i_deg`
 //! beside them; the campaign stands in the first part. Comes back bit for bit.
 
+use std::collections::BTreeMap;
 use std::io::{BufRead, Seek};
 
 use super::read_back::{Listing, ReadBack};
@@ -10,7 +11,7 @@ use super::{Reason, npz};
 use crate::files::image::{self, Part, Samples};
 use crate::files::image_rows;
 use crate::instrument::Grid;
-use crate::table::{BrdfTable, ColourChannels, check_grid};
+use crate::table::{BrdfTable, ColourChannels, SchlickSums, check_grid};
 
 /// How the values are meant.
 pub const CONVENTION: &str = "one part a stop, named by its angles; column = phi_r, row = theta_r; FLOAT, BRDF in 1/sr, no \
@@ -43,22 +44,29 @@ pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
     let grid = serde_json::to_string(&table.grid).map_err(|e| e.to_string())?;
     let parts: Vec<Part> = (0..table.grid.stops()).map(|stop| part(table, stop, &grid)).collect();
     let (width, height) = size(&table.grid);
-    let values = |name: &str| -> Option<&[f32]> {
-        let places = table.colour_names().iter().zip(&table.colours);
-        let of = |(end, colour)| {
-            let layer = name.strip_suffix(end)?;
-            CHANNELS.iter().find(|channel| channel.0 == layer).map(|channel| channel.1(colour).as_slice())
-        };
-        if name == "schlick" { table.schlick.as_deref() } else { places.filter_map(of).next() }
-    };
+    let planes: BTreeMap<String, &[f32]> = planes(table).into_iter().collect();
     image_rows::encode(&parts, |(stop, name, row), out| {
         let first = (stop * height + row) * width;
         let places = out.as_chunks_mut::<4>().0.iter_mut();
-        match values(name) {
+        match planes.get(name) {
             Some(values) => places.zip(&values[first..]).for_each(|(out, value)| *out = value.to_ne_bytes()),
             None => places.zip(&table.hits[first..]).for_each(|(out, hits)| *out = hits.to_ne_bytes()),
         }
     })
+}
+
+/// Every FLOAT channel of the table, by its name in the file.
+fn planes(table: &BrdfTable) -> Vec<(String, &[f32])> {
+    let mut planes: Vec<(String, &[f32])> = Vec::new();
+    for (name, colour) in table.colour_names().iter().zip(&table.colours) {
+        planes
+            .extend(CHANNELS.iter().map(|(layer, of, _)| (format!("{layer}{name}"), of(colour).as_slice())));
+        let orders = (2..).zip(&colour.orders);
+        planes.extend(orders.map(|(order, values)| (format!("order{order}.{name}"), values.as_slice())));
+    }
+    let sums = table.schlick.iter().flat_map(|sums| sums.channels(table.is_by_order()));
+    planes.extend(sums.map(|(name, sums)| (name, sums.as_slice())));
+    planes
 }
 
 /// The heading of a part: its channels have types only.
@@ -67,15 +75,10 @@ fn part(table: &BrdfTable, stop: usize, grid: &str) -> Part {
     let (theta_i, phi_i) = table.grid.stop_deg(stop);
     let mut part = Part { width, height, ..Part::default() };
     part.name = Some(format!("stop{stop:04}_thetaI{theta_i:05.1}_phiI{phi_i:05.1}"));
-    for name in table.colour_names() {
-        for (layer, ..) in CHANNELS {
-            part.channels.insert(format!("{layer}{name}"), Samples::F32(vec![]));
-        }
+    for (name, _) in planes(table) {
+        part.channels.insert(name, Samples::F32(vec![]));
     }
     part.channels.insert("hits".into(), Samples::U32(vec![]));
-    if table.schlick.is_some() {
-        part.channels.insert("schlick".into(), Samples::F32(vec![]));
-    }
     for (name, value) in [(STOP, stop as f64), ("gonio.theta_i_deg", theta_i), ("gonio.phi_i_deg", phi_i)] {
         part.attributes.insert(name.into(), image::Attribute::Number(value));
     }
@@ -135,6 +138,9 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
         for (layer, _, place) in CHANNELS {
             *place(colour) = floats(&mut parts, &format!("{layer}{name}"))?;
         }
+        while let Some(order) = optional(&mut parts, &format!("order{}.{name}", colour.orders.len() + 2))? {
+            colour.orders.push(order);
+        }
     }
     let mut hits = Vec::with_capacity(stops * width * height);
     for part in &mut parts {
@@ -143,12 +149,17 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
             _ => return Err("channel `hits` (UINT) is missing".into()),
         }
     }
-    let schlick =
-        parts[0].channels.contains_key("schlick").then(|| floats(&mut parts, "schlick")).transpose()?;
+    let schlick = SchlickSums::gathered(|name| optional(&mut parts, name))?;
     let [campaign, version, seed, patch_digest] =
         TEXTS.map(|name| parts[0].text(name).unwrap_or_default().to_string());
     let seed = seed.parse().map_err(|_| format!("gonio.seed = `{seed}` is no seed"))?;
     Ok(BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick })
+}
+
+/// A FLOAT channel of all parts, where the first one has it.
+fn optional(parts: &mut [Part], name: &str) -> Reason<Option<Vec<f32>>> {
+    let there = parts.first().is_some_and(|part| part.channels.contains_key(name));
+    there.then(|| floats(parts, name)).transpose()
 }
 
 /// A FLOAT channel of all parts, one after the other.

@@ -79,6 +79,11 @@ impl Format {
     pub fn has_one_channel(self) -> bool {
         matches!(self, Format::Zemax | Format::Pabopto)
     }
+
+    /// Whether the file can hold more colours than R, G and B.
+    pub fn holds_wavelengths(self) -> bool {
+        matches!(self, Format::Npz | Format::Npy)
+    }
 }
 
 impl FromStr for Format {

@@ -104,9 +104,19 @@ impl From<String> for Fail {
 /// Order 1 is taken to be all there is; every value counts as one arrival, as 0 would mean "not seen".
 /// Negative and non-finite values are refused with their place. Held by: `nan_and_negative_values_are_refused`.
 pub fn foreign_table(grid: Grid, total: Vec<Vec<f32>>) -> Reason<BrdfTable> {
+    spectral_table(grid, total, &[])
+}
+
+/// The same with a wavelength for each colour, where there are any.
+pub fn spectral_table(grid: Grid, total: Vec<Vec<f32>>, wavelengths_nm: &[f64]) -> Reason<BrdfTable> {
     let (stops, bins) = (grid.stops(), grid.bins());
     let pixels = stops.checked_mul(bins).ok_or("more values than a table can hold")?;
-    if !matches!(total.len(), 1 | 3) || total.iter().any(|values| values.len() != pixels) || pixels == 0 {
+    let told_apart = if wavelengths_nm.is_empty() {
+        matches!(total.len(), 1 | 3)
+    } else {
+        wavelengths_nm.len() == total.len()
+    };
+    if !told_apart || total.iter().any(|values| values.len() != pixels) || pixels == 0 {
         return Err(format!("{} colours do not make {stops} stops of {bins} bins", total.len()));
     }
     for values in &total {
@@ -118,12 +128,14 @@ pub fn foreign_table(grid: Grid, total: Vec<Vec<f32>>) -> Reason<BrdfTable> {
             ));
         }
     }
-    let colours = total.into_iter().map(|total| ColourChannels {
+    let colours = total.into_iter().enumerate().map(|(k, total)| ColourChannels {
+        wavelength_nm: wavelengths_nm.get(k).copied(),
         single: total.clone(),
         multiple: vec![0.0; pixels],
         stderr: vec![-1.0; pixels],
         stderr_single: vec![-1.0; pixels],
         total,
+        ..ColourChannels::default()
     });
     Ok(BrdfTable {
         grid,

@@ -1,7 +1,7 @@
 //! NPZ: every array of the table for NumPy, stored in a zip without compression; comes back bit for bit.
 //!
 //! Arrays: `brdf` [theta_i, phi_i, theta_r, phi_r(, colour)] f4, `single`, `stderr`, `stderr_single` alike, `hits` u4
-//! (`schlick` f4) without colours, axes f8 in degrees, `phi_r_relative` u1, texts as u1: `campaign`, `grid` (JSON, the
+//! (`schlick`, `unit`, `parts.*` f4) without colours, `order2` ... and `wavelength_nm` where the table has them, axes f8 in degrees, `phi_r_relative` u1, texts as u1: `campaign`, `grid` (JSON, the
 //! whole geometry), `version`, `seed`, `patch_digest`. Lists of patches or points have [stop, bin(, colour)].
 
 use std::io::{Cursor, Read, Seek, Write};
@@ -11,10 +11,10 @@ use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::read_back::{Listing, ReadBack};
-use super::{Fail, Reason, foreign_table};
+use super::{Fail, Reason, spectral_table};
 use crate::files::npy::{self, Array, Values};
 use crate::instrument::{Grid, GridKind};
-use crate::table::{BrdfTable, ColourChannels, check_grid};
+use crate::table::{BrdfTable, ColourChannels, SchlickSums, check_grid};
 
 /// How the values are meant.
 pub const CONVENTION: &str = "the table as it is: f4, C order, [theta_i, phi_i, theta_r, phi_r(, colour)]; BRDF in 1/sr, no \
@@ -23,7 +23,9 @@ pub const CONVENTION: &str = "the table as it is: f4, C order, [theta_i, phi_i, 
 /// Deflate shrinks at most 1032-fold.
 const MAX_RATIO: u64 = 1032;
 /// More members than any table has.
-const MOST_MEMBERS: usize = 64;
+const MOST_MEMBERS: usize = 128;
+/// The array that names the colours of a spectral table.
+const WAVELENGTHS: &str = "wavelength_nm";
 
 /// Lengths along the axes of a table's arrays.
 pub fn shape(grid: &Grid, colours: usize) -> Vec<usize> {
@@ -99,8 +101,17 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
         archive.array(name, &shape_of(values.len()), interleaved(&values))?;
     }
     archive.array("hits", &shape_of(1), table.hits.iter().copied())?;
-    if let Some(schlick) = &table.schlick {
-        archive.array("schlick", &shape_of(1), schlick.iter().copied())?;
+    for order in 0..table.colours[0].orders.len() {
+        let values: Vec<&[f32]> =
+            table.colours.iter().map(|colour| colour.orders[order].as_slice()).collect();
+        archive.array(&format!("order{}", order + 2), &shape_of(values.len()), interleaved(&values))?;
+    }
+    for (name, sums) in table.schlick.iter().flat_map(|sums| sums.channels(table.is_by_order())) {
+        archive.array(&name, &shape_of(1), sums.iter().copied())?;
+    }
+    let wavelengths: Vec<f64> = table.colours.iter().filter_map(|colour| colour.wavelength_nm).collect();
+    if !wavelengths.is_empty() {
+        archive.axis(WAVELENGTHS, &wavelengths)?;
     }
     for (name, axis) in axes(grid).into_iter().filter(|(_, axis)| !axis.is_empty()) {
         archive.axis(name, axis)?;
@@ -204,6 +215,17 @@ impl<R: Read + Seek> Members<R> {
         Ok(grid)
     }
 
+    /// The wavelengths of so many colours; none for Y and R, G, B.
+    fn wavelengths(&mut self, colours: usize) -> Reason<Vec<f64>> {
+        let nm = self.axis(WAVELENGTHS)?;
+        let sound =
+            nm.iter().all(|nm| *nm > 0.0 && nm.is_finite()) && nm.windows(2).all(|pair| pair[0] < pair[1]);
+        if !nm.is_empty() && (!sound || nm.len() != colours) {
+            return Err(format!("array `{WAVELENGTHS}`: {colours} increasing positive numbers needed"));
+        }
+        Ok(nm)
+    }
+
     /// A channel with one value per pixel and colour; of f8 arrays the nearest f4.
     fn channel(&mut self, name: &str, shape: &[usize]) -> Reason<Option<Vec<f32>>> {
         let Some(array) = self.array(name)? else { return Ok(None) };
@@ -231,12 +253,13 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     check_grid(&grid)?;
     let colours = match members.need("brdf")?.shape.len() as isize - shape(&grid, 1).len() as isize {
         0 => 1,
-        1 => 3,
+        1 => members.need("brdf")?.shape.last().copied().unwrap_or(0),
         _ => return Err("array `brdf` has neither the table's axes nor one more for the colour".into()),
     };
+    let wavelengths = members.wavelengths(colours)?;
     let wanted = shape(&grid, colours);
     let total = members.channel("brdf", &wanted)?.ok_or("no array `brdf`")?;
-    let mut table = foreign_table(grid, apart(&total, colours))?;
+    let mut table = spectral_table(grid, apart(&total, colours), &wavelengths)?;
     let channels: [(&str, Place); 4] = [
         ("single", |c| &mut c.single),
         ("multiple", |c| &mut c.multiple),
@@ -256,7 +279,12 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
             _ => return Err(format!("array `hits`: u4 of shape {plain:?} needed")),
         }
     }
-    table.schlick = members.channel("schlick", &plain)?;
+    table.schlick = SchlickSums::gathered(|name| members.channel(name, &plain))?;
+    for order in 2.. {
+        let Some(values) = members.channel(&format!("order{order}"), &wanted)? else { break };
+        let channels = table.colours.iter_mut().zip(apart(&values, colours));
+        channels.for_each(|(colour, values)| colour.orders.push(values));
+    }
     table.campaign = members.text("campaign")?;
     table.patch_digest = members.text("patch_digest")?;
     let version = members.text("version")?;

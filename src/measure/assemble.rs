@@ -1,37 +1,16 @@
 //! From the sums of every realisation to the table: values, error bars, albedos.
 
-use super::optics::colours_of;
 use super::plan::Plan;
+use super::record::StopRecord;
 use super::rounds::Finished;
 use super::stopping::{Progress, StoppedBy};
-use super::tally::{Tally, from_units};
-use crate::campaign::{self, Campaign};
+use super::weighing::Colour;
+use crate::campaign::{self, Campaign, Optics};
 use crate::stats;
-use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
+use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
 
 /// Hits that a bin without any is given as its upper bound.
 const HITS_OF_AN_EMPTY_BIN: f64 = 1.5;
-
-/// One stop and realisation, flux as a share of the incident flux.
-#[derive(Debug, Clone)]
-pub struct StopRecord {
-    single: Vec<f64>,
-    schlick: Vec<f64>,
-    multiple: Vec<Vec<f64>>,
-    hits: Vec<u64>,
-    orders: Vec<OrderRecord>,
-    cut: (u64, f64),
-    hidden: u64,
-    left_map: u64,
-    outside: (u64, f64),
-}
-
-#[derive(Debug, Clone, Copy)]
-struct OrderRecord {
-    count: u64,
-    colours: [f64; 3],
-    unit: f64,
-}
 
 /// What a stop shows besides its bins.
 #[derive(Debug, Clone)]
@@ -42,6 +21,8 @@ pub struct StopResult {
     /// All orders and the cut paths with F = 1: [realisation]; empty where only the light towards the apertures is
     /// followed.
     pub closure: Vec<f64>,
+    /// Whether F = 1.
+    pub perfect: bool,
     /// Paths that leave, by order.
     pub orders: Vec<u64>,
     /// Paths beyond the last order.
@@ -65,7 +46,7 @@ pub struct StopResult {
 /// A measured table with everything that the summary needs.
 #[derive(Debug, Clone)]
 pub struct Measured {
-    /// The campaign of this table: one roughness.
+    /// The campaign of this table: one roughness, one material.
     pub campaign: Campaign,
     /// The table.
     pub table: BrdfTable,
@@ -75,149 +56,111 @@ pub struct Measured {
     pub stops: Vec<StopResult>,
 }
 
-impl StopRecord {
-    /// The record of a finished tally.
-    pub fn new(tally: &Tally) -> Self {
-        let flux = |sums: &[u128]| sums.iter().map(|&units| from_units(units)).collect::<Vec<_>>();
-        StopRecord {
-            single: flux(&tally.single),
-            schlick: flux(&tally.schlick),
-            multiple: tally.multiple.iter().map(|sums| flux(sums)).collect(),
-            hits: tally.hits.clone(),
-            orders: tally
-                .orders
-                .iter()
-                .map(|o| OrderRecord {
-                    count: o.count,
-                    colours: o.colours.map(from_units),
-                    unit: from_units(o.flux),
-                })
-                .collect(),
-            cut: (tally.cut.count, from_units(tally.cut.flux)),
-            hidden: tally.hidden.count,
-            left_map: tally.left_map.count,
-            outside: (tally.outside.count, from_units(tally.outside.flux)),
-        }
-    }
-
-    /// This and further blocks of the same stop and realisation.
-    pub fn plus(mut self, other: &Self) -> Self {
-        let add = |mine: &mut [f64], theirs: &[f64]| mine.iter_mut().zip(theirs).for_each(|(a, b)| *a += b);
-        add(&mut self.single, &other.single);
-        add(&mut self.schlick, &other.schlick);
-        self.multiple.iter_mut().zip(&other.multiple).for_each(|(mine, theirs)| add(mine, theirs));
-        self.hits.iter_mut().zip(&other.hits).for_each(|(mine, theirs)| *mine += theirs);
-        for (mine, theirs) in self.orders.iter_mut().zip(&other.orders) {
-            mine.count += theirs.count;
-            mine.unit += theirs.unit;
-            add(&mut mine.colours, &theirs.colours);
-        }
-        self.cut = (self.cut.0 + other.cut.0, self.cut.1 + other.cut.1);
-        self.hidden += other.hidden;
-        self.left_map += other.left_map;
-        self.outside = (self.outside.0 + other.outside.0, self.outside.1 + other.outside.1);
-        self
-    }
-
-    /// All flux times `factor`; counts stay.
-    pub fn scaled(mut self, factor: f64) -> Self {
-        if factor == 1.0 {
-            return self;
-        }
-        let flux = self.single.iter_mut().chain(&mut self.schlick).chain(self.multiple.iter_mut().flatten());
-        flux.for_each(|flux| *flux *= factor);
-        for order in &mut self.orders {
-            order.unit *= factor;
-            order.colours.iter_mut().for_each(|flux| *flux *= factor);
-        }
-        self.cut.1 *= factor;
-        self.outside.1 *= factor;
-        self
-    }
-
-    /// Flux of order 1 in one colour: F0 times the whole plus (1 - F0) times the (1-c)^5 part.
-    pub fn single_flux(&self, f0: Option<f64>, bin: usize) -> f64 {
-        match f0 {
-            None => self.single[bin],
-            Some(f0) => f0 * self.single[bin] + (1.0 - f0) * self.schlick[bin],
-        }
-    }
-
-    /// Flux of the orders above 1 in one colour.
-    pub fn multiple_flux(&self, colour: usize, bin: usize) -> f64 {
-        self.multiple.get(colour).map_or(0.0, |sums| sums[bin])
-    }
-}
-
-/// The table of one roughness.
+/// The tables of one roughness, one for each material.
 pub(super) fn assemble(
     campaign: &Campaign,
     plan: &Plan,
     Finished { alpha, records, stops: ends }: Finished,
     patch_digest: &str,
-) -> Measured {
+) -> Vec<Measured> {
     let campaign = alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
     let sizes: Vec<Vec<f64>> = (0..plan.stops)
         .map(|stop| plan.grid.regions(stop).iter().map(|region| region.projected_solid_angle()).collect())
         .collect();
-    let colour_f0 = colours_of(&campaign.optics);
-    let parts: Vec<RealisationPart> =
-        records.iter().map(|stops| realisation_part(stops, &sizes, &colour_f0)).collect();
     let hits = total_hits(plan, &records);
     let empty = empty_bin_errors(plan, &records, &sizes);
-    let colours = (0..colour_f0.len()).map(|colour| channels(&parts, colour, &hits, &empty)).collect();
-    let schlick = (colour_f0[0].is_some() && campaign.trace.bounces == 1)
-        .then(|| schlick_channel(plan, &records, &sizes));
-    let table = BrdfTable {
-        grid: plan.grid.clone(),
-        campaign: campaign::to_toml(&campaign),
-        version: env!("CARGO_PKG_VERSION").to_string(),
-        seed: campaign.seed,
-        patch_digest: patch_digest.to_string(),
-        colours,
-        hits,
-        schlick,
+    let source = Source { plan, records: &records, sizes: &sizes };
+    let of_material = |(material, optics): (usize, &Optics)| {
+        let campaign = campaign.with_optics(optics);
+        let colours = plan.weighing.colours(material);
+        let parts: Vec<RealisationPart> =
+            records.iter().map(|stops| source.realisation(stops, &colours)).collect();
+        let wavelengths = optics.wavelengths_nm();
+        let channels = |(place, &colour): (usize, &Colour)| ColourChannels {
+            orders: source.orders(colour),
+            wavelength_nm: wavelengths.get(place).copied(),
+            ..ColourChannels::of_realisations(&parts, place, &hits, &empty)
+        };
+        let table = BrdfTable {
+            grid: plan.grid.clone(),
+            campaign: campaign::to_toml(&campaign),
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            seed: campaign.seed,
+            patch_digest: patch_digest.to_string(),
+            colours: colours.iter().enumerate().map(channels).collect(),
+            hits: hits.clone(),
+            schlick: source.schlick(&records),
+        };
+        let result = |(stop, end)| stop_result(&source, stop, &colours, end);
+        let stops = ends.iter().enumerate().map(result).collect();
+        Measured { campaign, table, realisations: Realisations { parts }, stops }
     };
-    let result = |(stop, end)| stop_result(&records, stop, colour_f0.len(), end, plan);
-    let stops = ends.iter().enumerate().map(result).collect();
-    Measured { campaign, table, realisations: Realisations { parts }, stops }
+    campaign.optics.each().into_iter().enumerate().map(of_material).collect()
 }
 
-/// BRDF values of one realisation: flux over projected solid angle.
-fn realisation_part(stops: &[StopRecord], sizes: &[Vec<f64>], f0: &[Option<f64>]) -> RealisationPart {
-    let mut part = RealisationPart { total: vec![Vec::new(); f0.len()], single: vec![Vec::new(); f0.len()] };
-    for (record, sizes) in stops.iter().zip(sizes) {
-        for (bin, size) in sizes.iter().enumerate() {
-            for (colour, &f0) in f0.iter().enumerate() {
-                let single = record.single_flux(f0, bin) / size;
-                part.single[colour].push(single as f32);
-                part.total[colour].push((single + record.multiple_flux(colour, bin) / size) as f32);
+/// What tables are made of: [realisation][stop], and the bins' projected solid angles, [stop][bin].
+struct Source<'a> {
+    plan: &'a Plan,
+    records: &'a [Vec<StopRecord>],
+    sizes: &'a [Vec<f64>],
+}
+
+impl Source<'_> {
+    /// BRDF values of one realisation: flux over projected solid angle.
+    fn realisation(&self, stops: &[StopRecord], colours: &[Colour]) -> RealisationPart {
+        let mut part = RealisationPart {
+            total: vec![Vec::new(); colours.len()],
+            single: vec![Vec::new(); colours.len()],
+            schlick: self.schlick(std::slice::from_ref(&stops)),
+        };
+        for (record, sizes) in stops.iter().zip(self.sizes) {
+            for (bin, size) in sizes.iter().enumerate() {
+                for (place, &colour) in colours.iter().enumerate() {
+                    let single = record.single_flux(colour, bin) / size;
+                    let multiple = record.multiple_flux(&self.plan.weighing, colour, bin) / size;
+                    part.single[place].push(single as f32);
+                    part.total[place].push((single + multiple) as f32);
+                }
             }
         }
+        part
     }
-    part
-}
 
-/// Mean and standard error over the realisations, of the very f32 values that the realisations' file holds.
-fn channels(parts: &[RealisationPart], colour: usize, hits: &[u32], empty: &[f32]) -> ColourChannels {
-    let mut channels = ColourChannels::default();
-    for (entry, &hits) in hits.iter().enumerate() {
-        let of = |pick: fn(&RealisationPart) -> &Vec<Vec<f32>>| {
-            let values = parts.iter().map(move |part| f64::from(pick(part)[colour][entry]));
-            let (mean, se) = stats::mean_and_se(values);
-            // No light of the asked-for orders in any realisation, though others may have hit: as in an empty bin.
-            let se = if hits == 0 || mean == 0.0 { empty[entry] } else { se.map_or(-1.0, |se| se as f32) };
-            (mean, if parts.len() > 1 { se } else { -1.0 })
-        };
-        let (total, stderr) = of(|part| &part.total);
-        let (single, stderr_single) = of(|part| &part.single);
-        channels.total.push(total as f32);
-        channels.single.push(single as f32);
-        channels.multiple.push((total - single) as f32);
-        channels.stderr.push(stderr);
-        channels.stderr_single.push(stderr_single);
+    /// Mean over some realisations of a flux, as a BRDF in every bin.
+    fn brdf(
+        &self,
+        records: &[impl AsRef<[StopRecord]>],
+        flux: impl Fn(&StopRecord, usize) -> f64,
+    ) -> Vec<f32> {
+        let count = records.len() as f64;
+        entries(self.plan, |stop, bin| {
+            let sum: f64 = records.iter().map(|stops| flux(&stops.as_ref()[stop], bin)).sum();
+            (sum / count / self.sizes[stop][bin]) as f32
+        })
     }
-    channels
+
+    /// The sums of Schlick's formula over some realisations, where they serve any F0.
+    fn schlick(&self, records: &[impl AsRef<[StopRecord]>]) -> Option<SchlickSums> {
+        let weighing = &self.plan.weighing;
+        let group = |group: usize| {
+            let sums = weighing.group(group);
+            sums.map(|sum| self.brdf(records, |record, bin| record.multiple[sum][bin])).collect()
+        };
+        weighing.serves_any_f0().then(|| SchlickSums {
+            unit: self.brdf(records, |record, bin| record.single[bin]),
+            first: self.brdf(records, |record, bin| record.first[0][bin]),
+            further: (0..weighing.groups()).map(group).collect(),
+        })
+    }
+
+    /// Orders 2, 3, ... of a colour, where they are kept apart.
+    fn orders(&self, colour: Colour) -> Vec<Vec<f32>> {
+        let weighing = &self.plan.weighing;
+        let groups = if weighing.by_order() { weighing.groups() } else { 0 };
+        let order =
+            |group| self.brdf(self.records, |record, bin| record.group_flux(weighing, group, colour, bin));
+        (0..groups).map(order).collect()
+    }
 }
 
 fn total_hits(plan: &Plan, records: &[Vec<StopRecord>]) -> Vec<u32> {
@@ -242,14 +185,6 @@ fn empty_bin_errors(plan: &Plan, records: &[Vec<StopRecord>], sizes: &[Vec<f64>]
     entries(plan, |stop, bin| (HITS_OF_AN_EMPTY_BIN * shares[stop] / sizes[stop][bin]) as f32)
 }
 
-fn schlick_channel(plan: &Plan, records: &[Vec<StopRecord>], sizes: &[Vec<f64>]) -> Vec<f32> {
-    let count = records.len() as f64;
-    entries(plan, |stop, bin| {
-        let flux: f64 = records.iter().map(|stops| stops[stop].schlick[bin]).sum();
-        (flux / count / sizes[stop][bin]) as f32
-    })
-}
-
 fn entries<T>(plan: &Plan, of: impl Fn(usize, usize) -> T) -> Vec<T> {
     (0..plan.stops)
         .flat_map(|stop| (0..plan.bins).map(move |bin| (stop, bin)))
@@ -257,25 +192,23 @@ fn entries<T>(plan: &Plan, of: impl Fn(usize, usize) -> T) -> Vec<T> {
         .collect()
 }
 
-fn stop_result(
-    records: &[Vec<StopRecord>],
-    stop: usize,
-    colours: usize,
-    end: &Progress,
-    plan: &Plan,
-) -> StopResult {
-    let records: Vec<&StopRecord> = records.iter().map(|stops| &stops[stop]).collect();
+fn stop_result(source: &Source, stop: usize, colours: &[Colour], end: &Progress) -> StopResult {
+    let plan = source.plan;
+    let records: Vec<&StopRecord> = source.records.iter().map(|stops| &stops[stop]).collect();
     let orders = records[0].orders.len();
     // The light beyond the apertures is not known.
     let whole = if plan.apertures_only { &[] } else { &records[..] };
     let of_order = |k: usize| {
-        let albedo = |record: &&StopRecord| stats::mean(&record.orders[k].colours[..colours]);
+        let albedo = |record: &&StopRecord| {
+            stats::mean(&colours.iter().map(|&colour| record.orders[k].flux(colour)).collect::<Vec<_>>())
+        };
         whole.iter().map(albedo).collect()
     };
     let closure = |record: &&StopRecord| record.orders.iter().map(|o| o.unit).sum::<f64>() + record.cut.1;
     StopResult {
         albedo_by_order: (0..orders).map(of_order).collect(),
         closure: whole.iter().map(closure).collect(),
+        perfect: colours == [Colour::Unit],
         orders: (0..orders).map(|k| records.iter().map(|record| record.orders[k].count).sum()).collect(),
         cut: records.iter().map(|record| record.cut.0).sum(),
         hidden: records.iter().map(|record| record.hidden).sum(),

@@ -8,6 +8,7 @@ use super::arms::BlockArms;
 use super::optics::Light;
 use super::run::Context;
 use super::tally::{Tally, to_units};
+use super::weighing::PathWeights;
 use crate::campaign::Campaign;
 use crate::trace::{Ending, LaneWalker, PathWaves, Place, Sample, Wave};
 
@@ -55,6 +56,7 @@ pub(super) struct Block<'a> {
     /// Starts that were counted.
     counted: u64,
     rays: Rays,
+    weights: PathWeights,
 }
 
 impl<'a> Block<'a> {
@@ -81,6 +83,7 @@ impl<'a> Block<'a> {
             lit,
             counted: 0,
             rays: Rays::default(),
+            weights: PathWeights::default(),
         }
     }
 
@@ -90,13 +93,13 @@ impl<'a> Block<'a> {
             return self.leave_out(1);
         }
         let (trace, wi) = (&self.context.campaign.trace, self.arms.wi);
-        let mut light = Light::new(self.context.f0);
+        let mut light = Light::new(self.context.plan.weighing.needs_angles());
         let ending = if trace.visibility {
             sample.trace(start, wi, trace.bounces, &mut light)
         } else {
             sample.trace_unobstructed(start, wi, &mut light)
         };
-        self.end(ending, light);
+        self.end(ending, &light);
     }
 
     /// Takes a start for the next wave, which is followed through the lanes when it is full; paths end in the order
@@ -114,12 +117,13 @@ impl<'a> Block<'a> {
     /// Follows the starts that `memory` holds.
     pub fn follow_wave(&mut self, sample: &Sample, over: &LaneWalker, memory: &mut WaveMemory) {
         let WaveMemory { starts, paths, lights, endings } = memory;
+        let weighed = self.context.plan.weighing.needs_angles();
         lights.clear();
-        lights.resize_with(starts.len(), || Light::new(self.context.f0));
+        lights.resize_with(starts.len(), || Light::new(weighed));
         let bounces = self.context.campaign.trace.bounces;
         let wave = Wave { starts, wi: self.arms.wi, lit: self.lit, bounces };
         paths.trace(sample, over, &wave, lights, endings);
-        for (&ending, &light) in endings.iter().zip(&*lights) {
+        for (&ending, light) in endings.iter().zip(&*lights) {
             self.end(ending, light);
         }
         starts.clear();
@@ -130,7 +134,7 @@ impl<'a> Block<'a> {
         if self.misses(sample, start) {
             self.leave_out(1);
         } else {
-            self.end(Ending::Hidden, Light::new(None));
+            self.end(Ending::Hidden, &Light::new(false));
         }
     }
 
@@ -168,7 +172,7 @@ impl<'a> Block<'a> {
     }
 
     /// Counts a path.
-    pub fn end(&mut self, ending: Ending, light: Light) {
+    pub fn end(&mut self, ending: Ending, light: &Light) {
         self.counted += 1;
         self.rays.count(&ending, self.context.campaign, self.lit);
         match ending {
@@ -181,30 +185,27 @@ impl<'a> Block<'a> {
     }
 
     /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded.
-    fn arrive(&mut self, wo: DVec3, order: u32, light: Light) {
-        let (context, tally) = (self.context, &mut *self.tally);
-        // Without Fresnel all paths weigh the same: counts, in units.
-        let weighted = |flux: f64, units: u128, left: f64| {
-            if context.f0.is_none() { units } else { to_units(flux * left) }
-        };
+    fn arrive(&mut self, wo: DVec3, order: u32, light: &Light) {
+        let (context, tally, weights) = (self.context, &mut *self.tally, &mut self.weights);
+        context.plan.weighing.weigh(light.angles(), order, weights);
         let out = &mut tally.orders[order as usize - 1];
         out.count += 1;
         out.flux += self.units;
-        for (sum, left) in out.colours.iter_mut().zip(light.throughput) {
-            *sum += weighted(self.flux, self.units, left);
+        for (sum, weight) in out.weighted.iter_mut().zip(&weights.order) {
+            *sum += to_units(self.flux * weight);
         }
+        let share = |weight: &f64| to_units(self.part * weight);
         let mut into_bins = |direction: DVec3| {
             context.sensor.each_bin(direction, |bin| {
                 tally.hits[bin] += 1;
-                if order > 1 {
-                    for (sums, left) in tally.multiple.iter_mut().zip(light.throughput) {
-                        sums[bin] += weighted(self.part, self.part_units, left);
-                    }
+                let sums = if order > 1 {
+                    &mut tally.multiple[weights.first..]
                 } else {
                     tally.single[bin] += self.part_units;
-                    if let Some(sum) = tally.schlick.get_mut(bin) {
-                        *sum += to_units(self.part * light.first);
-                    }
+                    &mut tally.first[..]
+                };
+                for (sums, weight) in sums.iter_mut().zip(&weights.bins) {
+                    sums[bin] += share(weight);
                 }
             });
         };

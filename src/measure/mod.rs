@@ -8,6 +8,7 @@ mod estimate;
 pub mod optics;
 pub mod patches;
 pub mod plan;
+pub mod record;
 mod rounds;
 pub mod run;
 pub mod skips;
@@ -15,6 +16,7 @@ mod stage;
 pub mod stopping;
 pub mod tally;
 mod ways;
+pub mod weighing;
 
 pub use assemble::{Measured, StopResult};
 pub use cost::Cost;

@@ -1,53 +1,69 @@
-//! What a path carries besides its geometry: the (1-c)^5 of its first bounce and the light left in each colour.
+//! From the campaign's materials to reflectances, and what a path carries besides its geometry: the angles at its
+//! facets.
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
-use crate::campaign::Optics;
-use crate::optics::fresnel::schlick_weight;
+use crate::campaign::{Index, Law, Medium, Optics, Polarisation};
+use crate::optics::FacetAngle;
+use crate::optics::fresnel::Fresnel;
+use crate::optics::reflectance::{Field, Reflectance};
 use crate::trace::Bounce;
 
-/// F0 in each colour; `None` for F = 1.
-pub fn f0_of(optics: &Optics) -> Option<[f64; 3]> {
+/// The reflectance of a facet in each colour of a material's table.
+pub fn reflectances_of(optics: &Optics) -> Vec<Reflectance> {
     match optics {
-        Optics::PerfectMirror => None,
-        Optics::Schlick { f0, .. } => Some(*f0),
+        Optics::PerfectMirror => vec![Reflectance::unpolarised(Fresnel::Perfect)],
+        Optics::Schlick { f0, .. } => {
+            f0.iter().map(|&f0| Reflectance::unpolarised(Fresnel::Schlick { f0 })).collect()
+        }
+        Optics::Index(index) => {
+            index.by_colour().into_iter().map(|medium| of_medium(medium, index)).collect()
+        }
+        Optics::Several(all) => all.iter().flat_map(reflectances_of).collect(),
     }
 }
 
-/// F0 of each colour of the table: one `None` for F = 1.
-pub fn colours_of(optics: &Optics) -> Vec<Option<f64>> {
-    f0_of(optics).map_or_else(|| vec![None], |f0| f0.map(Some).to_vec())
+fn of_medium(medium: Medium, index: &Index) -> Reflectance {
+    let field = match index.polarisation {
+        Polarisation::None => Field::Both,
+        Polarisation::S => Field::Across,
+        Polarisation::P => Field::Along,
+    };
+    let exact = fresnel_of(medium);
+    let fresnel = if index.law == Law::Exact { exact } else { Fresnel::Schlick { f0: exact.f0() } };
+    Reflectance { fresnel, field }
 }
 
-/// The light of one path.
-#[derive(Debug, Clone, Copy)]
+/// Fresnel's equations for a medium.
+pub fn fresnel_of(medium: Medium) -> Fresnel {
+    let Medium { eta, k, .. } = medium;
+    if k == 0.0 { Fresnel::Dielectric { eta } } else { Fresnel::Conductor { eta, k } }
+}
+
+/// The light of one path: what it is weighed by once it has left.
+#[derive(Debug, Clone)]
 pub struct Light {
-    f0: Option<[f64; 3]>,
-    /// (1-c)^5 of the first bounce.
-    pub first: f64,
-    /// Light left in each colour.
-    pub throughput: [f64; 3],
-    bounces: u32,
+    weighed: bool,
+    angles: SmallVec<[FacetAngle; 2]>,
 }
 
 impl Light {
-    /// The light at a start.
-    pub fn new(f0: Option<[f64; 3]>) -> Self {
-        Light { f0, first: 0.0, throughput: [1.0; 3], bounces: 0 }
+    /// The light at a start; angles are kept where `weighed`.
+    pub fn new(weighed: bool) -> Self {
+        Light { weighed, angles: SmallVec::new() }
+    }
+
+    /// The angles at the facets of its bounces.
+    pub fn angles(&self) -> &[FacetAngle] {
+        &self.angles
     }
 }
 
 impl Bounce for Light {
-    /// Schlick at the facet: F = F0 + (1 - F0) (1-c)^5.
     fn bounce(&mut self, wi: DVec3, wo: DVec3) {
-        let Some(f0) = self.f0 else { return };
-        let fifth = schlick_weight(wi, wo);
-        if self.bounces == 0 {
-            self.first = fifth;
-        }
-        self.bounces += 1;
-        for (left, f0) in self.throughput.iter_mut().zip(f0) {
-            *left *= f0 + (1.0 - f0) * fifth;
+        if self.weighed {
+            self.angles.push(FacetAngle::of_pair(wi, wo));
         }
     }
 }

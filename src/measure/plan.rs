@@ -5,7 +5,8 @@ use serde::Serialize;
 
 use super::estimate::{memory, seconds};
 use super::skips::{Skip, skips};
-use crate::campaign::{Azimuth, Campaign, Optics, SurfaceKind};
+use super::weighing::Weighing;
+use crate::campaign::{Azimuth, Campaign, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind, Region, grid_of};
 use crate::sphere;
@@ -30,7 +31,7 @@ pub struct Plan {
     pub stops: usize,
     /// Sensor bins at each stop.
     pub bins: usize,
-    /// Tables (one for each roughness).
+    /// Tables (one for each roughness and material).
     pub tables: usize,
     /// Groups that error bars come from: patches, or start regions of a measured map.
     pub realisations: u32,
@@ -66,8 +67,11 @@ pub struct Plan {
     pub images: u64,
     /// For each stop, whether mirrored arrivals count as well.
     pub folded: Vec<bool>,
-    /// Colours of the table.
+    /// Colours of all tables of a roughness.
     pub colours: usize,
+    /// What is summed of every path; tests have colours traced that follow from others.
+    #[serde(skip)]
+    pub weighing: Weighing,
     /// What is left out, and why.
     pub skipped: Vec<Skip>,
     /// Estimated peak memory.
@@ -81,7 +85,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
     let grid = grid_of(campaign);
     let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
-    let tables = campaign.alphas().len();
+    let roughnesses = campaign.alphas().len();
     let random = campaign.surface.kind.is_random_heights();
     let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
     let folded = folded_stops(campaign, &grid);
@@ -89,11 +93,12 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
     // The statistical surface does not know where a path goes before it has left.
     let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
     let apertures_only = grid.kind == GridKind::Arm && campaign.trace.bounces == 1 && explicit;
-    let total = [grid.stops() as u128, u128::from(realisations), u128::from(blocks * BLOCK), tables as u128];
+    let total =
+        [grid.stops() as u128, u128::from(realisations), u128::from(blocks * BLOCK), roughnesses as u128];
     let mut plan = Plan {
         stops: grid.stops(),
         bins: grid.bins(),
-        tables,
+        tables: roughnesses * campaign.optics.each().len(),
         realisations,
         blocks,
         block_starts: BLOCK,
@@ -108,7 +113,8 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
         from_above: false,
         images,
         folded,
-        colours: if campaign.optics == Optics::PerfectMirror { 1 } else { 3 },
+        colours: campaign.optics.colours(),
+        weighing: Weighing::of(campaign),
         skipped: Vec::new(),
         memory_bytes: 0,
         estimated_s: 0.0,

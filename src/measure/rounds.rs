@@ -1,8 +1,7 @@
 //! The tables under way: what every stop has so far, and which stops go on.
 
-use super::assemble::StopRecord;
-use super::optics::colours_of;
 use super::plan::Plan;
+use super::record::StopRecord;
 use super::stopping::{Progress, StoppedBy, relative_error};
 use crate::campaign::{Alpha, Campaign};
 
@@ -51,7 +50,7 @@ impl Tables {
             for stop in table.open_stops() {
                 match wanted {
                     Some(wanted) if looked_at => {
-                        let error = table.relative_error(campaign, plan, stop);
+                        let error = table.relative_error(plan, stop);
                         table.stops[stop].judge(blocks, error, wanted, plan.realisations);
                     }
                     _ => {}
@@ -115,10 +114,10 @@ impl Table {
         }
     }
 
-    fn relative_error(&self, campaign: &Campaign, plan: &Plan, stop: usize) -> Option<f64> {
+    fn relative_error(&self, plan: &Plan, stop: usize) -> Option<f64> {
         let records: Vec<&StopRecord> = self.records.iter().filter_map(|r| r[stop].as_ref()).collect();
         let regions = plan.grid.regions(stop);
         let sizes: Vec<f64> = regions.iter().map(|region| region.projected_solid_angle()).collect();
-        relative_error(&records, &sizes, &colours_of(&campaign.optics))
+        relative_error(&records, &sizes, &plan.weighing)
     }
 }

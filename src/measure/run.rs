@@ -6,15 +6,15 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::assemble::{Measured, StopRecord, assemble};
+use super::assemble::{Measured, assemble};
 use super::cost::{Cost, cpu_seconds, peak_bytes};
-use super::optics::f0_of;
 use super::patches::{Patches, Specimen};
 use super::plan::Plan;
+use super::record::StopRecord;
 use super::rounds::Tables;
 use super::stage::Mounted;
 use super::stopping;
-use super::tally::{Shape, Tally};
+use super::tally::Tally;
 use super::ways::Work;
 use crate::campaign::{Alpha, Campaign};
 use crate::error::{Error, Result};
@@ -27,14 +27,13 @@ pub(super) struct Context<'a> {
     pub campaign: &'a Campaign,
     pub plan: &'a Plan,
     pub sensor: Sensor,
-    pub f0: Option<[f64; 3]>,
     pub progress: &'a (dyn Fn(u64) + Sync),
     kernel: Kernel,
     rays: AtomicU64,
     skipped: AtomicU64,
 }
 
-/// Measures a campaign: one result for each roughness. `progress` is called with the starts of every finished block.
+/// Measures a campaign: one result for each roughness and material. `progress` is called with the starts of every finished block.
 ///
 /// Errors: those of loading patches; `Internal` if a ray is lost.
 pub fn measure(
@@ -48,7 +47,6 @@ pub fn measure(
         campaign,
         plan,
         sensor: Sensor::new(&plan.grid),
-        f0: f0_of(&campaign.optics),
         progress,
         kernel: Kernel::widest(),
         rays: AtomicU64::new(0),
@@ -75,7 +73,7 @@ pub fn measure(
     let Run { synthesis_s, tracing_s, tracing_cpu_s, .. } = run;
     let samples = run.tables.starts(plan);
     let finished = run.tables.finished(plan).into_iter();
-    let results = finished.map(|table| assemble(campaign, plan, table, &patch_digest)).collect();
+    let results = finished.flat_map(|table| assemble(campaign, plan, table, &patch_digest)).collect();
     let cost = Cost {
         wall_s: begin.elapsed().as_secs_f64(),
         cpu_s: cpu_seconds() - cpu,
@@ -176,7 +174,7 @@ impl Context<'_> {
         let stage = mounted.stage(alpha, self.kernel, self.campaign);
         let groups = stage.groups(open, self.campaign, self.plan, realisation);
         let measured = groups.par_iter().map(|group| {
-            let empty = || vec![Tally::new(self.shape()); group.stops.len()];
+            let empty = || vec![Tally::new(self.plan.bins, &self.plan.weighing); group.stops.len()];
             let tallies = blocks
                 .clone()
                 .into_par_iter()
@@ -207,14 +205,6 @@ impl Context<'_> {
         Err(Error::Internal(format!(
             "realisation {realisation}, stop {stop}: {lost} rays lost, {starts} of {wanted} starts counted"
         )))
-    }
-
-    fn shape(&self) -> Shape {
-        Shape {
-            bins: self.plan.bins,
-            bounces: self.campaign.trace.bounces,
-            fresnel_colours: self.f0.map_or(0, |_| self.plan.colours),
-        }
     }
 
     /// Adds to the rays of the cost report.

@@ -26,7 +26,7 @@ pub(super) fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {
     of_rays(campaign, plan, &mut skip);
     of_apertures(plan, &mut skip);
     of_samples(campaign, plan, &mut skip);
-    of_materials(campaign, &mut skip);
+    of_materials(campaign, plan, &mut skip);
     skipped
 }
 
@@ -95,11 +95,12 @@ fn of_apertures(plan: &Plan, skip: &mut impl FnMut(&str, &str, String)) {
 
 /// Samples that others stand for.
 fn of_samples(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, String)) {
-    if plan.tables > 1 {
+    let roughnesses = campaign.alphas().len();
+    if roughnesses > 1 {
         skip(
             "synthesis for further roughnesses",
             "one canonical patch serves every alpha: scaling is affine",
-            format!("{} of {} patches", plan.tables - 1, plan.tables),
+            format!("{} of {roughnesses} patches", roughnesses - 1),
         );
     }
     if plan.stops > 1 && campaign.surface.kind.is_random_heights() {
@@ -134,18 +135,27 @@ fn of_samples(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str
 }
 
 /// Colours and weights that follow from others.
-fn of_materials(campaign: &Campaign, skip: &mut impl FnMut(&str, &str, String)) {
+fn of_materials(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, String)) {
     if campaign.optics == Optics::PerfectMirror {
         skip(
             "throughput",
             "F = 1: tallies are counts",
             "three products and a rounding for each arrival".into(),
         );
-    } else if campaign.trace.bounces == 1 {
-        skip(
-            "a trace for each colour and material",
-            "Schlick's Fresnel follows from the bin's sum of (1-c)^5",
-            "two of three traces, and all of a further material".into(),
-        );
+        return;
     }
+    let colours = format!("{} of {} traces", plan.colours - 1, plan.colours);
+    let (why, saves) = match (plan.weighing.is_traced(), campaign.trace.bounces) {
+        (true, _) if plan.colours == 1 => return,
+        (true, _) => ("all colours are worked out along the same paths", colours),
+        (false, 1) => (
+            "Schlick's Fresnel follows from the bin's sum of (1-c)^5",
+            format!("{colours}, and all of a further material (`recolour`)"),
+        ),
+        (false, _) => (
+            "Schlick's Fresnel of every order is a polynomial in F0, whose coefficients are summed",
+            format!("{colours}, and all of a further material (`recolour`)"),
+        ),
+    };
+    skip("a trace for each colour and material", why, saves);
 }

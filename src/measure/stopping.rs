@@ -8,7 +8,8 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::assemble::StopRecord;
+use super::record::StopRecord;
+use super::weighing::Weighing;
 use crate::campaign::Stop;
 use crate::stats;
 
@@ -46,13 +47,15 @@ pub fn rounds(stop: &Stop, blocks: u64) -> impl Iterator<Item = Range<u64>> + us
 /// Median over bins and colours of the relative standard error of the mean over the realisations; bins below 1 % of
 /// the colour's peak are left out. `None` with one realisation or without light.
 ///
-/// `sizes` are the bins' projected solid angles, `f0` as in `optics::colours_of`.
+/// `sizes` are the bins' projected solid angles. Several materials count together: the pass ends when all have enough
+/// light.
 /// Held by: `the_relative_error_is_that_of_the_bright_bins`.
-pub fn relative_error(records: &[&StopRecord], sizes: &[f64], f0: &[Option<f64>]) -> Option<f64> {
+pub fn relative_error(records: &[&StopRecord], sizes: &[f64], weighing: &Weighing) -> Option<f64> {
     let mut errors = Vec::new();
-    for (colour, &f0) in f0.iter().enumerate() {
+    for colour in weighing.all_colours() {
         let of = |bin: usize, size: f64| {
-            let flux = records.iter().map(|r| r.single_flux(f0, bin) + r.multiple_flux(colour, bin));
+            let flux =
+                records.iter().map(|r| r.single_flux(colour, bin) + r.multiple_flux(weighing, colour, bin));
             let (mean, se) = stats::mean_and_se(flux);
             se.map(|se| (mean / size, se / size))
         };

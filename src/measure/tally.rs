@@ -3,6 +3,8 @@
 //! Flux is counted in units of 2^-90 of the flux that falls on the patch. A start's share is rounded to a unit
 //! once, so that sums of any length, in any order, are exact.
 
+use super::weighing::Weighing;
+
 /// One unit of flux is 2^-90: a share of 1e-15 still has 40 bits, and 2^38 times the whole flux still fits.
 const UNITS: f64 = (1u128 << 90) as f64;
 
@@ -21,9 +23,9 @@ pub fn from_units(units: u128) -> f64 {
 pub struct Tally {
     /// Order 1 with F = 1, by bin.
     pub single: Vec<u128>,
-    /// Order 1 weighted by (1-c)^5, by bin; empty where F = 1.
-    pub schlick: Vec<u128>,
-    /// Orders above 1, for each colour by bin; empty for one bounce.
+    /// Order 1 weighted by (1-c)^5, then in each traced colour, by bin; empty where F = 1.
+    pub first: Vec<Vec<u128>>,
+    /// Orders above 1, group by group as `Weighing` has them, by bin; empty for one bounce.
     pub multiple: Vec<Vec<u128>>,
     /// Arrivals by bin.
     pub hits: Vec<u64>,
@@ -51,38 +53,28 @@ pub struct Fate {
 }
 
 /// Paths that leave after one number of bounces.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Order {
     /// Their number.
     pub count: u64,
     /// Their flux with F = 1, units.
     pub flux: u128,
-    /// Their flux in each colour, units.
-    pub colours: [u128; 3],
-}
-
-/// What a tally has to hold.
-#[derive(Debug, Clone, Copy)]
-pub struct Shape {
-    /// Sensor bins.
-    pub bins: usize,
-    /// Highest order.
-    pub bounces: u32,
-    /// Colours, 0 for F = 1.
-    pub fresnel_colours: usize,
+    /// Their flux by weight, as `Weighing` has them, units.
+    pub weighted: Vec<u128>,
 }
 
 impl Tally {
-    /// An empty tally.
-    pub fn new(shape: Shape) -> Self {
-        let of_bins = |wanted: bool| vec![0u128; if wanted { shape.bins } else { 0 }];
-        let multiple = if shape.bounces > 1 { shape.fresnel_colours.max(1) } else { 0 };
+    /// An empty tally for so many bins.
+    pub fn new(bins: usize, weighing: &Weighing) -> Self {
+        let of_bins = |sums: usize| vec![vec![0u128; bins]; sums];
+        let order =
+            |order: usize| Order { weighted: vec![0; weighing.order_sums(order)], ..Order::default() };
         Tally {
-            single: of_bins(true),
-            schlick: of_bins(shape.fresnel_colours > 0),
-            multiple: vec![of_bins(true); multiple],
-            hits: vec![0; shape.bins],
-            orders: vec![Order::default(); shape.bounces as usize],
+            single: vec![0; bins],
+            first: of_bins(weighing.first_sums()),
+            multiple: of_bins(weighing.multiple_sums()),
+            hits: vec![0; bins],
+            orders: (1..=weighing.bounces()).map(order).collect(),
             cut: Fate::default(),
             hidden: Fate::default(),
             left_map: Fate::default(),
@@ -94,8 +86,8 @@ impl Tally {
     /// Adds another tally of the same shape.
     pub fn merge(mut self, other: Self) -> Self {
         add(&mut self.single, &other.single);
-        add(&mut self.schlick, &other.schlick);
-        for (mine, theirs) in self.multiple.iter_mut().zip(&other.multiple) {
+        let planes = self.first.iter_mut().zip(&other.first);
+        for (mine, theirs) in planes.chain(self.multiple.iter_mut().zip(&other.multiple)) {
             add(mine, theirs);
         }
         for (mine, theirs) in self.hits.iter_mut().zip(&other.hits) {
@@ -104,7 +96,7 @@ impl Tally {
         for (mine, theirs) in self.orders.iter_mut().zip(&other.orders) {
             mine.count += theirs.count;
             mine.flux += theirs.flux;
-            add(&mut mine.colours, &theirs.colours);
+            add(&mut mine.weighted, &theirs.weighted);
         }
         self.cut.merge(other.cut);
         self.hidden.merge(other.hidden);

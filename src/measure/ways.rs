@@ -37,9 +37,9 @@ impl Context<'_> {
         let flux = 1.0 / (self.plan.block_starts as f64 * self.plan.blocks as f64);
         let mut block = Block::new(self, arms, stop, flux, false, tally);
         for _ in 0..self.plan.block_starts {
-            let mut light = Light::new(self.f0);
+            let mut light = Light::new(self.plan.weighing.needs_angles());
             let ending = walk.trace(arms.wi, self.campaign.trace.bounces, &mut rng, &mut light);
-            block.end(ending, light);
+            block.end(ending, &light);
         }
     }
 

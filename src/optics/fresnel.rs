@@ -31,6 +31,11 @@ impl FacetAngle {
     pub fn one_minus_cos(self) -> f64 {
         self.sin2 / (1.0 + self.cos)
     }
+
+    /// (1 - c)^5: what multiplies 1 - F0 in Schlick's formula.
+    pub fn schlick_weight(self) -> f64 {
+        fifth_power(self.one_minus_cos())
+    }
 }
 
 /// 1 - c for the facet that mirrors `wi` into `wo`, c the cosine at the facet: s2/(1 + c), s2 = |wi - wo|^2/4.
@@ -101,6 +106,25 @@ impl Fresnel {
             Fresnel::Dielectric { eta } => f_dielectric(angle, eta).mean(),
             Fresnel::Conductor { eta, k } => f_conductor(angle, eta, k).mean(),
         }
+    }
+
+    /// Reflectance of both polarisations. F = 1 and Schlick's formula know no difference.
+    pub fn polarised(&self, angle: FacetAngle) -> Polarised {
+        match *self {
+            Fresnel::Perfect | Fresnel::Schlick { .. } => {
+                let same = self.reflectance(angle);
+                Polarised { s: same, p: same }
+            }
+            Fresnel::Dielectric { eta } => f_dielectric(angle, eta),
+            Fresnel::Conductor { eta, k } => f_conductor(angle, eta, k),
+        }
+    }
+
+    /// Reflectance at normal incidence: ((eta-1)^2 + k^2)/((eta+1)^2 + k^2).
+    ///
+    /// Held by: `f0_is_the_reflectance_at_normal_incidence`.
+    pub fn f0(&self) -> f64 {
+        self.reflectance(FacetAngle { cos: 1.0, sin2: 0.0 })
     }
 }
 
@@ -251,6 +275,14 @@ mod tests {
             // sin(theta) is squared and divided: 8 roundings of at most half an ulp.
             assert!((found - expected).abs() <= 8.0 * f64::EPSILON * expected, "{theta_deg}: {found}");
         }
+    }
+
+    #[test]
+    fn f0_is_the_reflectance_at_normal_incidence() {
+        // (n-1)^2/(n+1)^2 with n = 1.5 is 0.04; |n-1|^2/|n+1|^2 with n = 1 + 2i is 4/8. A few roundings.
+        assert!((Fresnel::Dielectric { eta: 1.5 }.f0() - 0.04).abs() < 8.0 * f64::EPSILON * 0.04);
+        assert!((Fresnel::Conductor { eta: 1.0, k: 2.0 }.f0() - 0.5).abs() < 8.0 * f64::EPSILON);
+        assert_eq!(Fresnel::Schlick { f0: 0.3 }.f0(), 0.3);
     }
 
     #[test]

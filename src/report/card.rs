@@ -187,6 +187,7 @@ mod tests {
             multiple: vec![0.0; 24],
             stderr: vec![1.0; 24],
             stderr_single: vec![1.0; 24],
+            ..ColourChannels::default()
         };
         BrdfTable {
             grid,

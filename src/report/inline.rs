@@ -12,7 +12,10 @@ use super::slices::Scene;
 use crate::campaign::{Campaign, SurfaceKind};
 use crate::instrument::Grid;
 use crate::instrument::grid::GridKind;
+use crate::table::BrdfTable;
 
+/// The wavelengths that stand for R, G and B, nm.
+const RGB_NM: [f64; 3] = [650.0, 550.0, 450.0];
 /// Bytes of all layers in base64 at most: the rest of a page is below 1 MB.
 const LARGEST: usize = 4_500_000;
 /// Bins are merged down to about so many rows and columns before stops are left out.
@@ -40,6 +43,8 @@ struct Reduction {
     phi: Vec<usize>,
     /// The maskings that are kept.
     maskings: Vec<usize>,
+    /// The colours that are shown.
+    colours: Vec<usize>,
 }
 
 /// The table and its models for the page; `None` for other grids than a hemisphere of bins under stops that are a
@@ -57,7 +62,7 @@ pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize) -> Opt
     let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect::<Vec<_>>();
     let alpha = campaign.and_then(|campaign| campaign.alphas().first().copied().flatten());
     let data = json!({
-        "colours": scene.table.colour_names(),
+        "colours": shown_names(scene.table, &plan.colours),
         "theta_i": pick(&grid.theta_i_deg, &plan.theta),
         "phi_i": pick(&grid.phi_i_deg, &plan.phi),
         "relative": grid.phi_r_relative,
@@ -81,6 +86,28 @@ fn is_mirrored(campaign: &Campaign, grid: &Grid) -> bool {
     symmetric && !grid.phi_r_relative && last - first < 180.0
 }
 
+/// All colours of a plain table. Of wavelengths the three that stand for R, G and B; of two the longer one.
+fn shown_colours(table: &BrdfTable) -> Vec<usize> {
+    if !table.is_spectral() {
+        return (0..table.colours.len()).collect();
+    }
+    let nearest = |nm: f64| {
+        let off =
+            |colour: usize| table.colours[colour].wavelength_nm.map_or(f64::INFINITY, |at| (at - nm).abs());
+        (0..table.colours.len()).min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0)
+    };
+    let rgb = RGB_NM.map(nearest);
+    if rgb[0] > rgb[1] && rgb[1] > rgb[2] { rgb.to_vec() } else { vec![table.colours.len() / 2] }
+}
+
+fn shown_names(table: &BrdfTable, colours: &[usize]) -> Vec<String> {
+    match colours.len() {
+        1 => vec!["Y".into()],
+        3 => ["R", "G", "B"].map(String::from).to_vec(),
+        _ => table.colour_names(),
+    }
+}
+
 /// Merges bins, leaves out stops, until the layers fit.
 fn reduction(scene: &Scene, masking: usize) -> (Reduction, Vec<String>) {
     let grid = &scene.table.grid;
@@ -88,14 +115,20 @@ fn reduction(scene: &Scene, masking: usize) -> (Reduction, Vec<String>) {
     let all = |count: usize| super::plots::spread(count, MOST_STOPS);
     let maskings = (0..scene.maskings().len()).collect::<Vec<_>>();
     let (theta, phi) = (all(grid.theta_i_deg.len()), all(grid.phi_i_deg.len()));
-    let mut plan = Reduction { merge: [1, 1], theta, phi, maskings };
+    let colours = shown_colours(scene.table);
+    let mut plan = Reduction { merge: [1, 1], theta, phi, maskings, colours };
     let measured = 1 + usize::from(scene.has_multiple());
     let bytes = |plan: &Reduction| {
         let bins = rows.div_ceil(plan.merge[0]) * columns.div_ceil(plan.merge[1]);
-        let values = bins * plan.theta.len() * plan.phi.len() * scene.table.colours.len();
+        let values = bins * plan.theta.len() * plan.phi.len() * plan.colours.len();
         values * (measured + plan.maskings.len()) * 2 * 4 / 3
     };
     let mut notes = Vec::new();
+    if plan.colours.len() < scene.table.colours.len() {
+        let names = scene.table.colour_names();
+        let shown: Vec<&str> = plan.colours.iter().map(|&colour| names[colour].as_str()).collect();
+        notes.push(format!("of {} wavelengths only {}", names.len(), shown.join(", ")));
+    }
     if bytes(&plan) > LARGEST && plan.maskings.len() > 1 {
         plan.maskings = vec![masking];
         notes.push(format!("only the model with {} masking", scene.maskings()[masking]));
@@ -181,7 +214,7 @@ fn reduced(scene: &Scene, plan: &Reduction, value: &dyn Fn(usize, usize, usize) 
     let [rows, columns] = [grid.theta_r_edges_deg.len() - 1, grid.phi_r_edges_deg.len() - 1];
     let [by_row, by_column] = plan.merge;
     let mut values = Vec::new();
-    for colour in 0..scene.table.colours.len() {
+    for &colour in &plan.colours {
         for stop in plan.theta.iter().flat_map(|t| plan.phi.iter().map(move |p| t * grid.phi_i_deg.len() + p))
         {
             for (row, column) in

@@ -63,6 +63,7 @@ fn measured(page: &Page) -> String {
         Optics::Schlick { f0, .. } => {
             format!("; Schlick's Fresnel with F0 = {}, {}, {}", f0[0], f0[1], f0[2])
         }
+        other => format!("; {}", other.described()),
     });
     format!("{surface}; light at theta_i {angles} degrees{azimuths}; {sensor}{optics}.")
 }

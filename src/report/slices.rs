@@ -97,7 +97,11 @@ impl Scene<'_> {
 
     /// Its name in captions.
     pub fn colour_note(&self) -> &'static str {
-        if self.table.colours.len() > 1 { " (green)" } else { "" }
+        match self.table.colours.len() {
+            1 => "",
+            _ if self.table.is_spectral() => " (the middle wavelength)",
+            _ => " (green)",
+        }
     }
 
     fn channels(&self) -> &ColourChannels {

@@ -1,6 +1,7 @@
 //! The result of a measurement: BRDF values, error bars and hits over (stop, bin).
 
 use crate::instrument::Grid;
+use crate::stats;
 
 /// A measured (or imported) BRDF table. Every channel is row-major: `stop * bins + bin`.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,12 +16,12 @@ pub struct BrdfTable {
     pub seed: u64,
     /// SHA-256 over the patches' heights, hex; empty where there are none.
     pub patch_digest: String,
-    /// One entry per colour: one (Y) or three (R, G, B).
+    /// One entry per colour: one (Y), three (R, G, B), or one for each wavelength.
     pub colours: Vec<ColourChannels>,
     /// Arrivals in the bin, folded and mirrored ones once each.
     pub hits: Vec<u32>,
-    /// The bin's sum of (1-c)^5 as a BRDF: Schlick campaigns of order 1.
-    pub schlick: Option<Vec<f32>>,
+    /// What the table of another Schlick material follows from, where it was summed.
+    pub schlick: Option<SchlickSums>,
 }
 
 /// The channels of one colour, BRDF in 1/sr without cosine.
@@ -36,6 +37,21 @@ pub struct ColourChannels {
     pub stderr: Vec<f32>,
     /// The same of `single`.
     pub stderr_single: Vec<f32>,
+    /// Orders 2, 3, ... by themselves, where they were asked for.
+    pub orders: Vec<Vec<f32>>,
+    /// The wavelength that names the colour; `None` for Y, R, G, B.
+    pub wavelength_nm: Option<f64>,
+}
+
+/// Sums over paths as BRDFs, from which Schlick's BRDF of any F0 follows.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SchlickSums {
+    /// Order 1 with F = 1. Empty in files that hold `schlick` alone.
+    pub unit: Vec<f32>,
+    /// Order 1 times (1-c)^5.
+    pub first: Vec<f32>,
+    /// The parts (`optics::parts`) of orders 2, 3, ... (channels by order), or of all of them together: [group][part].
+    pub further: Vec<Vec<Vec<f32>>>,
 }
 
 /// The table of every realisation (or group of realisations), for pairing and jackknife.
@@ -52,11 +68,105 @@ pub struct RealisationPart {
     pub total: Vec<Vec<f32>>,
     /// Order 1.
     pub single: Vec<Vec<f32>>,
+    /// As in the table.
+    pub schlick: Option<SchlickSums>,
 }
 
 impl BrdfTable {
-    /// Channel names of the colours: `["Y"]` or `["R", "G", "B"]`.
-    pub fn colour_names(&self) -> &'static [&'static str] {
-        if self.colours.len() == 1 { &["Y"] } else { &["R", "G", "B"] }
+    /// Channel names of the colours: `Y`; `R G B`; or the wavelengths, as in `w550` and `w632_8` (an EXR channel name has
+    /// no point but between layers).
+    pub fn colour_names(&self) -> Vec<String> {
+        let plain: &[&str] = if self.colours.len() == 1 { &["Y"] } else { &["R", "G", "B"] };
+        let name = |(k, colour): (usize, &ColourChannels)| match colour.wavelength_nm {
+            Some(nm) => wavelength_name(nm),
+            // One colour too many has a name that nobody else has.
+            None => plain.get(k).map_or_else(|| format!("colour{k}"), |name| name.to_string()),
+        };
+        self.colours.iter().enumerate().map(name).collect()
     }
+
+    /// Whether orders above 1 have channels of their own.
+    pub fn is_by_order(&self) -> bool {
+        self.colours.iter().any(|colour| !colour.orders.is_empty())
+    }
+
+    /// Whether the colours are wavelengths rather than Y or R, G, B.
+    pub fn is_spectral(&self) -> bool {
+        self.colours.iter().any(|colour| colour.wavelength_nm.is_some())
+    }
+}
+
+/// The name of the channel of a wavelength.
+pub fn wavelength_name(nm: f64) -> String {
+    format!("w{nm}").replace('.', "_")
+}
+
+/// The wavelength that a channel's name speaks of.
+pub fn named_wavelength(name: &str) -> Option<f64> {
+    let nm: f64 = name.strip_prefix('w')?.replace('_', ".").parse().ok()?;
+    (nm > 0.0 && wavelength_name(nm) == name).then_some(nm)
+}
+
+impl ColourChannels {
+    /// Mean and standard error over the realisations of one colour, of the very f32 values that their file holds.
+    ///
+    /// `empty` is the error of a bin without light: the BRDF of 1.5 hits. With one realisation there are no errors.
+    pub fn of_realisations(parts: &[RealisationPart], colour: usize, hits: &[u32], empty: &[f32]) -> Self {
+        let mut channels = ColourChannels::default();
+        for (entry, &hits) in hits.iter().enumerate() {
+            let of = |pick: fn(&RealisationPart) -> &Vec<Vec<f32>>| {
+                let values = parts.iter().map(move |part| f64::from(pick(part)[colour][entry]));
+                let (mean, se) = stats::mean_and_se(values);
+                // No light of the asked-for orders in any realisation, though others may have hit: as in an empty bin.
+                let se =
+                    if hits == 0 || mean == 0.0 { empty[entry] } else { se.map_or(-1.0, |se| se as f32) };
+                (mean, if parts.len() > 1 { se } else { -1.0 })
+            };
+            let (total, stderr) = of(|part| &part.total);
+            let (single, stderr_single) = of(|part| &part.single);
+            channels.total.push(total as f32);
+            channels.single.push(single as f32);
+            channels.multiple.push((total - single) as f32);
+            channels.stderr.push(stderr);
+            channels.stderr_single.push(stderr_single);
+        }
+        channels
+    }
+}
+
+impl SchlickSums {
+    /// The channels that hold the sums: `schlick`, `unit`, and `parts.0`, ... of all orders above 1 together, or
+    /// `order2.parts.0`, ... of each.
+    pub fn channels(&self, by_order: bool) -> Vec<(String, &Vec<f32>)> {
+        let mut all = vec![("schlick".to_string(), &self.first)];
+        all.extend((!self.unit.is_empty()).then(|| ("unit".into(), &self.unit)));
+        for (group, parts) in self.further.iter().enumerate() {
+            let named = |(part, sums)| (further_name(by_order, group, part), sums);
+            all.extend(parts.iter().enumerate().map(named));
+        }
+        all
+    }
+
+    /// The sums from their channels; `take` gives one by its name, where it is there. `None` without `schlick`.
+    pub fn gathered<E>(mut take: impl FnMut(&str) -> Result<Option<Vec<f32>>, E>) -> Result<Option<Self>, E> {
+        let Some(first) = take("schlick")? else { return Ok(None) };
+        let mut sums = SchlickSums { first, unit: take("unit")?.unwrap_or_default(), further: vec![] };
+        for by_order in [false, true] {
+            while let Some(first) = take(&further_name(by_order, sums.further.len(), 0))? {
+                let mut parts = vec![first];
+                while let Some(part) = take(&further_name(by_order, sums.further.len(), parts.len()))? {
+                    parts.push(part);
+                }
+                sums.further.push(parts);
+                if !by_order {
+                    return Ok(Some(sums));
+                }
+            }
+        }
+        Ok(Some(sums))
+    }
+}
+
+fn further_name(by_order: bool, group: usize, part: usize) -> String {
+    if by_order { format!("order{}.parts.{part}", group + 2) } else { format!("parts.{part}") }
 }

@@ -7,6 +7,9 @@ use crate::files::image::{Part, Samples};
 use crate::instrument::Grid;
 use crate::instrument::grid::GridKind;
 
+use super::brdf_table::named_wavelength;
+use super::{BrdfTable, SchlickSums};
+
 /// Name of the grid's attribute.
 pub(super) const GRID: &str = "gonio.grid";
 /// Name of the digest's attribute.
@@ -154,15 +157,49 @@ fn check_finite(name: &str, values: &[f32], width: usize) -> Reason<()> {
     }
 }
 
-/// The colours' names that a part's channels speak of.
-pub(super) fn colour_names(part: &Part) -> Reason<&'static [&'static str]> {
+/// A colour's name, and the wavelength that it stands for.
+pub(super) type ColourName = (String, Option<f64>);
+
+/// The colours that a part's channels speak of, wavelengths in their order.
+pub(super) fn colour_names(part: &Part) -> Reason<Vec<ColourName>> {
     let has = |name: &str| part.channels.contains_key(name);
-    match (has("Y"), has("R") || has("G") || has("B")) {
-        (true, false) => Ok(&["Y"]),
-        (false, true) => Ok(&["R", "G", "B"]),
-        (true, true) => Err("both `Y` and `R G B` channels".into()),
-        (false, false) => Err("neither a `Y` channel nor `R G B`".into()),
+    let plain = |names: &[&str]| names.iter().map(|name| (name.to_string(), None)).collect();
+    let waves = part.channels.keys().filter_map(|name| Some((name.clone(), named_wavelength(name)?)));
+    let mut waves: Vec<(String, f64)> = waves.collect();
+    waves.sort_by(|a, b| a.1.total_cmp(&b.1));
+    match (has("Y"), has("R") || has("G") || has("B"), waves.is_empty()) {
+        (true, false, true) => Ok(plain(&["Y"])),
+        (false, true, true) => Ok(plain(&["R", "G", "B"])),
+        (false, false, false) => Ok(waves.into_iter().map(|(name, nm)| (name, Some(nm))).collect()),
+        (false, false, true) => Err("neither a `Y` channel nor `R G B`, nor one for each wavelength".into()),
+        _ => Err("channels of more than one kind among `Y`, `R G B` and wavelengths".into()),
     }
+}
+
+/// The channel names of a table's colours; colours that are not told apart are a reason to refuse it.
+pub(super) fn distinct_names(table: &BrdfTable) -> Reason<Vec<String>> {
+    let names = table.colour_names();
+    let spectral = table.colours.iter().filter(|colour| colour.wavelength_nm.is_some()).count();
+    let plain = matches!(names.len(), 1 | 3) && spectral == 0;
+    let increasing = table.colours.windows(2).all(|pair| pair[0].wavelength_nm < pair[1].wavelength_nm);
+    if plain || (spectral == names.len() && spectral > 0 && increasing) {
+        return Ok(names);
+    }
+    Err(format!("{} colours; 1 or 3 needed, or each with its wavelength, in increasing order", names.len()))
+}
+
+/// Adds the sums of Schlick's formula.
+pub(super) fn insert_schlick(part: &mut Part, sums: Option<&SchlickSums>, by_order: bool) -> Reason<()> {
+    let channels = sums.map(|sums| sums.channels(by_order)).unwrap_or_default();
+    channels.into_iter().try_for_each(|(name, values)| insert(part, &name, values))
+}
+
+/// Takes the sums of Schlick's formula, where they are there.
+pub(super) fn take_schlick(part: &mut Part) -> Reason<Option<SchlickSums>> {
+    SchlickSums::gathered(|name| match part.channels.contains_key(name) {
+        true => take(part, name).map(Some),
+        false => Ok(None),
+    })
 }
 
 /// SHA-256 over the grid's text, the patches' digest and every channel (name, type, count, little-endian values).

@@ -3,9 +3,10 @@
 pub mod brdf_table;
 mod channels;
 pub mod realisations;
+pub mod recolour;
 pub mod store;
 #[cfg(test)]
 mod test_tables;
 
-pub use brdf_table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
+pub use brdf_table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
 pub use channels::check_grid;

@@ -10,8 +10,8 @@ use crate::files;
 use crate::files::image::{self, Part};
 use crate::instrument::Grid;
 
-use super::channels::{self, DIGEST, GRID, Reason};
-use super::{BrdfTable, RealisationPart, Realisations, store};
+use super::channels::{self, ColourName, DIGEST, GRID, Reason};
+use super::{BrdfTable, RealisationPart, Realisations, SchlickSums, store};
 
 const TABLE_DIGEST: &str = "gonio.table_digest";
 const GROUP_SIZE: &str = "gonio.group_size";
@@ -56,25 +56,31 @@ impl RealisationsFile {
 
 /// An upper bound of the file's size in bytes, known before anything is measured.
 ///
-/// Pixels (total and single, f32) that do not compress at all, and the headers.
+/// Pixels of so many f32 `channels` that do not compress at all, and the headers.
 /// Held by: `the_size_said_beforehand_is_never_exceeded`.
-pub fn file_bytes(grid: &Grid, colours: usize, parts: usize) -> u64 {
+pub fn file_bytes(grid: &Grid, channels: usize, parts: usize) -> u64 {
     let (stops, bins) = (grid.stops() as u64, grid.bins() as u64);
-    let colours = colours as u64;
-    let pixels = stops.saturating_mul(bins).saturating_mul(colours * 2 * 4);
+    let channels = channels as u64;
+    let pixels = stops.saturating_mul(bins).saturating_mul(channels * 4);
     let text = channels::grid_text(grid).map_or(0, |text| text.len() as u64);
-    let header = 1024 + text + 64 * colours;
+    let header = 1024 + text + 48 * channels;
     let chunks = stops.div_ceil(16) * 20;
     pixels.saturating_add(header + chunks).saturating_mul(parts as u64).saturating_add(16)
 }
 
-/// What can be stored within `limit` bytes.
-pub fn kept(grid: &Grid, colours: usize, realisations: usize, limit: u64) -> Kept {
-    if file_bytes(grid, colours, realisations) <= limit {
+/// Channels of one part: total and single of every colour, and the sums of Schlick's formula.
+pub fn channels_of(table: &BrdfTable) -> usize {
+    let sums = table.schlick.as_ref().map_or(0, |sums| sums.channels(table.is_by_order()).len());
+    2 * table.colours.len() + sums
+}
+
+/// What can be stored within `limit` bytes, with so many channels in each part.
+pub fn kept(grid: &Grid, channels: usize, realisations: usize, limit: u64) -> Kept {
+    if file_bytes(grid, channels, realisations) <= limit {
         return Kept::All;
     }
     let grouping = realisations > GROUPS && realisations.is_multiple_of(GROUPS);
-    if grouping && file_bytes(grid, colours, GROUPS) <= limit { Kept::Groups } else { Kept::Nothing }
+    if grouping && file_bytes(grid, channels, GROUPS) <= limit { Kept::Groups } else { Kept::Nothing }
 }
 
 /// Means over consecutive realisations, `groups` of equal size, summed in f64.
@@ -88,17 +94,27 @@ pub fn grouped(realisations: &Realisations, groups: usize) -> Result<Realisation
 }
 
 fn mean_part(parts: &[RealisationPart]) -> RealisationPart {
-    let mean = |values: &dyn Fn(&RealisationPart) -> f32| {
-        let sum: f64 = parts.iter().map(|part| f64::from(values(part))).sum();
-        (sum / parts.len() as f64) as f32
-    };
     let colours = |pick: fn(&RealisationPart) -> &Vec<Vec<f32>>| {
-        let first = pick(&parts[0]);
-        (0..first.len())
-            .map(|c| (0..first[c].len()).map(|i| mean(&|part| pick(part)[c][i])).collect())
-            .collect()
+        let of = |c: usize| mean_values(parts.iter().map(move |part| &pick(part)[c]));
+        (0..pick(&parts[0]).len()).map(of).collect()
     };
-    RealisationPart { total: colours(|part| &part.total), single: colours(|part| &part.single) }
+    let sums: Option<Vec<&SchlickSums>> = parts.iter().map(|part| part.schlick.as_ref()).collect();
+    let schlick = sums.map(|sums| {
+        let part = |group: usize, m: usize| mean_values(sums.iter().map(move |sums| &sums.further[group][m]));
+        let group = |group: usize| (0..sums[0].further[group].len()).map(|m| part(group, m)).collect();
+        SchlickSums {
+            unit: mean_values(sums.iter().map(|sums| &sums.unit)),
+            first: mean_values(sums.iter().map(|sums| &sums.first)),
+            further: (0..sums[0].further.len()).map(group).collect(),
+        }
+    });
+    RealisationPart { total: colours(|part| &part.total), single: colours(|part| &part.single), schlick }
+}
+
+fn mean_values<'a>(all: impl Iterator<Item = &'a Vec<f32>>) -> Vec<f32> {
+    let all: Vec<&Vec<f32>> = all.collect();
+    let mean = |i: usize| all.iter().map(|values| f64::from(values[i])).sum::<f64>() / all.len() as f64;
+    (0..all.first().map_or(0, |values| values.len())).map(|i| mean(i) as f32).collect()
 }
 
 /// The bytes of the realisations' file; `group_size` realisations went into each part.
@@ -115,7 +131,7 @@ pub fn encode(realisations: &Realisations, table: &BrdfTable, group_size: usize)
 /// Writes the realisations' file, whole or not at all, grouped or left out as `limit` bytes ask.
 pub fn save(path: &Path, realisations: &Realisations, table: &BrdfTable, limit: u64) -> Result<Kept> {
     let count = realisations.parts.len();
-    let kept = kept(&table.grid, table.colours.len(), count, limit);
+    let kept = kept(&table.grid, channels_of(table), count, limit);
     match kept {
         Kept::All => files::write_atomically(path, &encode(realisations, table, 1)?)?,
         Kept::Groups => {
@@ -159,6 +175,7 @@ fn to_part(
         channels::insert(&mut part, name, &values.total[c])?;
         channels::insert(&mut part, &format!("single.{name}"), &values.single[c])?;
     }
+    channels::insert_schlick(&mut part, values.schlick.as_ref(), table.is_by_order())?;
     let grid = channels::grid_text(&table.grid)?;
     part.set_text(DIGEST, &channels::digest(&grid, table_digest, &part));
     part.set_text(GRID, &grid);
@@ -192,14 +209,14 @@ fn from_parts(parts: Vec<Part>) -> Reason<RealisationsFile> {
             return Err(wrong("it belongs to another table than part 0".into()));
         }
         channels::check_digest(&part, &table_digest, &mut warnings).map_err(wrong)?;
-        realisations.parts.push(take_part(&mut part, names).map_err(wrong)?);
+        realisations.parts.push(take_part(&mut part, &names).map_err(wrong)?);
     }
     Ok(RealisationsFile { grid, table_digest, group_size, realisations, warnings })
 }
 
-fn take_part(part: &mut Part, names: &[&str]) -> Reason<RealisationPart> {
-    let mut values = RealisationPart::default();
-    for name in names {
+fn take_part(part: &mut Part, names: &[ColourName]) -> Reason<RealisationPart> {
+    let mut values = RealisationPart { schlick: channels::take_schlick(part)?, ..RealisationPart::default() };
+    for (name, _) in names {
         values.total.push(channels::take(part, name)?);
         values.single.push(channels::take(part, &format!("single.{name}"))?);
     }
@@ -214,7 +231,7 @@ mod tests {
     fn realisations(count: u16, colours: u16) -> Realisations {
         let values = |k: u16, c: u16| (0..12).map(|i| f32::from(100 * k + 20 * c + i).sqrt()).collect();
         let colours = |k: u16| (0..colours).map(|c| values(k, c)).collect::<Vec<Vec<f32>>>();
-        let part = |k: u16| RealisationPart { total: colours(k + 1), single: colours(k) };
+        let part = |k: u16| RealisationPart { total: colours(k + 1), single: colours(k), schlick: None };
         Realisations { parts: (0..count).map(part).collect() }
     }
 
@@ -239,7 +256,7 @@ mod tests {
         for (count, colours) in [(1, 1), (16, 3), (40, 1)] {
             let table = table(usize::from(colours));
             let bytes = encode(&realisations(count, colours), &table, 1).expect("encodes").len() as u64;
-            let bound = file_bytes(&table.grid, usize::from(colours), usize::from(count));
+            let bound = file_bytes(&table.grid, channels_of(&table), usize::from(count));
             assert!(bytes <= bound, "{bytes} > {bound}");
         }
     }
@@ -249,12 +266,12 @@ mod tests {
         let table = table(1);
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = folder.path().join("t.realisations.exr");
-        let (sixteen, all) = (file_bytes(&table.grid, 1, 16), file_bytes(&table.grid, 1, 48));
+        let (sixteen, all) = (file_bytes(&table.grid, 2, 16), file_bytes(&table.grid, 2, 48));
         let parts = realisations(48, 1);
         assert_eq!(save(&path, &parts, &table, sixteen - 1).expect("saves"), Kept::Nothing);
         assert!(!path.exists());
-        assert_eq!(kept(&table.grid, 1, 40, all - 1), Kept::All);
-        assert_eq!(kept(&table.grid, 1, 50, all - 1), Kept::Nothing);
+        assert_eq!(kept(&table.grid, 2, 40, all - 1), Kept::All);
+        assert_eq!(kept(&table.grid, 2, 50, all - 1), Kept::Nothing);
         assert_eq!(save(&path, &parts, &table, all - 1).expect("saves"), Kept::Groups);
         let file = load(&path).expect("loads");
         assert_eq!((file.realisations.parts.len(), file.group_size), (16, 3));

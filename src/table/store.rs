@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::files;
 use crate::files::image::{self, Part, Samples};
 
-use super::channels::{self, DIGEST, GRID, Reason};
+use super::channels::{self, ColourName, DIGEST, GRID, Reason};
 use super::{BrdfTable, ColourChannels};
 
 const VERSION: &str = "gonio.version";
@@ -72,10 +72,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Loaded> {
 
 fn to_part(table: &BrdfTable) -> Reason<Part> {
     let (height, width) = channels::check_grid(&table.grid)?;
-    let names = table.colour_names();
-    if names.len() != table.colours.len() {
-        return Err(format!("{} colours, 1 or 3 needed", table.colours.len()));
-    }
+    let names = channels::distinct_names(table)?;
     let mut part = Part { width, height, ..Part::default() };
     for (name, colour) in names.iter().zip(&table.colours) {
         channels::insert(&mut part, name, &colour.total)?;
@@ -83,10 +80,11 @@ fn to_part(table: &BrdfTable) -> Reason<Part> {
         channels::insert(&mut part, &format!("multiple.{name}"), &colour.multiple)?;
         channels::insert(&mut part, &format!("stderr.{name}"), &colour.stderr)?;
         channels::insert(&mut part, &format!("stderr.single.{name}"), &colour.stderr_single)?;
+        for (order, values) in (2..).zip(&colour.orders) {
+            channels::insert(&mut part, &format!("order{order}.{name}"), values)?;
+        }
     }
-    if let Some(schlick) = &table.schlick {
-        channels::insert(&mut part, "schlick", schlick)?;
-    }
+    channels::insert_schlick(&mut part, table.schlick.as_ref(), table.is_by_order())?;
     if table.hits.len() != width * height {
         return Err(format!("channel `hits` has {} values, {} needed", table.hits.len(), width * height));
     }
@@ -119,7 +117,7 @@ fn from_part(mut part: Part) -> Reason<Loaded> {
     }
     let patch_digest = part.text(PATCH_DIGEST).unwrap_or_default().to_string();
     let names = channels::colour_names(&part)?;
-    drop_unknown(&mut part, names, &mut warnings);
+    drop_unknown(&mut part, &names, &mut warnings);
     channels::check_digest(&part, &patch_digest, &mut warnings)?;
     let colours = names.iter().map(|name| take_colour(&mut part, name)).collect::<Reason<_>>()?;
     let hits = match part.channels.remove("hits") {
@@ -127,8 +125,7 @@ fn from_part(mut part: Part) -> Reason<Loaded> {
         Some(_) => return Err("channel `hits` is not UINT".into()),
         None => return Err("channel `hits` is missing".into()),
     };
-    let has_schlick = part.channels.contains_key("schlick");
-    let schlick = if has_schlick { Some(channels::take(&mut part, "schlick")?) } else { None };
+    let schlick = channels::take_schlick(&mut part)?;
     let table = BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick };
     Ok(Loaded { table, warnings })
 }
@@ -141,23 +138,40 @@ fn read_seed(part: &Part, warnings: &mut Vec<String>) -> Reason<u64> {
     text.parse().map_err(|_| format!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))
 }
 
-fn take_colour(part: &mut Part, name: &str) -> Reason<ColourChannels> {
+fn take_colour(part: &mut Part, (name, wavelength_nm): &ColourName) -> Reason<ColourChannels> {
+    let mut orders = Vec::new();
+    for order in 2.. {
+        let channel = format!("order{order}.{name}");
+        if !part.channels.contains_key(&channel) {
+            break;
+        }
+        orders.push(channels::take(part, &channel)?);
+    }
     Ok(ColourChannels {
         total: channels::take(part, name)?,
         single: channels::take(part, &format!("single.{name}"))?,
         multiple: channels::take(part, &format!("multiple.{name}"))?,
         stderr: channels::take(part, &format!("stderr.{name}"))?,
         stderr_single: channels::take(part, &format!("stderr.single.{name}"))?,
+        orders,
+        wavelength_nm: *wavelength_nm,
     })
 }
 
 /// Takes out channels that are none of a table's.
-fn drop_unknown(part: &mut Part, colours: &[&str], warnings: &mut Vec<String>) {
-    let prefixes = ["", "single.", "multiple.", "stderr.", "stderr.single."];
-    let known = |name: &str| {
-        name == "hits"
-            || name == "schlick"
-            || prefixes.iter().any(|p| name.strip_prefix(p).is_some_and(|rest| colours.contains(&rest)))
+fn drop_unknown(part: &mut Part, colours: &[ColourName], warnings: &mut Vec<String>) {
+    let of_colour = |name: &str| colours.iter().any(|(colour, _)| colour == name);
+    let number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let order = |text: &str| text.strip_prefix("order").is_some_and(number);
+    let known = |name: &str| match name.split_once('.') {
+        None => matches!(name, "hits" | "schlick" | "unit") || of_colour(name),
+        Some(("single" | "multiple", rest)) => of_colour(rest),
+        Some(("stderr", rest)) => of_colour(rest.strip_prefix("single.").unwrap_or(rest)),
+        Some(("parts", rest)) => number(rest),
+        Some((layer, rest)) if order(layer) => {
+            of_colour(rest) || rest.strip_prefix("parts.").is_some_and(number)
+        }
+        Some(_) => false,
     };
     part.channels.retain(|name, _| {
         if !known(name) {

@@ -37,5 +37,6 @@ pub(super) fn colour(scale: f32, pixels: u16) -> ColourChannels {
         multiple: ramp(0.3),
         stderr: ramp(0.4),
         stderr_single: vec![-1.0; usize::from(pixels)],
+        ..ColourChannels::default()
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Enters: a microfacet model, the light (one direction, or nodes of its aperture) and the table's regions. Leaves:
 //! per region and masking the mean, weighted with cos(theta_r), of D G2/(4 cos cos) ("unit", F = 1) and of the same
-//! times (1 - c)^5 ("schlick"): Schlick's BRDF with any F0 is F0 unit + (1 - F0) schlick.
+//! times (1 - c)^5 ("schlick"): Schlick's BRDF with any F0 is F0 unit + (1 - F0) schlick. Another reflectance may take
+//! the place of (1 - c)^5: then the second mean is the BRDF itself.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -12,7 +13,8 @@ use rayon::prelude::*;
 use super::gauss_legendre::gauss_legendre;
 use super::quadrature::{COMPONENTS, Estimate, Integrand, Precision, Rect, SinCos, Values, integrate};
 use crate::instrument::Region;
-use crate::optics::fresnel::schlick_weight;
+use crate::optics::FacetAngle;
+use crate::optics::reflectance::Reflectance;
 use crate::sphere;
 use crate::theory::smith::visibility;
 use crate::theory::{Masking, Microfacet, Side};
@@ -25,7 +27,7 @@ pub const MASKINGS: usize = COMPONENTS / 2;
 pub struct BinMean {
     /// F = 1, 1/sr.
     pub unit: [f64; MASKINGS],
-    /// Times (1 - c)^5, 1/sr.
+    /// Times (1 - c)^5, or the reflectance that was asked for, 1/sr.
     pub schlick: [f64; MASKINGS],
     /// Largest disagreement of the two orders of the cubature among the above, 1/sr.
     pub error: f64,
@@ -48,6 +50,8 @@ pub struct BinMeans {
     pub relative: f64,
     /// Share of the stop's incident flux below which an error in one bin does not matter.
     pub absolute: f64,
+    /// What the second mean is weighed by; `None`: (1 - c)^5.
+    pub reflectance: Option<Reflectance>,
 }
 
 /// How much more the direction-correlated masking may be off.
@@ -61,7 +65,7 @@ impl BinMeans {
     /// direction-correlated masking) or to 1e-9 of the stop's flux. The integrals themselves are far closer.
     pub fn new(maskings: Vec<Masking>) -> Self {
         assert!(maskings.len() <= MASKINGS, "at most {MASKINGS} maskings at once");
-        BinMeans { maskings, relative: 1e-6, absolute: 1e-9 }
+        BinMeans { maskings, relative: 1e-6, absolute: 1e-9, reflectance: None }
     }
 
     /// The means over `regions` (stage's frame) under light from `source`: directions with weights that add up to 1.
@@ -78,7 +82,7 @@ impl BinMeans {
     fn mean(&self, model: &Microfacet, source: &[(DVec3, f64)], region: &Region) -> BinMean {
         let mut mean = BinMean::default();
         for &(wi, weight) in source {
-            let lit = Lit::new(model, wi, &self.maskings);
+            let lit = Lit::new(model, wi, self);
             let (value, error, size) = match *region {
                 Region::Cap { axis, half_angle: 0.0 } => (lit.densities(model.to_sample(axis)), 0.0, axis.z),
                 _ => {
@@ -116,8 +120,8 @@ impl BinMeans {
 /// - Held by: `albedo_matches_the_reference` (tests/bin_means.rs).
 pub fn albedo(model: &Microfacet, wi: DVec3, masking: Masking) -> (f64, f64) {
     let whole = Region::Rectangle { theta: [0.0, FRAC_PI_2], phi: [0.0, TAU] };
-    let means = BinMeans { maskings: vec![masking], relative: 1e-8, absolute: 1e-10 };
-    let found = means.flux(&Lit::new(model, wi, &means.maskings), model, &whole);
+    let means = BinMeans { relative: 1e-8, absolute: 1e-10, ..BinMeans::new(vec![masking]) };
+    let found = means.flux(&Lit::new(model, wi, &means), model, &whole);
     (found.value[0], found.value[1])
 }
 
@@ -160,21 +164,25 @@ fn meridian_frame(axis: DVec3) -> (DVec3, DVec3) {
 struct Lit<'a> {
     model: &'a Microfacet,
     maskings: &'a [Masking],
+    reflectance: Option<Reflectance>,
     wi: DVec3,
     side: Side,
 }
 
 impl<'a> Lit<'a> {
-    fn new(model: &'a Microfacet, wi: DVec3, maskings: &'a [Masking]) -> Self {
+    fn new(model: &'a Microfacet, wi: DVec3, means: &'a BinMeans) -> Self {
         let wi = model.to_sample(wi);
-        Lit { model, maskings, wi, side: model.side(wi) }
+        let BinMeans { maskings, reflectance, .. } = means;
+        Lit { model, maskings, reflectance: *reflectance, wi, side: model.side(wi) }
     }
 
     /// D V cos(theta_r) of every masking, alone and times (1 - c)^5: outgoing flux per solid angle, 1/sr.
     fn densities(&self, wo: DVec3) -> Values {
         let (i, o) = (&self.side, self.model.side(wo));
         let d_cos = self.model.ndf.d_of_sum(self.wi + wo, self.model.alpha_x, self.model.alpha_y) * wo.z;
-        let schlick = schlick_weight(self.wi, wo);
+        let angle = FacetAngle::of_pair(self.wi, wo);
+        let schlick =
+            self.reflectance.map_or_else(|| angle.schlick_weight(), |reflectance| reflectance.at(angle));
         let mut values = [0.0; COMPONENTS];
         for (pair, &masking) in values.chunks_exact_mut(2).zip(self.maskings) {
             let unit = d_cos * visibility(masking, i, &o);

@@ -9,6 +9,7 @@ pub mod laws;
 mod lines;
 pub mod model;
 pub mod quadrature;
+pub mod schlick_error;
 pub mod two_tables;
 pub mod verdict;
 

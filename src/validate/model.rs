@@ -4,11 +4,12 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::bin_mean::{BinMeans, source_nodes};
+use super::bin_mean::{BinMean, BinMeans, source_nodes};
 use crate::campaign::{Azimuth, Campaign, SmithNdf, SurfaceKind};
 use crate::instrument::{Grid, Sensor};
-use crate::measure::optics::colours_of;
-use crate::optics::fresnel::schlick_weight;
+use crate::measure::optics::reflectances_of;
+use crate::optics::reflectance::Reflectance;
+use crate::optics::{FacetAngle, Fresnel};
 use crate::sphere;
 use crate::theory::v_cavity::v_groove_lobes;
 use crate::theory::{Masking, Microfacet, Ndf};
@@ -99,13 +100,13 @@ impl Model {
     pub fn means(&self, campaign: &Campaign, grid: &Grid, stop: usize) -> StopMeans {
         let half_angle = campaign.light.aperture_deg.to_radians();
         let source = source_nodes(grid.wi(stop), half_angle, APERTURE_ORDER);
-        let f0 = colours_of(&campaign.optics);
+        let colours = reflectances_of(&campaign.optics);
         let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
         let turns = if averaged { AZIMUTHS } else { 1 };
         let rotations = (0..turns).map(|k| PI * k as f64 / turns as f64);
         let mut sum: Option<Vec<Vec<Vec<f64>>>> = None;
         for rotation in rotations {
-            let part = self.turned_means(rotation, grid, stop, &source, &f0);
+            let part = self.turned_means(rotation, grid, stop, &source, &colours);
             sum = Some(match sum {
                 None => part,
                 Some(sum) => zip3(sum, &part),
@@ -122,21 +123,38 @@ impl Model {
         grid: &Grid,
         stop: usize,
         source: &[(DVec3, f64)],
-        f0: &[Option<f64>],
+        colours: &[Reflectance],
     ) -> Vec<Vec<Vec<f64>>> {
         match self {
             Model::Microfacet { surface, maskings } => {
                 let surface = Microfacet { rotation: surface.rotation + turn, ..*surface };
-                let bins = BinMeans::new(maskings.clone()).evaluate(&surface, source, &grid.regions(stop));
-                let of = |k: usize, f0: Option<f64>| {
-                    bins.iter().map(|bin| f0.map_or(bin.unit[k], |f0| bin.with_f0(k, f0))).collect()
+                let regions = grid.regions(stop);
+                let means = BinMeans::new(maskings.clone());
+                let schlick = means.evaluate(&surface, source, &regions);
+                let of_colour = |colour: &Reflectance| -> Vec<Vec<f64>> {
+                    let of = |value: &dyn Fn(usize, &BinMean) -> f64, bins: &[BinMean]| {
+                        (0..maskings.len()).map(|k| bins.iter().map(|bin| value(k, bin)).collect()).collect()
+                    };
+                    match *colour {
+                        Reflectance { fresnel: Fresnel::Perfect, .. } => of(&|k, bin| bin.unit[k], &schlick),
+                        Reflectance { fresnel: Fresnel::Schlick { f0 }, .. } => {
+                            of(&|k, bin| bin.with_f0(k, f0), &schlick)
+                        }
+                        exact => {
+                            let means = BinMeans { reflectance: Some(exact), ..means.clone() };
+                            of(&|k, bin| bin.schlick[k], &means.evaluate(&surface, source, &regions))
+                        }
+                    }
                 };
-                (0..maskings.len()).map(|k| f0.iter().map(|&f0| of(k, f0)).collect()).collect()
+                let by_colour: Vec<Vec<Vec<f64>>> = colours.iter().map(of_colour).collect();
+                let of_masking = |k: usize| by_colour.iter().map(|maskings| maskings[k].clone()).collect();
+                (0..maskings.len()).map(of_masking).collect()
             }
             Model::Lobes { slope, rotation, .. } => {
                 vec![
-                    f0.iter()
-                        .map(|&f0| lobe_means(*slope, rotation + turn, grid, stop, source, f0))
+                    colours
+                        .iter()
+                        .map(|&colour| lobe_means(*slope, rotation + turn, grid, stop, source, colour))
                         .collect(),
                 ]
             }
@@ -151,7 +169,7 @@ fn lobe_means(
     grid: &Grid,
     stop: usize,
     source: &[(DVec3, f64)],
-    f0: Option<f64>,
+    colour: Reflectance,
 ) -> Vec<f64> {
     let sensor = Sensor::new(grid);
     let regions = grid.regions(stop);
@@ -165,7 +183,7 @@ fn lobe_means(
             }
         };
         for (wo, flux) in lobes.into_iter().filter(|&(wo, flux)| flux > 0.0 && wo.z > 0.0) {
-            let fresnel = f0.map_or(1.0, |f0| f0 + (1.0 - f0) * schlick_weight(wi, wo));
+            let fresnel = colour.at(FacetAngle::of_pair(wi, wo));
             sensor.each_bin(sphere::turned(wo, sphere::sin_cos_deg(turn_back)), |bin| {
                 means[bin] += weight * flux * fresnel / regions[bin].projected_solid_angle();
             });

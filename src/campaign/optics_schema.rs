@@ -1,0 +1,173 @@
+//! What a campaign says of its materials, checked: `[optics]`.
+
+use serde::Serialize;
+
+/// What a facet reflects.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Optics {
+    /// F = 1.
+    PerfectMirror,
+    /// Schlick's Fresnel from the reflectance of R, G and B at normal incidence.
+    Schlick {
+        /// The material's name, where one was given.
+        material: Option<String>,
+        /// Reflectance at normal incidence for R, G, B, each in [0, 1].
+        f0: [f64; 3],
+    },
+    /// A material whose index of refraction is known.
+    Index(Index),
+    /// Several materials, each with a table of its own, from the same paths. Never one of these inside; all with the
+    /// same law.
+    Several(Vec<Optics>),
+}
+
+/// A material by its index of refraction, at one or more wavelengths.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Index {
+    /// The material's name, where one was given.
+    pub material: Option<String>,
+    /// One colour of the table each, in the order of their wavelengths.
+    pub media: Vec<Medium>,
+    /// How the reflectance follows from the index.
+    pub law: Law,
+    /// What light is counted.
+    pub polarisation: Polarisation,
+}
+
+/// An index of refraction eta + i k, relative to the outer medium.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Medium {
+    /// Wavelength in nm, 1 to 1e6; `None` where a single index stands for all.
+    pub wavelength_nm: Option<f64>,
+    /// Real part, (0, 100].
+    pub eta: f64,
+    /// Imaginary part, [0, 100]; eta = 1 with k = 0 is no surface and refused.
+    pub k: f64,
+}
+
+/// How the reflectance of a facet follows from its material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Law {
+    /// Schlick's approximation from the reflectance at normal incidence.
+    Schlick,
+    /// Fresnel's equations.
+    Exact,
+}
+
+/// Light by its field against the plane of wi and wo.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Polarisation {
+    /// Unpolarised.
+    None,
+    /// Across the plane.
+    S,
+    /// In the plane.
+    P,
+}
+
+impl Optics {
+    /// The materials, one table each.
+    pub fn each(&self) -> Vec<&Optics> {
+        match self {
+            Optics::Several(all) => all.iter().collect(),
+            one => vec![one],
+        }
+    }
+
+    /// The wavelengths of the table's colours, where they are told by them: with two, or with more than three. One
+    /// colour is `Y`; three are R, G and B, the longest wavelength first.
+    pub fn wavelengths_nm(&self) -> Vec<f64> {
+        match self {
+            Optics::Index(index) if !matches!(index.media.len(), 1 | 3) => {
+                index.media.iter().filter_map(|medium| medium.wavelength_nm).collect()
+            }
+            _ => vec![],
+        }
+    }
+
+    /// The material's name, where it has one.
+    pub fn material(&self) -> Option<&str> {
+        match self {
+            Optics::Schlick { material, .. } => material.as_deref(),
+            Optics::Index(index) => index.material.as_deref(),
+            Optics::PerfectMirror | Optics::Several(_) => None,
+        }
+    }
+
+    /// Number of colours of its table; of all its tables together for several.
+    pub fn colours(&self) -> usize {
+        match self {
+            Optics::PerfectMirror => 1,
+            Optics::Schlick { .. } => 3,
+            Optics::Index(index) => index.media.len(),
+            Optics::Several(all) => all.iter().map(Optics::colours).sum(),
+        }
+    }
+
+    /// What tells this material's files from those of the others.
+    pub fn label(&self) -> String {
+        match self {
+            Optics::Index(index) => {
+                let polarisation = match index.polarisation {
+                    Polarisation::None => None,
+                    Polarisation::S => Some("s"),
+                    Polarisation::P => Some("p"),
+                };
+                let parts = [index.material.as_deref(), polarisation];
+                parts.into_iter().flatten().collect::<Vec<_>>().join("_")
+            }
+            other => other.material().unwrap_or_default().to_string(),
+        }
+    }
+}
+
+impl Optics {
+    /// In words, for the plan and the page.
+    pub fn described(&self) -> String {
+        match self {
+            Optics::PerfectMirror => "F = 1".into(),
+            Optics::Schlick { material: Some(name), f0 } => format!("{name}, Schlick, F0 {f0:?}"),
+            Optics::Schlick { material: None, f0 } => format!("Schlick, F0 {f0:?}"),
+            Optics::Index(index) => index.described(),
+            Optics::Several(all) => {
+                let each: Vec<String> = all.iter().map(Optics::described).collect();
+                format!("a table each for {}", each.join("; "))
+            }
+        }
+    }
+}
+
+impl Index {
+    fn described(&self) -> String {
+        let material = self.material.as_ref().map_or(String::new(), |name| format!("{name}, "));
+        let law = if self.law == Law::Exact { "Fresnel's equations" } else { "Schlick from the index" };
+        let index = |medium: &Medium| match medium.k {
+            0.0 => format!("n = {}", medium.eta),
+            k => format!("n = {} + {k} i", medium.eta),
+        };
+        let nm: Vec<f64> = self.media.iter().filter_map(|medium| medium.wavelength_nm).collect();
+        let at = match nm[..] {
+            [] => index(&self.media[0]),
+            [one] => format!("{} at {one} nm", index(&self.media[0])),
+            [first, .., last] => format!("n and k at {} wavelengths from {first} to {last} nm", nm.len()),
+        };
+        let polarised = match self.polarisation {
+            Polarisation::None => "",
+            Polarisation::S => ", s-polarised about the plane of wi and wo",
+            Polarisation::P => ", p-polarised about the plane of wi and wo",
+        };
+        format!("{material}{law}, {at}{polarised}")
+    }
+
+    /// The media in the order of the table's colours: R, G, B where there are three.
+    pub fn by_colour(&self) -> Vec<Medium> {
+        let mut media = self.media.clone();
+        if media.len() == 3 {
+            media.reverse();
+        }
+        media
+    }
+}

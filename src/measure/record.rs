@@ -1,0 +1,132 @@
+//! The sums of one stop and realisation as numbers: what rounds add up, and what colours are made of.
+
+use super::tally::{Tally, from_units};
+use super::weighing::{Colour, Weighing};
+use crate::optics::parts;
+
+/// One stop and realisation, flux as a share of the incident flux.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StopRecord {
+    /// Order 1 with F = 1, by bin.
+    pub single: Vec<f64>,
+    /// Order 1 by weight and bin, as in the tally.
+    pub first: Vec<Vec<f64>>,
+    /// Orders above 1 by weight and bin, as in the tally.
+    pub multiple: Vec<Vec<f64>>,
+    /// Arrivals by bin.
+    pub hits: Vec<u64>,
+    /// Paths that leave, by order - 1.
+    pub orders: Vec<OrderRecord>,
+    /// Paths beyond the last order, and their flux with F = 1.
+    pub cut: (u64, f64),
+    /// Starts that the light does not see.
+    pub hidden: u64,
+    /// Paths over the edge of an open map.
+    pub left_map: u64,
+    /// Starts whose facets send light into no aperture, and their flux.
+    pub outside: (u64, f64),
+}
+
+/// Paths that leave after one number of bounces.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OrderRecord {
+    /// Their number.
+    pub count: u64,
+    /// Their flux with F = 1.
+    pub unit: f64,
+    /// Their flux by weight.
+    pub weighted: Vec<f64>,
+}
+
+impl StopRecord {
+    /// The record of a finished tally.
+    pub fn new(tally: &Tally) -> Self {
+        let flux = |sums: &Vec<u128>| sums.iter().map(|&units| from_units(units)).collect::<Vec<_>>();
+        let order = |order: &super::tally::Order| OrderRecord {
+            count: order.count,
+            unit: from_units(order.flux),
+            weighted: flux(&order.weighted),
+        };
+        StopRecord {
+            single: flux(&tally.single),
+            first: tally.first.iter().map(flux).collect(),
+            multiple: tally.multiple.iter().map(flux).collect(),
+            hits: tally.hits.clone(),
+            orders: tally.orders.iter().map(order).collect(),
+            cut: (tally.cut.count, from_units(tally.cut.flux)),
+            hidden: tally.hidden.count,
+            left_map: tally.left_map.count,
+            outside: (tally.outside.count, from_units(tally.outside.flux)),
+        }
+    }
+
+    /// This and further blocks of the same stop and realisation.
+    pub fn plus(mut self, other: &Self) -> Self {
+        let add = |mine: &mut [f64], theirs: &[f64]| mine.iter_mut().zip(theirs).for_each(|(a, b)| *a += b);
+        add(&mut self.single, &other.single);
+        let planes = self.first.iter_mut().zip(&other.first);
+        planes.chain(self.multiple.iter_mut().zip(&other.multiple)).for_each(|(a, b)| add(a, b));
+        self.hits.iter_mut().zip(&other.hits).for_each(|(mine, theirs)| *mine += theirs);
+        for (mine, theirs) in self.orders.iter_mut().zip(&other.orders) {
+            mine.count += theirs.count;
+            mine.unit += theirs.unit;
+            add(&mut mine.weighted, &theirs.weighted);
+        }
+        self.cut = (self.cut.0 + other.cut.0, self.cut.1 + other.cut.1);
+        self.hidden += other.hidden;
+        self.left_map += other.left_map;
+        self.outside = (self.outside.0 + other.outside.0, self.outside.1 + other.outside.1);
+        self
+    }
+
+    /// All flux times `factor`; counts stay.
+    pub fn scaled(mut self, factor: f64) -> Self {
+        if factor == 1.0 {
+            return self;
+        }
+        let planes = self.first.iter_mut().chain(&mut self.multiple).flatten();
+        self.single.iter_mut().chain(planes).for_each(|flux| *flux *= factor);
+        for order in &mut self.orders {
+            order.unit *= factor;
+            order.weighted.iter_mut().for_each(|flux| *flux *= factor);
+        }
+        self.cut.1 *= factor;
+        self.outside.1 *= factor;
+        self
+    }
+
+    /// Flux of order 1 in one colour. Schlick: F0 times the whole plus (1 - F0) times the (1-c)^5 part.
+    pub fn single_flux(&self, colour: Colour, bin: usize) -> f64 {
+        match colour {
+            Colour::Unit => self.single[bin],
+            Colour::Schlick { f0 } => f0 * self.single[bin] + (1.0 - f0) * self.first[0][bin],
+            Colour::Traced { place } => self.first[1 + place][bin],
+        }
+    }
+
+    /// Flux of the orders above 1 in one colour.
+    pub fn multiple_flux(&self, weighing: &Weighing, colour: Colour, bin: usize) -> f64 {
+        (0..weighing.groups()).map(|group| self.group_flux(weighing, group, colour, bin)).sum()
+    }
+
+    /// Flux of one group of orders above 1 in one colour.
+    pub fn group_flux(&self, weighing: &Weighing, group: usize, colour: Colour, bin: usize) -> f64 {
+        let sums = weighing.group(group);
+        match colour {
+            Colour::Unit => self.multiple[sums.start][bin],
+            Colour::Schlick { f0 } => parts::at_f0(self.multiple[sums].iter().map(|sum| sum[bin]), f0),
+            Colour::Traced { place } => self.multiple[sums.start + place][bin],
+        }
+    }
+}
+
+impl OrderRecord {
+    /// Flux of the order in one colour.
+    pub fn flux(&self, colour: Colour) -> f64 {
+        match colour {
+            Colour::Unit => self.unit,
+            Colour::Schlick { f0 } => parts::at_f0(self.weighted.iter().copied(), f0),
+            Colour::Traced { place } => self.weighted[place],
+        }
+    }
+}
