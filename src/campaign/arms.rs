@@ -72,8 +72,8 @@ pub(super) fn sensor(slot: &Slot<'_>, light: Option<&Light>) -> Option<Sensor> {
     let rows_and_columns = hemisphere.given().map(|i| hemisphere_bins(i.table()?));
     let positions = arm.given().map(|i| arm_positions(i.table()?, light));
     let (sensor, kind) = match (rows_and_columns, positions) {
-        (Some(sensor), None) => (sensor?, &hemisphere),
-        (None, Some(sensor)) => (sensor?, &arm),
+        (Some(sensor), None) => (sensor?, hemisphere.given()),
+        (None, Some(sensor)) => (sensor?, arm.given()),
         (None, None) => {
             return slot.refuse("exactly one is required: [sensor.hemisphere] or [sensor.arm]");
         }
@@ -83,7 +83,7 @@ pub(super) fn sensor(slot: &Slot<'_>, light: Option<&Light>) -> Option<Sensor> {
         }
     };
     if let Some(light) = light {
-        table_fits(kind, light, &sensor)?;
+        table_fits(kind?, light, &sensor)?;
     }
     Some(sensor)
 }
@@ -136,7 +136,7 @@ fn above_horizon(slot: &Slot<'_>, what: &str, angles: &[f64], aperture_deg: f64)
 }
 
 /// A fault where the table has more entries than an image can hold, counted without overflow.
-fn table_fits(slot: &Slot<'_>, light: &Light, sensor: &Sensor) -> Option<()> {
+fn table_fits(item: &Item<'_>, light: &Light, sensor: &Sensor) -> Option<()> {
     let theta_i = light.theta_i_deg.len() as u64;
     let phi_i = match &light.azimuth {
         Azimuth::Relative => 1,
@@ -152,9 +152,14 @@ fn table_fits(slot: &Slot<'_>, light: &Light, sensor: &Sensor) -> Option<()> {
     let entries = [theta_i, phi_i, rows, columns].iter().try_fold(1u64, |n, axis| n.checked_mul(*axis));
     match entries {
         Some(entries) if entries <= MOST_ENTRIES => Some(()),
-        _ => slot.refuse(format!(
-            "theta_i x phi_i x theta_r x phi_r = {theta_i} x {phi_i} x {rows} x {columns} entries: \
-             a table holds at most 2^31; take fewer stops or wider bins"
-        )),
+        _ => {
+            // Total, single, multiple, two errors and hits of one colour: the least that an entry is stored as.
+            let bytes = [theta_i, phi_i, rows, columns].iter().fold(24.0, |n: f64, axis| n * *axis as f64);
+            item.too_large(format!(
+                "theta_i x phi_i x theta_r x phi_r = {theta_i} x {phi_i} x {rows} x {columns} entries of {bytes:.1e} \
+                 bytes: a table holds at most 2^31 ({:.1e} bytes); take fewer stops or wider bins",
+                24.0 * MOST_ENTRIES as f64
+            ))
+        }
     }
 }

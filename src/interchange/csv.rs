@@ -76,6 +76,10 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
             if value.is_finite() { Ok(value) } else { Err(format!("line {line}: {value} is not finite")) }
         };
         let numbers = columns.iter().map(number).collect::<Reason<Vec<f64>>>()?;
+        // Rounded as a table holds it: what f32 cannot hold is infinite there.
+        if let Some(value) = numbers[4..].iter().find(|v| !((**v as f32).is_finite() && **v >= 0.0)) {
+            return Err(format!("line {line}: {value} is no BRDF value (not negative, at most 3.4e38)"));
+        }
         if found.len() == MOST_LINES {
             return Err(format!("more than {MOST_LINES} lines"));
         }
@@ -85,5 +89,8 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
 }
 
 fn one_line(error: &csv::Error) -> String {
+    if let csv::ErrorKind::UnequalLengths { pos: Some(at), expected_len, len } = error.kind() {
+        return format!("line {}: {len} cells, the heading has {expected_len}", at.line());
+    }
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
