@@ -26,6 +26,9 @@ pub struct Fault {
     pub value: Option<String>,
     /// What is allowed, and what to do.
     pub allowed: String,
+    /// Whether the value means something, and too much of it: memory, time or size.
+    #[serde(skip)]
+    pub too_large: bool,
 }
 
 impl fmt::Display for Fault {
@@ -82,10 +85,11 @@ pub enum Error {
 }
 
 impl Error {
-    /// The process's exit code for this error.
+    /// The process's exit code for this error. A campaign whose only faults are sizes is refused as too large.
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Disagreement(_) => 1,
+            Error::Campaign(faults) if !faults.is_empty() && faults.iter().all(|fault| fault.too_large) => 4,
             Error::Usage(_) | Error::Campaign(_) => 2,
             Error::Io { .. } | Error::Format { .. } => 3,
             Error::Refused(_) => 4,
@@ -123,7 +127,11 @@ mod tests {
             key: "surface.ggx.alpha".into(),
             value: Some("0".into()),
             allowed: "must lie in [1e-4, 10]".into(),
+            too_large: false,
         };
         assert_eq!(fault.to_string(), "gold.toml:7:1: surface.ggx.alpha = 0: must lie in [1e-4, 10]");
+        let large = Fault { too_large: true, ..fault.clone() };
+        let code = |faults: &[&Fault]| Error::Campaign(faults.iter().copied().cloned().collect()).exit_code();
+        assert_eq!([code(&[&fault]), code(&[&fault, &large]), code(&[&large, &large])], [2, 2, 4]);
     }
 }

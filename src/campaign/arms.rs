@@ -114,7 +114,7 @@ pub(super) fn sensor(slot: &Slot<'_>, light: Option<&Light>) -> Option<Sensor> {
         }
     };
     if let Some(light) = light {
-        table_fits(given[0], light, &sensor)?;
+        table_fits(given[0].given()?, light, &sensor)?;
     }
     Some(sensor)
 }
@@ -172,7 +172,7 @@ pub(super) fn above_horizon(slot: &Slot<'_>, what: &str, angles: &[f64], apertur
 }
 
 /// A fault where the table has more entries than an image can hold, counted without overflow.
-pub(super) fn table_fits(slot: &Slot<'_>, light: &Light, sensor: &Sensor) -> Option<()> {
+pub(super) fn table_fits(item: &Item<'_>, light: &Light, sensor: &Sensor) -> Option<()> {
     let (theta_i, phi_i) = match &light.azimuth {
         Azimuth::Relative => (light.theta_i_deg.len() as u64, 1),
         Azimuth::Absolute(phis) => (light.theta_i_deg.len() as u64, phis.len() as u64),
@@ -189,9 +189,14 @@ pub(super) fn table_fits(slot: &Slot<'_>, light: &Light, sensor: &Sensor) -> Opt
     let entries = [theta_i, phi_i, rows, columns].iter().try_fold(1u64, |n, axis| n.checked_mul(*axis));
     match entries {
         Some(entries) if entries <= MOST_ENTRIES => Some(()),
-        _ => slot.refuse(format!(
-            "theta_i x phi_i x theta_r x phi_r = {theta_i} x {phi_i} x {rows} x {columns} entries: \
-             a table holds at most 2^31; take fewer stops or wider bins"
-        )),
+        _ => {
+            // Total, single, multiple, two errors and hits of one colour: the least that an entry is stored as.
+            let bytes = [theta_i, phi_i, rows, columns].iter().fold(24.0, |n: f64, axis| n * *axis as f64);
+            item.too_large(format!(
+                "theta_i x phi_i x theta_r x phi_r = {theta_i} x {phi_i} x {rows} x {columns} entries of {bytes:.1e} \
+                 bytes: a table holds at most 2^31 ({:.1e} bytes); take fewer stops or wider bins",
+                24.0 * MOST_ENTRIES as f64
+            ))
+        }
     }
 }

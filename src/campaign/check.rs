@@ -18,6 +18,12 @@ pub(super) const MASKINGS: [(&str, ExpectedMasking); 3] = [
 /// Longest name: with its endings it stays within what file systems take.
 const LONGEST_NAME: usize = 100;
 
+/// Most starts per stop and realisation.
+const MOST_SAMPLES: u64 = 1 << 40;
+
+/// What a fast machine traces, to say how long too many starts would take.
+const STARTS_PER_SECOND: f64 = 1e7;
+
 const RELATIVE_ERROR: Bounds = Bounds::closed(1e-4, 1.0);
 /// Most orders with channels of their own.
 const MOST_APART: u32 = 16;
@@ -108,9 +114,8 @@ fn trace(slot: &Slot<'_>, statistical: bool) -> Option<Trace> {
 
 fn stop(slot: &Slot<'_>, realisations: u32) -> Option<Stop> {
     let [samples, relative_error, seconds] = slot.table()?.keys(["samples", "relative_error", "seconds"]);
-    let samples = samples
-        .required("start points per stop and realisation, such as 1_000_000")
-        .and_then(|i| i.whole(1..=1 << 40));
+    let samples =
+        samples.required("start points per stop and realisation, such as 1_000_000").and_then(self::samples);
     let relative_error = relative_error.or(None, |item| {
         let wanted = item.float(&RELATIVE_ERROR)?;
         if realisations < 2 {
@@ -120,6 +125,19 @@ fn stop(slot: &Slot<'_>, realisations: u32) -> Option<Stop> {
     });
     let seconds = seconds.or(None, |i| i.float(&SECONDS).map(Some));
     Some(Stop { samples: samples?, relative_error: relative_error?, seconds: seconds? })
+}
+
+/// Start points per stop and realisation. More than the most is a matter of time; none are no measurement.
+fn samples(item: &Item<'_>) -> Option<u64> {
+    match item.as_whole().filter(|&samples| samples > MOST_SAMPLES) {
+        Some(samples) => {
+            let years = samples as f64 / STARTS_PER_SECOND / (365.25 * 86_400.0);
+            item.too_large(format!(
+                "takes {years:.1e} years for each stop and realisation; must be a whole number in [1, {MOST_SAMPLES}]"
+            ))
+        }
+        None => item.whole(1..=MOST_SAMPLES),
+    }
 }
 
 fn expect(slot: &Slot<'_>) -> Option<Expect> {

@@ -1,7 +1,7 @@
 //! 1. The campaign: TOML in, a checked `Campaign` or the list of *all* faults out.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::Path;
 
 use toml::de::DeTable;
@@ -11,6 +11,7 @@ use crate::error::{Error, Fault, Result};
 mod angles;
 mod arms;
 mod artist;
+mod bounds;
 mod check;
 mod index_file;
 pub mod materials;
@@ -48,9 +49,13 @@ pub struct Parsed {
 
 /// Reads the campaign file at `path`; height maps it names are looked for beside it.
 ///
-/// A file that cannot be read is [`Error::Io`]; one that cannot be understood is [`Error::Campaign`] with all its
-/// faults.
+/// A file that cannot be read is [`Error::Io`], as is one that is no regular file: pipes and devices might never end,
+/// or never begin. One that cannot be understood is [`Error::Campaign`] with all its faults.
 pub fn read(path: &Path) -> Result<Parsed> {
+    let meta = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
+    if !meta.is_file() {
+        return Err(Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file")));
+    }
     let file = File::open(path).map_err(|e| Error::io(path, e))?;
     let mut bytes = Vec::new();
     // One byte more than allowed is enough to know.
@@ -141,5 +146,6 @@ fn not_utf8(name: &str, bytes: &[u8], offset: usize) -> Error {
 
 fn whole_file_fault(name: &str, line: Option<usize>, allowed: String) -> Error {
     let path = name.to_string();
-    Error::Campaign(vec![Fault { path, line, column: None, key: "file".into(), value: None, allowed }])
+    let key = "file".into();
+    Error::Campaign(vec![Fault { path, line, column: None, key, value: None, allowed, too_large: false }])
 }

@@ -91,7 +91,7 @@ pub(super) fn arms(
         _ => in_plane(table()?, isotropic),
     };
     if let Some((light, sensor)) = light.as_ref().zip(sensor.as_ref()) {
-        table_fits(slot, light, sensor)?;
+        table_fits(slot.given()?, light, sensor)?;
     }
     Some((preset, light, sensor))
 }

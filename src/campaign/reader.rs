@@ -3,78 +3,16 @@
 //! A reader that finds a fault records it and answers `None`; the others go on. `None` thus always means that the
 //! report holds at least one fault.
 
-use std::fmt;
 use std::ops::{Range, RangeInclusive};
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+pub(super) use super::bounds::{Bounds, plain};
 use super::report::{Report, nearest};
 
 /// Largest float that stands for a whole number: beyond 2^53 neighbouring whole numbers share a float.
 const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;
-
-/// The floats that are allowed for a key, and what to say to those that are not.
-pub(super) struct Bounds {
-    low: f64,
-    high: f64,
-    low_open: bool,
-    high_open: bool,
-    below: &'static str,
-    above: &'static str,
-}
-
-impl Bounds {
-    /// The closed interval from `low` to `high`.
-    pub const fn closed(low: f64, high: f64) -> Self {
-        Bounds { low, high, low_open: false, high_open: false, below: "", above: "" }
-    }
-
-    /// The same without `low` itself.
-    pub const fn low_open(self) -> Self {
-        Bounds { low_open: true, ..self }
-    }
-
-    /// The same without `high` itself.
-    pub const fn high_open(self) -> Self {
-        Bounds { high_open: true, ..self }
-    }
-
-    /// Advice for a value that is too low, and for one that is too high.
-    pub const fn advice(self, below: &'static str, above: &'static str) -> Self {
-        Bounds { below, above, ..self }
-    }
-
-    /// What is wrong with `value`, if anything. NaN and the infinities always are.
-    pub fn fault(&self, value: f64) -> Option<String> {
-        if !value.is_finite() {
-            return Some(format!("must be finite and lie in {self}"));
-        }
-        let high_enough = if self.low_open { value > self.low } else { value >= self.low };
-        let low_enough = if self.high_open { value < self.high } else { value <= self.high };
-        let advice = match (high_enough, low_enough) {
-            (true, true) => return None,
-            (false, _) => self.below,
-            _ => self.above,
-        };
-        let separator = if advice.is_empty() { "" } else { "; " };
-        Some(format!("must lie in {self}{separator}{advice}"))
-    }
-}
-
-impl fmt::Display for Bounds {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let left = if self.low_open { '(' } else { '[' };
-        let right = if self.high_open { ')' } else { ']' };
-        write!(f, "{left}{}, {}{right}", plain(self.low), plain(self.high))
-    }
-}
-
-/// A number as a person writes it.
-pub(super) fn plain(value: f64) -> String {
-    let size = value.abs();
-    if size == 0.0 || (1e-3..1e6).contains(&size) { format!("{value}") } else { format!("{value:e}") }
-}
 
 /// Where something is said: a dotted key and the byte it stands at.
 #[derive(Clone)]
@@ -200,6 +138,13 @@ impl<'a> Item<'a> {
         None
     }
 
+    /// Records that this value asks for too much: memory, time or size.
+    pub fn too_large<T>(&self, allowed: String) -> Option<T> {
+        let (key, at) = (&self.place.key, self.place.at);
+        self.place.report.too_large(key, at, self.text_as_written(), allowed);
+        None
+    }
+
     /// Records a note about this value.
     pub fn note(&self, text: impl Into<String>) {
         self.place.report.note(&self.place.key, self.place.at, self.text_as_written(), text.into());
@@ -222,16 +167,23 @@ impl<'a> Item<'a> {
 
     /// A whole number within `range`. `1e6` is one: floats that are whole are taken up to 2^53.
     pub fn whole(&self, range: RangeInclusive<u64>) -> Option<u64> {
-        let allowed = format!("must be a whole number in [{}, {}]", range.start(), range.end());
+        match self.as_whole() {
+            Some(value) if range.contains(&value) => Some(value),
+            None if !matches!(self.value.get_ref(), DeValue::Integer(_) | DeValue::Float(_)) => {
+                self.wrong_type("a whole number")
+            }
+            _ => self.refuse(format!("must be a whole number in [{}, {}]", range.start(), range.end())),
+        }
+    }
+
+    /// A whole number that 64 bits hold, without a fault where it is none.
+    pub fn as_whole(&self) -> Option<u64> {
         let value = match self.value.get_ref() {
             DeValue::Integer(digits) => i128::from_str_radix(digits.as_str(), digits.radix()).ok(),
             DeValue::Float(digits) => digits.as_str().parse().ok().and_then(whole_float),
-            _ => return self.wrong_type("a whole number"),
+            _ => None,
         };
-        match value.and_then(|value| u64::try_from(value).ok()) {
-            Some(value) if range.contains(&value) => Some(value),
-            _ => self.refuse(allowed),
-        }
+        value.and_then(|value| u64::try_from(value).ok())
     }
 
     /// [`Item::whole`] for the sizes that fit 32 bits.

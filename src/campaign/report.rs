@@ -39,12 +39,17 @@ impl<'s> Report<'s> {
 
     /// Records a fault of `key` at byte `at`.
     pub fn fault(&self, key: &str, at: Option<usize>, value: Option<String>, allowed: String) {
-        if self.is_full() {
-            self.found.borrow_mut().unlisted += 1;
-        } else {
-            let fault = self.located(key, at, value, allowed);
-            self.found.borrow_mut().faults.push(fault);
-        }
+        self.record(self.located(key, at, value, allowed));
+    }
+
+    /// Records that the value of `key` asks for too much: memory, time or size.
+    pub fn too_large(&self, key: &str, at: Option<usize>, value: Option<String>, allowed: String) {
+        self.record(Fault { too_large: true, ..self.located(key, at, value, allowed) });
+    }
+
+    fn record(&self, fault: Fault) {
+        let mut found = self.found.borrow_mut();
+        if found.faults.len() < LISTED { found.faults.push(fault) } else { found.unlisted += 1 }
     }
 
     /// Whether the list has reached its end, so that faults are only counted: no need to word them with care.
@@ -70,14 +75,17 @@ impl<'s> Report<'s> {
         faults.sort_by_key(|f| (f.line.unwrap_or(usize::MAX), f.column));
         if unlisted > 0 {
             let allowed = format!("{unlisted} further faults are not listed");
-            faults.push(Fault { path, line: None, column: None, key: "file".into(), value: None, allowed });
+            let key = "file".into();
+            let too_large = false;
+            faults.push(Fault { path, line: None, column: None, key, value: None, allowed, too_large });
         }
         (faults, notes)
     }
 
     fn located(&self, key: &str, at: Option<usize>, value: Option<String>, allowed: String) -> Fault {
         let (line, column) = at.map(|at| self.line_and_column(at)).unzip();
-        Fault { path: self.path.to_string(), line, column, key: one_line(key), value, allowed }
+        let (path, key) = (self.path.to_string(), one_line(key));
+        Fault { path, line, column, key, value, allowed, too_large: false }
     }
 
     /// Line and column of byte `at`, both from 1, the column in characters.

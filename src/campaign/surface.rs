@@ -27,6 +27,9 @@ pub(super) const SMITH_HEIGHTS: [(&str, SmithHeights); 2] =
 /// Cells per side where nothing is given.
 const CELLS: u32 = 1024;
 
+/// Most cells per side: heights of 2 GiB.
+const MOST_CELLS: u32 = 16384;
+
 /// Correlation length where nothing is given and the patch is large enough, in cells.
 const CORRELATION_CELLS: f64 = 8.0;
 
@@ -110,9 +113,9 @@ fn synthesised(
     rotation_deg: Option<f64>,
 ) -> Option<Surface> {
     let realisations = keys.realisations.or(16, |i| i.count(1..=4096));
-    let cells = keys.cells.or(CELLS, |i| i.count(8..=16384));
+    let cells = keys.cells.or(CELLS, cells);
     // With faulty cells the longest correlation of all applies: no fault follows from another one.
-    let correlation_cells = correlation(&keys.correlation_cells, cells.unwrap_or(16384));
+    let correlation_cells = correlation(&keys.correlation_cells, cells.unwrap_or(MOST_CELLS));
     let mirror_images = keys.mirror_images.or(true, |i| i.boolean());
     Some(Surface {
         realisations: realisations?,
@@ -122,6 +125,19 @@ fn synthesised(
         mirror_images: mirror_images?,
         kind: kind?,
     })
+}
+
+/// Cells per side. More than the most is a matter of memory; fewer than the least are no patch.
+fn cells(item: &Item<'_>) -> Option<u32> {
+    match item.as_whole().filter(|&cells| cells > u64::from(MOST_CELLS)) {
+        Some(cells) => {
+            let gib = 8.0 * (cells as f64).powi(2) / f64::from(1u32 << 30);
+            item.too_large(format!(
+                "heights of {cells} x {cells} cells take {gib:.0} GiB; must be a whole number in [8, {MOST_CELLS}]"
+            ))
+        }
+        None => item.count(8..=MOST_CELLS),
+    }
 }
 
 /// Correlation length in cells: long enough to be resolved, short enough for many bumps on a patch.

@@ -1,13 +1,36 @@
 //! What a campaign without faults may still regret.
 
 use super::report::Report;
-use super::schema::{Campaign, Sensor, SurfaceKind};
+use super::schema::{Azimuth, Campaign, PhiFrom, Sensor, SurfaceKind};
 
 /// Roughness up to which the measurement was compared with theory.
 const TESTED_ALPHA: f64 = 2.0;
 
 /// Notes on a checked campaign.
 pub(super) fn note(report: &Report<'_>, campaign: &Campaign) {
+    if let Some(theta) = sensor_in_the_light(campaign) {
+        let text = "the sensor stands where the lamp is: a real instrument cannot measure there".to_string();
+        report.note("sensor.arm.theta_r_deg", None, Some(format!("{theta}")), text);
+    }
+    note_lobe(report, campaign);
+}
+
+/// The first position of the sensor's arm that is a lamp's as well. Positions count from the light, or both from x.
+fn sensor_in_the_light(campaign: &Campaign) -> Option<f64> {
+    let Sensor::Arm { theta_r_deg, phi_r_deg, phi_r_from, .. } = &campaign.sensor else { return None };
+    let lamps = match (&campaign.light.azimuth, phi_r_from) {
+        (Azimuth::Absolute(phis), PhiFrom::Sample) => phis.as_slice(),
+        _ => &[0.0],
+    };
+    theta_r_deg.iter().copied().find(|&theta| {
+        // A negative angle lies on the far side of its azimuth, and at the zenith there is none.
+        let turn = if theta < 0.0 { 180.0 } else { 0.0 };
+        let at_a_lamp = |phi: &f64| theta == 0.0 || lamps.contains(&((phi + turn) % 360.0));
+        campaign.light.theta_i_deg.contains(&theta.abs()) && phi_r_deg.iter().any(at_a_lamp)
+    })
+}
+
+fn note_lobe(report: &Report<'_>, campaign: &Campaign) {
     let (key, alphas) = match &campaign.surface.kind {
         SurfaceKind::Ggx(alphas) => ("surface.ggx.alpha", alphas),
         SurfaceKind::Beckmann { alphas, .. } => ("surface.beckmann.alpha", alphas),

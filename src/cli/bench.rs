@@ -194,6 +194,7 @@ fn one_roughness(campaign: &Campaign, path: &Path) -> Result<()> {
     }
     let listed: Vec<String> = alphas.iter().map(|alpha| alpha.x.to_string()).collect();
     Err(Error::Campaign(vec![Fault {
+        too_large: false,
         path: path.display().to_string(),
         line: None,
         column: None,

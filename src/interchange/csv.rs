@@ -93,11 +93,18 @@ fn each_sample(file: impl Read, mut visit: impl FnMut(Sample) -> Reason<()>) -> 
             if value.is_finite() { Ok(value) } else { Err(format!("line {line}: {value} is not finite")) }
         };
         let numbers = columns.iter().map(number).collect::<Reason<Vec<f64>>>()?;
+        // Rounded as a table holds it: what f32 cannot hold is infinite there.
+        if let Some(value) = numbers[4..].iter().find(|v| !((**v as f32).is_finite() && **v >= 0.0)) {
+            return Err(format!("line {line}: {value} is no BRDF value (not negative, at most 3.4e38)"));
+        }
         visit(Sample::of(&numbers))?;
     }
     Ok(columns.len() - 4)
 }
 
 fn one_line(error: &csv::Error) -> String {
+    if let csv::ErrorKind::UnequalLengths { pos: Some(at), expected_len, len } = error.kind() {
+        return format!("line {}: {len} cells, the heading has {expected_len}", at.line());
+    }
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -5,6 +5,7 @@ pub mod assemble;
 mod block;
 pub mod cost;
 mod estimate;
+mod memory_limit;
 pub mod optics;
 pub mod patches;
 pub mod plan;

@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 use serde::Serialize;
 
 use super::estimate::{memory, seconds};
+use super::memory_limit::memory_limit;
 use super::skips::{Skip, skips};
 use super::weighing::Weighing;
 use crate::campaign::{Azimuth, Campaign, SurfaceKind};
@@ -12,8 +13,6 @@ use crate::instrument::{Grid, GridKind, Region, grid_of};
 use crate::sphere;
 use crate::trace::{BLOCK, LONGEST};
 
-/// Bytes that a run may use where the system does not say how much is free.
-const DEFAULT_LIMIT: u64 = 4 << 30;
 /// A sweep visits every cell: with more of them for each start, rays are faster.
 const MOST_CELLS_PER_START: f64 = 20.0;
 /// Apertures that cover more than this share of the hemisphere are not worth an index.
@@ -212,14 +211,4 @@ pub fn is_swept(
         && shared
         && side * side <= plan.most_cells_per_start * plan.block_starts as f64
         && run_in <= side
-}
-
-/// Half of the memory that is available now.
-fn memory_limit() -> u64 {
-    let available = || {
-        let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-        let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
-        line.split_whitespace().nth(1)?.parse::<u64>().ok()
-    };
-    available().map_or(DEFAULT_LIMIT, |kib| kib * 1024 / 2)
 }

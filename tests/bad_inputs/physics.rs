@@ -1,0 +1,52 @@
+//! Materials, lengths and surfaces outside physics.
+
+use super::campaign_text::{FILE, on, with};
+use super::row::{Row, refused, taken};
+
+const GOLD: &str = "material = \"gold\"";
+
+pub fn rows() -> Vec<Row> {
+    [optics(), lengths()].into_iter().flatten().collect()
+}
+
+fn optics() -> Vec<Row> {
+    let optics = |text: &str| with(GOLD, text);
+    let in_range = "must lie in [0, 1]";
+    vec![
+        refused(54, optics("f0 = -0.1"), &["optics.f0 = -0.1", in_range]),
+        refused(54, optics("f0 = 1.5"), &["optics.f0 = 1.5", in_range]),
+        refused(54, optics("f0 = [0.1, nan, 0.1]"), &["optics.f0 = nan", "must be finite"]),
+        taken(54, optics("f0 = 0"), &["stops"]),
+        taken(54, optics("f0 = 1.0"), &["stops"]),
+        refused(56, optics("eta = 0"), &["optics.eta"]),
+        refused(56, optics("eta = -1.5"), &["optics.eta"]),
+        refused(56, optics("eta = nan"), &["optics.eta"]),
+        refused(60, optics("eta = [0.2, 0.3]\nk = [3.0]\nwavelength_nm = [500, 600]"), &["optics."]),
+        refused(60, optics("eta = [0.2, 0.3]\nk = [3, 3]\nwavelength_nm = [600, 500]"), &["optics."]),
+        refused(60, optics("eta = [0.2, 0.3]\nk = [3, 3]\nwavelength_nm = [-600, 500]"), &["optics."]),
+        refused(
+            61,
+            optics("material = \"unobtainium\""),
+            &["optics.material = \"unobtainium\"", "known: gold, silver"],
+        ),
+        refused(61, optics("material = \"Gold\""), &["optics.material", "did you mean `gold`?"]),
+        refused(62, optics("material = \"gold\"\npolarisation = 2"), &["optics.polarisation = 2"]),
+        refused(62, optics("material = \"gold\"\npolarisation = nan"), &["optics.polarisation = nan"]),
+        refused(62, optics("material = \"gold\"\npolarisation = \"x\""), &["optics.polarisation = \"x\""]),
+    ]
+}
+
+fn lengths() -> Vec<Row> {
+    let pitch = |value: &str| {
+        on(&FILE.replace("pitch_x_um = 1", &format!("pitch_x_um = {value}")))
+            .replace("[light]", "[light]\naverage_azimuth = true")
+    };
+    let row = |value: &str, says: &'static str| refused(49, pitch(value), &[says, "lie in [1e-9, 1e9]"]);
+    vec![
+        row("0", "surface.file.pitch_x_um = 0"),
+        row("-1", "surface.file.pitch_x_um = -1"),
+        row("1e-300", "surface.file.pitch_x_um = 1e-300"),
+        row("1e300", "surface.file.pitch_x_um = 1e300"),
+        row("nan", "surface.file.pitch_x_um = nan"),
+    ]
+}
