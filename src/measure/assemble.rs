@@ -3,7 +3,8 @@
 use super::optics::colours_of;
 use super::plan::Plan;
 use super::rounds::Finished;
-use super::stopping::{Progress, StoppedBy};
+use super::slopes::{self, SeenBySlope, SlopeClass};
+use super::stopping::{Look, Progress, StoppedBy};
 use super::tally::{Tally, from_units};
 use crate::campaign::{self, Campaign};
 use crate::stats;
@@ -24,6 +25,7 @@ pub struct StopRecord {
     hidden: u64,
     left_map: u64,
     outside: (u64, f64),
+    seen: SeenBySlope,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -60,6 +62,10 @@ pub struct StopResult {
     pub relative_error: Option<f64>,
     /// How many realisations would reach it, where the patches are the limit.
     pub realisations_needed: Option<u64>,
+    /// The relative errors on the way.
+    pub looks: Vec<Look>,
+    /// What the light sees of the facets by their slope; `None` where that is not known.
+    pub seen_by_slope: Option<Vec<SlopeClass>>,
 }
 
 /// A measured table with everything that the summary needs.
@@ -97,6 +103,7 @@ impl StopRecord {
             hidden: tally.hidden.count,
             left_map: tally.left_map.count,
             outside: (tally.outside.count, from_units(tally.outside.flux)),
+            seen: SeenBySlope::of(tally),
         }
     }
 
@@ -116,6 +123,7 @@ impl StopRecord {
         self.hidden += other.hidden;
         self.left_map += other.left_map;
         self.outside = (self.outside.0 + other.outside.0, self.outside.1 + other.outside.1);
+        self.seen.merge(&other.seen);
         self
     }
 
@@ -285,5 +293,7 @@ fn stop_result(
         stopped_by: end.by.unwrap_or(StoppedBy::Samples),
         relative_error: end.relative_error,
         realisations_needed: end.realisations_needed,
+        looks: end.looks.clone(),
+        seen_by_slope: slopes::classes(&records.iter().map(|record| &record.seen).collect::<Vec<_>>()),
     }
 }

@@ -11,6 +11,7 @@ pub mod plan;
 mod rounds;
 pub mod run;
 pub mod skips;
+pub mod slopes;
 mod stage;
 pub mod stopping;
 pub mod tally;
