@@ -3,10 +3,12 @@
 pub mod chart;
 pub mod convergence;
 pub mod inline;
+pub mod masking;
 pub mod page;
 pub mod plots;
 pub mod polar;
 mod sections;
+mod shown;
 pub mod slices;
 pub mod specimen;
 pub mod summary;
