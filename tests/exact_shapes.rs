@@ -117,6 +117,45 @@ fn the_mirror_sends_everything_into_one_bin() {
     }
 }
 
+/// Light across the grooves: at 20 degrees it sees every side; at 75 the far ones are turned away and the near ones are
+/// seen by 2 (n.m)(n.l)/(m.l) = 2/(1 + s tan theta) (Torrance and Sparrow 1967).
+#[test]
+fn the_light_sees_a_groove_as_torrance_and_sparrow_say() {
+    let slope = 0.6f64;
+    let measured = measured_one(&format!(
+        "name = \"seen\"\n[surface]\n[surface.v_groove]\nslope = {slope}\n\
+         [light]\ntheta_i_deg = [20, 75]\nazimuth = \"absolute\"\nphi_i_deg = [0, 180]\n\
+         [sensor.hemisphere]\n[stop]\nsamples = {SAMPLES}\n"
+    ));
+    for (stop, result) in measured.stops.iter().enumerate() {
+        let tan = measured.table.grid.stop_deg(stop).0.to_radians().tan();
+        let classes = result.seen_by_slope.as_ref().expect("heights are started on everywhere");
+        let starts: u64 = classes.iter().map(|class| class.starts).sum();
+        assert_eq!(starts, result.samples * measured.realisations.parts.len() as u64);
+        for far in [false, true] {
+            let side = classes
+                .iter()
+                .filter(|class| class.slope[usize::from(!far)].is_some_and(|edge| (edge > 0.0) == far));
+            let (starts, seen) = side.fold((0.0, 0.0), |(starts, seen), class| {
+                let more = class.starts as f64;
+                (starts + more, seen + more * class.share.unwrap_or(0.0))
+            });
+            if far && slope * tan > 1.0 {
+                assert_eq!(starts, 0.0, "stop {stop}");
+                continue;
+            }
+            let expected = if slope * tan > 1.0 { 2.0 / (1.0 + slope * tan) } else { 1.0 };
+            let sigma = (expected * (1.0 - expected) / starts).sqrt();
+            // 6 sides at 4 binomial standard errors; where all is seen, exactly that, up to the means' rounding.
+            let share = seen / starts;
+            assert!(
+                (share - expected).abs() <= 4.0 * sigma + 1e-12,
+                "stop {stop}: {share} {expected} +- {sigma}"
+            );
+        }
+    }
+}
+
 /// Sides at 45 degrees: light from the zenith crosses the groove level and goes back, all of it at order 2.
 #[test]
 fn the_right_angled_groove_sends_light_from_the_zenith_back_at_order_two() {

@@ -310,17 +310,153 @@ fn what_a_table_lacks_is_said() {
     };
     let text = page(&bare);
     for words in [
-        "A table without a campaign; light at theta_i 0, 40 degrees (azimuth relative); 2 single sensor positions.",
+        "A table without a campaign; light at theta_i 0, 40 degrees (azimuth relative); 2 positions of a sensor arm, \
+         aperture ±1°.",
         "Nothing is known that this table should agree with.",
         "No model speaks of this surface",
         "The table holds no campaign.",
-        "not a hemisphere of bins",
+        "too few to make a hemisphere",
+        "only the measurement of a surface knows its facets",
         "Error against samples: the document is no answer of `gonio bench`",
         "In-plane lobe, theta_i 40°",
     ] {
         assert!(text.contains(words), "{words}");
     }
-    assert_eq!(data_of(&text)["table"], Value::Null);
+    let spots = &data_of(&text)["table"]["spots"];
+    // A negative polar angle lies on the other side: azimuth 180 + 180.
+    let turned = spots["directions"][0][1].as_f64().expect("an azimuth");
+    assert!((turned - 360.0 * (turned / 360.0).round()).abs() < 1e-9, "{spots}");
+    assert_eq!((&spots["aperture"], spots["directions"].as_array().map(Vec::len)), (&json!(1.0), Some(2)));
+}
+
+/// The page of a table of values from 1 on, on a grid of another kind and without a campaign.
+fn page_on(grid: Grid) -> String {
+    let count = grid.stops() * grid.bins();
+    let values: Vec<f32> = (0..count).map(|k| 1.0 + k as f32).collect();
+    let zero = vec![0.0; count];
+    let table = BrdfTable {
+        grid,
+        campaign: String::new(),
+        version: String::new(),
+        seed: 0,
+        patch_digest: String::new(),
+        colours: vec![ColourChannels {
+            total: values.clone(),
+            single: values,
+            multiple: zero,
+            stderr: vec![-1.0; count],
+            stderr_single: vec![-1.0; count],
+            ..ColourChannels::default()
+        }],
+        hits: vec![1; count],
+        schlick: None,
+    };
+    page(&Page {
+        scene: Scene { table: &table, prediction: None, realisations: 0 },
+        campaign: None,
+        masking: None,
+        summary: &summary::of_table("other", &table, None, None),
+        specimen: Err("The table holds no campaign.".into()),
+        bench: None,
+    })
+}
+
+fn values_of(page: &str) -> Vec<f64> {
+    let bytes = STANDARD.decode(data_of(page)["table"]["layers"][0]["data"].as_str().expect("text"));
+    let halfs = bytes.expect("base64");
+    halfs.as_chunks::<2>().0.iter().map(|&half| f16::from_le_bytes(half).to_f64()).collect()
+}
+
+#[test]
+fn patches_and_points_get_pictures_and_a_viewer() {
+    let quarter = |k: u32| [20.0, 90.0, 90.0 * f64::from(k) - 45.0, 90.0 * f64::from(k) + 45.0];
+    let patches: Vec<[f64; 4]> =
+        [[0.0, 20.0, -180.0, 180.0]].into_iter().chain((0..4).map(quarter)).collect();
+    let klems = page_on(Grid {
+        kind: GridKind::Patches,
+        stops_deg: vec![[0.0, 0.0], [55.0, 0.0], [55.0, 180.0]],
+        patches_deg: patches,
+        ..Grid::default()
+    });
+    let table = &data_of(&klems)["table"];
+    assert_eq!((&table["theta_i"], &table["phi_i"]), (&json!([0.0, 55.0]), &json!([0.0, 180.0])));
+    // At normal light both azimuths show stop 0; rows of the pole and of the quarters, columns from 45 degrees on.
+    assert_eq!(&values_of(&klems)[..10], [1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 4.0, 4.0, 5.0, 2.0]);
+    for words in ["light at theta_i 0, 55 degrees in 3 directions; 5 patches", "Polar plot", "Albedo against"]
+    {
+        assert!(klems.contains(words), "{words}");
+    }
+    let ring = |t: f64| (0..8).map(move |k| [t, 45.0 * f64::from(k)]);
+    let points = page_on(Grid {
+        kind: GridKind::Points,
+        theta_i_deg: vec![10.0],
+        phi_i_deg: vec![0.0],
+        points_deg: [0.0, 30.0, 60.0].into_iter().flat_map(ring).collect(),
+        ..Grid::default()
+    });
+    assert_eq!(data_of(&points)["table"]["theta_nodes"], json!([0.0, 30.0, 60.0]));
+    assert_eq!(values_of(&points), (1..=24).map(f64::from).collect::<Vec<_>>());
+    assert!(
+        points.contains("24 single directions of the sensor")
+            && points.contains("In-plane lobe, theta_i 10°")
+    );
+}
+
+#[test]
+fn a_run_that_looks_at_its_error_is_plotted_against_samples_with_its_masking() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    let text = SMALL.replace("samples = 65_536", "samples = 262_144\nrelative_error = 1e-4");
+    fs::write(at("small.toml"), text).expect("campaign");
+    done(&gonio(folder.path(), &["measure", "small.toml", "-o", "out"]));
+    let summary: Value = serde_json::from_str(&read(&at("out/small.json"))).expect("JSON");
+    let stop = &summary["stops"][1];
+    let looked: Vec<u64> =
+        stop["looks"].as_array().expect("looks").iter().filter_map(|look| look["samples"].as_u64()).collect();
+    assert!(looked.len() > 1 && looked.iter().enumerate().all(|(k, &n)| n == 65_536 << k), "{looked:?}");
+    // The last look is the error at which the stop ended, and all starts are in the classes.
+    assert_eq!(stop["looks"][looked.len() - 1]["relative_error"], stop["relative_error"]);
+    let classes = stop["seen_by_slope"].as_array().expect("classes");
+    let starts: u64 = classes.iter().filter_map(|class| class["starts"].as_u64()).sum();
+    assert_eq!(starts, 4 * stop["samples"].as_u64().expect("samples"));
+    let page = read(&at("out/small.html"));
+    for words in [
+        "Error against samples, as the run looked at it",
+        "Masking given the normal: facets",
+        "Smith&#39;s G1",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+#[test]
+fn the_answer_of_a_bench_is_plotted_as_it_is() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("small.toml"), SMALL.replace("bounces = 2", "bounces = 1")).expect("campaign");
+    done(&gonio(folder.path(), &["measure", "small.toml", "-o", "out"]));
+    let rungs = [
+        "bench",
+        "small.toml",
+        "--from",
+        "2^8",
+        "--to",
+        "2^12",
+        "--replicates",
+        "2",
+        "--json",
+        "-o",
+        "bench",
+    ];
+    fs::write(at("bench.json"), done(&gonio(folder.path(), &rungs))).expect("an answer");
+    done(&gonio(folder.path(), &["report", "out/small.exr", "--bench", "bench.json", "-o", "page.html"]));
+    let (page, answer) = (read(&at("page.html")), read(&at("bench.json")));
+    let answer: Value = serde_json::from_str(&answer).expect("JSON");
+    for ladder in answer["ladders"].as_array().expect("ladders") {
+        let slope = ladder["fit"]["slope"].as_f64().expect("a slope");
+        assert!(page.contains(&format!(", slope {slope:.3}")), "{ladder}");
+    }
+    assert!(!page.contains("Error against samples:"), "it is plotted, and the page says that it is not");
 }
 
 #[test]

@@ -3,7 +3,8 @@
 use super::plan::Plan;
 use super::record::StopRecord;
 use super::rounds::Finished;
-use super::stopping::{Progress, StoppedBy};
+use super::slopes::{self, SlopeClass};
+use super::stopping::{Look, Progress, StoppedBy};
 use super::weighing::Colour;
 use crate::campaign::{self, Campaign, Optics};
 use crate::stats;
@@ -41,6 +42,10 @@ pub struct StopResult {
     pub relative_error: Option<f64>,
     /// How many realisations would reach it, where the patches are the limit.
     pub realisations_needed: Option<u64>,
+    /// The relative errors on the way.
+    pub looks: Vec<Look>,
+    /// What the light sees of the facets by their slope; `None` where that is not known.
+    pub seen_by_slope: Option<Vec<SlopeClass>>,
 }
 
 /// A measured table with everything that the summary needs.
@@ -218,5 +223,7 @@ fn stop_result(source: &Source, stop: usize, colours: &[Colour], end: &Progress)
         stopped_by: end.by.unwrap_or(StoppedBy::Samples),
         relative_error: end.relative_error,
         realisations_needed: end.realisations_needed,
+        looks: end.looks.clone(),
+        seen_by_slope: slopes::classes(&records.iter().map(|record| &record.seen).collect::<Vec<_>>()),
     }
 }

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::arms::BlockArms;
 use super::optics::Light;
@@ -53,6 +53,8 @@ pub(super) struct Block<'a> {
     part_units: u128,
     /// Whether the starts are known to see the light.
     lit: bool,
+    /// The light's azimuth in the field, a unit vector; `None` before the first start.
+    along: Option<DVec2>,
     /// Starts that were counted.
     counted: u64,
     rays: Rays,
@@ -81,6 +83,7 @@ impl<'a> Block<'a> {
             part,
             part_units,
             lit,
+            along: None,
             counted: 0,
             rays: Rays::default(),
             weights: PathWeights::default(),
@@ -99,6 +102,7 @@ impl<'a> Block<'a> {
         } else {
             sample.trace_unobstructed(start, wi, &mut light)
         };
+        self.look(sample, &start, ending);
         self.end(ending, &light);
     }
 
@@ -123,7 +127,8 @@ impl<'a> Block<'a> {
         let bounces = self.context.campaign.trace.bounces;
         let wave = Wave { starts, wi: self.arms.wi, lit: self.lit, bounces };
         paths.trace(sample, over, &wave, lights, endings);
-        for (&ending, light) in endings.iter().zip(&*lights) {
+        for ((start, &ending), light) in starts.iter().zip(&*endings).zip(&*lights) {
+            self.look(sample, start, ending);
             self.end(ending, light);
         }
         starts.clear();
@@ -134,8 +139,24 @@ impl<'a> Block<'a> {
         if self.misses(sample, start) {
             self.leave_out(1);
         } else {
+            self.look(sample, start, Ending::Hidden);
             self.end(Ending::Hidden, &Light::new(false));
         }
+    }
+
+    /// Notes whether the light sees the facet of `start`, where facets of every slope are started on.
+    fn look(&mut self, sample: &Sample, start: &Place, ending: Ending) {
+        if !self.context.campaign.trace.visibility || self.context.plan.apertures_only {
+            return;
+        }
+        let heading = self.arms.heading;
+        let along = *self.along.get_or_insert_with(|| {
+            let along = sample.to_field(heading).truncate();
+            along / along.length()
+        });
+        let corners = sample.walker.field().corners(start.facet.x, start.facet.y);
+        let slope = corners.slope(start.facet.upper).dot(along);
+        self.tally.seen.count(slope, ending != Ending::Hidden);
     }
 
     /// Whether nothing but apertures counts, and the facet of `start` sends light into none.

@@ -13,6 +13,7 @@ pub mod record;
 mod rounds;
 pub mod run;
 pub mod skips;
+pub mod slopes;
 mod stage;
 pub mod stopping;
 pub mod tally;

@@ -1,5 +1,6 @@
 //! The sums of one stop and realisation as numbers: what rounds add up, and what colours are made of.
 
+use super::slopes::SeenBySlope;
 use super::tally::{Tally, from_units};
 use super::weighing::{Colour, Weighing};
 use crate::optics::parts;
@@ -25,6 +26,8 @@ pub struct StopRecord {
     pub left_map: u64,
     /// Starts whose facets send light into no aperture, and their flux.
     pub outside: (u64, f64),
+    /// What the light sees of the facets, by their slope.
+    pub seen: SeenBySlope,
 }
 
 /// Paths that leave after one number of bounces.
@@ -57,6 +60,7 @@ impl StopRecord {
             hidden: tally.hidden.count,
             left_map: tally.left_map.count,
             outside: (tally.outside.count, from_units(tally.outside.flux)),
+            seen: SeenBySlope::of(tally),
         }
     }
 
@@ -76,6 +80,7 @@ impl StopRecord {
         self.hidden += other.hidden;
         self.left_map += other.left_map;
         self.outside = (self.outside.0 + other.outside.0, self.outside.1 + other.outside.1);
+        self.seen.merge(&other.seen);
         self
     }
 

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::record::StopRecord;
 use super::weighing::Weighing;
@@ -79,8 +79,19 @@ pub struct Progress {
     pub relative_error: Option<f64>,
     /// Where the patches are the limit: how many would reach the error.
     pub realisations_needed: Option<u64>,
+    /// All looks so far.
+    pub looks: Vec<Look>,
     /// The blocks at the last look.
     looked_at: u64,
+}
+
+/// One look at a stop's error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Look {
+    /// Blocks in each realisation.
+    pub blocks: u64,
+    /// The relative error then.
+    pub relative_error: f64,
 }
 
 impl Progress {
@@ -93,6 +104,7 @@ impl Progress {
         let before = self.relative_error.map(|before| (self.looked_at, before));
         (self.looked_at, self.relative_error) = (blocks, error);
         let Some(error) = error else { return };
+        self.looks.push(Look { blocks, relative_error: error });
         if error <= wanted {
             self.by = Some(StoppedBy::RelativeError);
         } else if let Some((fewer, before)) = before {

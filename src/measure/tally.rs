@@ -3,6 +3,7 @@
 //! Flux is counted in units of 2^-90 of the flux that falls on the patch. A start's share is rounded to a unit
 //! once, so that sums of any length, in any order, are exact.
 
+use super::slopes::SeenBySlope;
 use super::weighing::Weighing;
 
 /// One unit of flux is 2^-90: a share of 1e-15 still has 40 bits, and 2^38 times the whole flux still fits.
@@ -39,6 +40,8 @@ pub struct Tally {
     pub left_map: Fate,
     /// Starts whose facets send light into no aperture.
     pub outside: Fate,
+    /// What the light sees of the starts, by the slope of their facets.
+    pub seen: SeenBySlope,
     /// Faults of the program.
     pub lost: u64,
 }
@@ -79,6 +82,7 @@ impl Tally {
             hidden: Fate::default(),
             left_map: Fate::default(),
             outside: Fate::default(),
+            seen: SeenBySlope::default(),
             lost: 0,
         }
     }
@@ -102,6 +106,7 @@ impl Tally {
         self.hidden.merge(other.hidden);
         self.left_map.merge(other.left_map);
         self.outside.merge(other.outside);
+        self.seen.merge(&other.seen);
         self.lost += other.lost;
         self
     }

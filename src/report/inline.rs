@@ -1,17 +1,17 @@
 //! The table as the page's pictures and its viewer take it: half floats in base64, reduced where it is large.
 //!
-//! Enters: a scene on a hemisphere of bins. Leaves: JSON with the axes and one block of halfs for each layer,
-//! [colour][stop][theta_r][phi_r], values over `scale`.
+//! Enters: a scene. Leaves: JSON with the axes of what is drawn and one block of halfs for each layer,
+//! [colour][stop][theta_r][phi_r] or [colour][stop][direction], values over `scale`; below 0: nothing was measured.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use half::f16;
 use serde_json::{Value, json};
 
+use super::plots::spread;
+use super::shown::{Places, Raster, Shown, shown};
 use super::slices::Scene;
 use crate::campaign::{Campaign, SurfaceKind};
-use crate::instrument::Grid;
-use crate::instrument::grid::GridKind;
 use crate::table::BrdfTable;
 
 /// The wavelengths that stand for R, G and B, nm.
@@ -22,6 +22,8 @@ const LARGEST: usize = 4_500_000;
 const FEWEST: [usize; 2] = [24, 48];
 /// Light angles and azimuths that the viewer interpolates between.
 const MOST_STOPS: usize = 64;
+/// Stands where nothing was measured; BRDFs are not negative.
+const ABSENT: f64 = -1.0;
 /// Largest half float that stored values may reach.
 const HALF: f64 = 32_768.0;
 
@@ -31,6 +33,8 @@ pub struct Inline {
     pub data: Value,
     /// What was left out, in words; empty where nothing was.
     pub notes: Vec<String>,
+    /// Whether the sensor's directions are too few to make a hemisphere.
+    pub spots: bool,
 }
 
 /// How a table is reduced.
@@ -47,43 +51,52 @@ struct Reduction {
     colours: Vec<usize>,
 }
 
-/// The table and its models for the page; `None` for other grids than a hemisphere of bins under stops that are a
-/// product of two axes. `masking` is the model
-/// that stays where there is room for one only.
+/// The table and its models for the page; `None` for grids that it does not know. `masking` is the model that stays
+/// where there is room for one only.
 pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize) -> Option<Inline> {
-    let grid = &scene.table.grid;
-    if grid.kind != GridKind::Hemisphere || !grid.stops_deg.is_empty() {
-        return None;
-    }
-    let (plan, notes) = reduction(scene, masking);
-    let layers = layers(scene, &plan);
+    let shown = shown(&scene.table.grid).filter(|shown| !shown.stops.is_empty())?;
+    let (plan, notes) = reduction(scene, &shown, masking);
+    let notes = [shown.notes.clone(), notes].concat();
+    let layers = layers(scene, &shown, &plan);
     let highest = layers.iter().flat_map(|layer| &layer.values).copied().fold(0.0, f64::max);
     let scale = if highest > HALF { 2f64.powf((highest / HALF).log2().ceil()) } else { 1.0 };
     let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect::<Vec<_>>();
     let alpha = campaign.and_then(|campaign| campaign.alphas().first().copied().flatten());
-    let data = json!({
+    let mut data = json!({
         "colours": shown_names(scene.table, &plan.colours),
-        "theta_i": pick(&grid.theta_i_deg, &plan.theta),
-        "phi_i": pick(&grid.phi_i_deg, &plan.phi),
-        "relative": grid.phi_r_relative,
-        "mirrored": campaign.is_some_and(|campaign| is_mirrored(campaign, grid)),
+        "theta_i": pick(&shown.theta_i_deg, &plan.theta),
+        "phi_i": pick(&shown.phi_i_deg, &plan.phi),
+        "relative": scene.table.grid.phi_r_relative,
+        "mirrored": campaign.is_some_and(|campaign| is_mirrored(campaign, &shown, scene)),
         "rotation": campaign.map_or(0.0, |campaign| campaign.surface.rotation_deg),
-        "theta_edges": merged_edges(&grid.theta_r_edges_deg, plan.merge[0]),
-        "phi_edges": merged_edges(&grid.phi_r_edges_deg, plan.merge[1]),
         "alpha": alpha.map(|alpha| [alpha.x, alpha.y]),
         "scale": scale,
         "chosen": scene.maskings().get(masking).map(|name| model_name(name)),
         "layers": layers.iter().map(|layer| layer.json(scale)).collect::<Vec<_>>(),
     });
-    Some(Inline { data, notes })
+    let spots = matches!(shown.sensor, Places::Spots { .. });
+    match &shown.sensor {
+        Places::Bins(raster) => {
+            data["theta_edges"] = json!(merged_edges(&raster.theta_deg, plan.merge[0]));
+            data["phi_edges"] = json!(merged_edges(&raster.phi_deg, plan.merge[1]));
+            if let Some([theta, phi]) = raster.nodes_deg.as_ref().filter(|_| plan.merge == [1, 1]) {
+                data["theta_nodes"] = json!(theta);
+                data["phi_nodes"] = json!(phi);
+            }
+        }
+        Places::Spots { directions_deg, aperture_deg, step } => {
+            data["spots"] = json!({ "directions": directions_deg, "aperture": aperture_deg, "step": step });
+        }
+    }
+    Some(Inline { data, notes, spots })
 }
 
 /// Whether azimuths of the light that were not measured follow from those that were: the law of the surface is its
 /// own mirror image about both axes of the sample.
-fn is_mirrored(campaign: &Campaign, grid: &Grid) -> bool {
+fn is_mirrored(campaign: &Campaign, shown: &Shown, scene: &Scene) -> bool {
     let symmetric = !matches!(campaign.surface.kind, SurfaceKind::File(_));
-    let (first, last) = (grid.phi_i_deg[0], grid.phi_i_deg[grid.phi_i_deg.len() - 1]);
-    symmetric && !grid.phi_r_relative && last - first < 180.0
+    let (first, last) = (shown.phi_i_deg[0], shown.phi_i_deg[shown.phi_i_deg.len() - 1]);
+    symmetric && !scene.table.grid.phi_r_relative && last - first < 180.0
 }
 
 /// All colours of a plain table. Of wavelengths the three that stand for R, G and B; of two the longer one.
@@ -109,12 +122,15 @@ fn shown_names(table: &BrdfTable, colours: &[usize]) -> Vec<String> {
 }
 
 /// Merges bins, leaves out stops, until the layers fit.
-fn reduction(scene: &Scene, masking: usize) -> (Reduction, Vec<String>) {
-    let grid = &scene.table.grid;
-    let [rows, columns] = [grid.theta_r_edges_deg.len() - 1, grid.phi_r_edges_deg.len() - 1];
-    let all = |count: usize| super::plots::spread(count, MOST_STOPS);
+fn reduction(scene: &Scene, shown: &Shown, masking: usize) -> (Reduction, Vec<String>) {
+    let [rows, columns] = match &shown.sensor {
+        Places::Bins(raster) => [raster.theta_deg.len() - 1, raster.phi_deg.len() - 1],
+        Places::Spots { directions_deg, .. } => [1, directions_deg.len()],
+    };
+    let spots = matches!(shown.sensor, Places::Spots { .. });
+    let all = |count: usize| spread(count, MOST_STOPS);
     let maskings = (0..scene.maskings().len()).collect::<Vec<_>>();
-    let (theta, phi) = (all(grid.theta_i_deg.len()), all(grid.phi_i_deg.len()));
+    let (theta, phi) = (all(shown.theta_i_deg.len()), all(shown.phi_i_deg.len()));
     let colours = shown_colours(scene.table);
     let mut plan = Reduction { merge: [1, 1], theta, phi, maskings, colours };
     let measured = 1 + usize::from(scene.has_multiple());
@@ -135,12 +151,12 @@ fn reduction(scene: &Scene, masking: usize) -> (Reduction, Vec<String>) {
     }
     while bytes(&plan) > LARGEST {
         let [merged_rows, merged_columns] = [rows.div_ceil(plan.merge[0]), columns.div_ceil(plan.merge[1])];
-        if merged_rows > FEWEST[0] || merged_columns > FEWEST[1] {
+        if !spots && (merged_rows > FEWEST[0] || merged_columns > FEWEST[1]) {
             plan.merge[usize::from(merged_columns * FEWEST[0] >= merged_rows * FEWEST[1])] += 1;
         } else if plan.phi.len() >= plan.theta.len() && plan.phi.len() > 2 {
-            plan.phi = super::plots::spread(grid.phi_i_deg.len(), plan.phi.len() - 1);
+            plan.phi = spread(shown.phi_i_deg.len(), plan.phi.len() - 1);
         } else if plan.theta.len() > 2 {
-            plan.theta = super::plots::spread(grid.theta_i_deg.len(), plan.theta.len() - 1);
+            plan.theta = spread(shown.theta_i_deg.len(), plan.theta.len() - 1);
         } else {
             break;
         }
@@ -149,8 +165,8 @@ fn reduction(scene: &Scene, masking: usize) -> (Reduction, Vec<String>) {
         notes.push(format!("{} x {} bins merged into one", plan.merge[0], plan.merge[1]));
     }
     let kept = plan.theta.len() * plan.phi.len();
-    if kept < grid.stops() {
-        notes.push(format!("{kept} of {} light directions", grid.stops()));
+    if kept < shown.stops.len() {
+        notes.push(format!("{kept} of {} light directions", shown.stops.len()));
     }
     (plan, notes)
 }
@@ -183,11 +199,11 @@ impl Layer {
     }
 }
 
-fn layers(scene: &Scene, plan: &Reduction) -> Vec<Layer> {
+fn layers(scene: &Scene, shown: &Shown, plan: &Reduction) -> Vec<Layer> {
     let table = scene.table;
     let bins = table.grid.bins();
     let stored = |pick: &dyn Fn(usize, usize) -> f32| {
-        reduced(scene, plan, &|colour, stop, bin| f64::from(pick(colour, stop * bins + bin)))
+        reduced(shown, plan, &|colour, stop, bin| f64::from(pick(colour, stop * bins + bin)))
     };
     let single = stored(&|colour, at| table.colours[colour].single[at]);
     let mut layers = vec![Layer { name: "measured".into(), kind: "measured", values: single }];
@@ -201,35 +217,47 @@ fn layers(scene: &Scene, plan: &Reduction) -> Vec<Layer> {
             let value =
                 |colour: usize, stop: usize, bin: usize| prediction.means[stop].values[index][colour][bin];
             let name = model_name(&scene.maskings()[index]);
-            layers.push(Layer { name, kind: "model", values: reduced(scene, plan, &value) });
+            layers.push(Layer { name, kind: "model", values: reduced(shown, plan, &value) });
         }
     }
     layers
 }
 
-/// [colour][stop][bin] after the reduction: means over merged bins by projected solid angle.
-fn reduced(scene: &Scene, plan: &Reduction, value: &dyn Fn(usize, usize, usize) -> f64) -> Vec<f64> {
-    let grid = &scene.table.grid;
-    let sizes: Vec<f64> = grid.regions(0).iter().map(|region| region.projected_solid_angle()).collect();
-    let [rows, columns] = [grid.theta_r_edges_deg.len() - 1, grid.phi_r_edges_deg.len() - 1];
-    let [by_row, by_column] = plan.merge;
+/// [colour][stop][bin] after the reduction.
+fn reduced(shown: &Shown, plan: &Reduction, value: &dyn Fn(usize, usize, usize) -> f64) -> Vec<f64> {
+    let columns = shown.phi_i_deg.len();
+    let stops = plan.theta.iter().flat_map(|t| plan.phi.iter().map(move |p| t * columns + p));
+    let stops: Vec<usize> = stops.map(|place| shown.stops[place]).collect();
     let mut values = Vec::new();
     for &colour in &plan.colours {
-        for stop in plan.theta.iter().flat_map(|t| plan.phi.iter().map(move |p| t * grid.phi_i_deg.len() + p))
-        {
-            for (row, column) in
-                (0..rows).step_by(by_row).flat_map(|r| (0..columns).step_by(by_column).map(move |c| (r, c)))
-            {
-                let (mut flux, mut size) = (0.0, 0.0);
-                for r in row..(row + by_row).min(rows) {
-                    for c in column..(column + by_column).min(columns) {
-                        let bin = r * columns + c;
-                        flux += sizes[bin] * value(colour, stop, bin);
-                        size += sizes[bin];
+        for &stop in &stops {
+            let here = |bin: usize| value(colour, stop, bin);
+            match &shown.sensor {
+                Places::Bins(raster) => values.extend(merged(raster, plan.merge, &here)),
+                Places::Spots { directions_deg, .. } => values.extend((0..directions_deg.len()).map(here)),
+            }
+        }
+    }
+    values
+}
+
+/// Means over merged cells by projected solid angle; `ABSENT` where nothing was measured.
+fn merged(raster: &Raster, [by_row, by_column]: [usize; 2], value: &dyn Fn(usize) -> f64) -> Vec<f64> {
+    let sizes = raster.sizes();
+    let [rows, columns] = [raster.theta_deg.len() - 1, raster.phi_deg.len() - 1];
+    let mut values = Vec::new();
+    for row in (0..rows).step_by(by_row) {
+        for column in (0..columns).step_by(by_column) {
+            let (mut flux, mut size) = (0.0, 0.0);
+            for r in row..(row + by_row).min(rows) {
+                for c in column..(column + by_column).min(columns) {
+                    if let Some(bin) = raster.source[r * columns + c] {
+                        flux += sizes[r * columns + c] * value(bin);
+                        size += sizes[r * columns + c];
                     }
                 }
-                values.push(flux / size);
             }
+            values.push(if size > 0.0 { flux / size } else { ABSENT });
         }
     }
     values

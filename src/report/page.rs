@@ -59,9 +59,9 @@ impl Page<'_> {
 /// `the_page_follows_from_the_table_and_its_summary` (tests/report.rs).
 pub fn page(page: &Page) -> String {
     let inlined = inline(&page.scene, page.campaign, page.masking_index());
-    let (data, notes) = inlined.map_or((Value::Null, None), |inlined| (inlined.data, Some(inlined.notes)));
+    let table = inlined.as_ref().map_or(Value::Null, |inlined| inlined.data.clone());
     let picture = page.specimen.as_ref().ok().map(sections::picture);
-    let data = json!({ "name": page.name(), "table": data, "specimen": picture });
+    let data = json!({ "name": page.name(), "table": table, "specimen": picture });
     let parts = [
         ("TITLE", escaped(page.name())),
         ("STYLE", STYLE.to_string()),
@@ -69,7 +69,7 @@ pub fn page(page: &Page) -> String {
         ("FIGURES", sections::figures(page)),
         ("SPECIMEN", sections::specimen(page)),
         ("PLOTS", sections::plots(page)),
-        ("REDUCED", sections::reduced(page, notes.as_deref())),
+        ("REDUCED", sections::reduced(page, inlined.as_ref())),
         ("FOOT", sections::foot(page)),
         ("DATA", inside_script(&data)),
         ("SCRIPT", format!("\"use strict\";\n{}", SCRIPTS.join("\n"))),

@@ -1,8 +1,7 @@
 //! The plots of the page: which charts a table gives, and which it cannot give, with the reason.
 
 use super::chart::{Axis, Chart, MEASURED, Marker, Series, Style, model_style, ratio_style, series_style};
-use super::slices::{Scene, in_plane, mirror_bin};
-use crate::instrument::grid::GridKind;
+use super::slices::{Scene, Sweep, in_plane, mirror_bin};
 
 /// Light angles and azimuths that get plots of their own at most.
 const MOST_ANGLES: usize = 8;
@@ -21,24 +20,31 @@ pub fn spread(count: usize, most: usize) -> Vec<usize> {
 
 /// The stops that get plots: some azimuths, some angles of each.
 pub fn shown_stops(scene: &Scene) -> Vec<usize> {
-    let grid = &scene.table.grid;
-    let azimuths = spread(grid.phi_i_deg.len(), MOST_AZIMUTHS);
-    let angles = spread(grid.theta_i_deg.len(), MOST_ANGLES);
-    azimuths.iter().flat_map(|&a| angles.iter().map(move |&t| t * grid.phi_i_deg.len() + a)).collect()
+    shown_sweeps(scene).into_iter().flat_map(|sweep| sweep.stops).collect()
+}
+
+/// The same by azimuth.
+pub fn shown_sweeps(scene: &Scene) -> Vec<Sweep> {
+    let sweeps = scene.sweeps();
+    let some = |sweep: &Sweep| {
+        let stops = spread(sweep.stops.len(), MOST_ANGLES).into_iter().map(|k| sweep.stops[k]).collect();
+        Sweep { stops, ..*sweep }
+    };
+    spread(sweeps.len(), MOST_AZIMUTHS).into_iter().map(|k| some(&sweeps[k])).collect()
 }
 
 /// A light direction in words.
 pub fn stop_name(scene: &Scene, stop: usize) -> String {
-    let grid = &scene.table.grid;
-    let (theta, phi) = grid.stop_deg(stop);
-    if grid.phi_i_deg.len() > 1 {
+    let (theta, phi) = scene.table.grid.stop_deg(stop);
+    if scene.has_azimuths() {
         format!("theta_i {theta}°, phi_i {phi}°")
     } else {
         format!("theta_i {theta}°")
     }
 }
 
-/// The lobe in the plane of incidence: order 1 with its 95 % band, all orders, and every model.
+/// The lobe in the plane of incidence: order 1 with its 95 % band, all orders, and every model; `None` without light
+/// in the plane.
 pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
     let cuts = in_plane(&scene.table.grid, stop);
     if cuts.len() < 2 {
@@ -49,7 +55,11 @@ pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
     let mut series = Vec::new();
     let error: Option<Vec<f64>> = cuts.iter().map(|cut| scene.half_width(stop, cut.bin)).collect();
     let measured = curve(&|bin| scene.single(stop, bin));
-    let mut highest = measured.iter().map(|point| point[1]).fold(0.0, f64::max);
+    let bars = error.iter().flatten().chain(std::iter::repeat(&0.0));
+    let mut highest = measured.iter().zip(bars).map(|(point, bar)| point[1] + bar).fold(0.0, f64::max);
+    if cuts.iter().all(|cut| scene.total(stop, cut.bin) <= 0.0) {
+        return None;
+    }
     series.push(Series {
         label: "measured".into(),
         points: measured,
@@ -67,7 +77,7 @@ pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
         highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
         series.push(Series { label, points, error: vec![], style: model_style(index) });
     }
-    let top = if highest > 0.0 { 1.08 * highest } else { 1.0 };
+    let top = 1.08 * highest;
     Some(Chart {
         title: format!("In-plane lobe, {}", stop_name(scene, stop)),
         x: Axis::degrees(SENSOR, [-90.0, 90.0]),
@@ -110,10 +120,11 @@ fn line_at_one() -> Series {
     Series { label: String::new(), points: vec![[-90.0, 1.0], [90.0, 1.0]], error: vec![], style }
 }
 
-/// Albedo by order against theta_i at one azimuth of the light, from the summary's stops; models of order 1.
-pub fn albedo(scene: &Scene, stops: &serde_json::Value, azimuth: usize) -> Option<Chart> {
-    let shown = scene.stops_at(azimuth);
-    if scene.table.grid.kind != GridKind::Hemisphere || shown.len() < 2 {
+/// Albedo by order against theta_i at one azimuth of the light, from the summary's stops; models of order 1. `None`
+/// where it is not known, or at one angle only.
+pub fn albedo(scene: &Scene, stops: &serde_json::Value, sweep: &Sweep) -> Option<Chart> {
+    let shown = &sweep.stops;
+    if shown.len() < 2 || shown.iter().all(|&stop| stops[stop]["albedo_single"].is_null()) {
         return None;
     }
     let theta = |stop: usize| scene.table.grid.stop_deg(stop).0;
@@ -148,11 +159,7 @@ pub fn albedo(scene: &Scene, stops: &serde_json::Value, azimuth: usize) -> Optio
         add(label, points, vec![], model_style(index));
     }
     let highest = series.iter().flat_map(|s| &s.points).map(|p| p[1]).fold(0.0, f64::max);
-    let at = if scene.table.grid.phi_i_deg.len() > 1 {
-        format!(", phi_i {}°", scene.table.grid.phi_i_deg[azimuth])
-    } else {
-        String::new()
-    };
+    let at = if scene.has_azimuths() { format!(", phi_i {}°", sweep.angle_deg) } else { String::new() };
     Some(Chart {
         title: format!("Albedo against the light's angle{at}"),
         x: Axis::degrees("light theta_i, degrees", [0.0, 90.0]),
@@ -164,21 +171,21 @@ pub fn albedo(scene: &Scene, stops: &serde_json::Value, azimuth: usize) -> Optio
 /// BRDF in the bin of the mirror direction against the light's azimuth, for some theta_i.
 pub fn anisotropy(scene: &Scene) -> Option<Chart> {
     let grid = &scene.table.grid;
-    let columns = grid.phi_i_deg.len();
-    if columns < 2 {
-        return None;
-    }
+    let mut rounds = scene.rounds();
+    rounds.retain(|round| round.stops.len() > 1);
     let mut series = Vec::new();
-    for (index, row) in spread(grid.theta_i_deg.len(), 4).into_iter().enumerate() {
+    let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (index, row) in spread(rounds.len(), 4).into_iter().enumerate() {
         let (mut points, mut error, mut models) = (Vec::new(), Vec::new(), Vec::new());
-        for column in 0..columns {
-            let stop = row * columns + column;
+        for &stop in &rounds[row].stops {
+            let phi = grid.stop_deg(stop).1;
             let bin = mirror_bin(grid, stop)?;
-            points.push([grid.phi_i_deg[column], scene.single(stop, bin)]);
+            (first, last) = (phi.min(first), phi.max(last));
+            points.push([phi, scene.single(stop, bin)]);
             error.push(scene.half_width(stop, bin).unwrap_or(0.0));
-            models.extend(scene.model(0, stop, bin).map(|value| [grid.phi_i_deg[column], value]));
+            models.extend(scene.model(0, stop, bin).map(|value| [phi, value]));
         }
-        let label = format!("theta_i {}°", grid.theta_i_deg[row]);
+        let label = format!("theta_i {}°", rounds[row].angle_deg);
         let style = Style { line: false, ..series_style(index) };
         series.push(Series { label, points, error, style });
         let masking = scene.maskings().into_iter().next().unwrap_or_default();
@@ -189,10 +196,9 @@ pub fn anisotropy(scene: &Scene) -> Option<Chart> {
     }
     let values = series.iter().flat_map(|s| &s.points).map(|p| p[1]).filter(|&v| v > 0.0);
     let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
-    let ends = [grid.phi_i_deg[0], grid.phi_i_deg[columns - 1]];
     (high > 0.0).then(|| Chart {
         title: "Mirror direction against the light's azimuth".into(),
-        x: Axis::degrees("light phi_i, degrees", ends),
+        x: Axis::degrees("light phi_i, degrees", [first, last]),
         y: Axis::decades(&format!("BRDF{}, 1/sr", scene.colour_note()), [low, high]),
         series,
     })

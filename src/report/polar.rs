@@ -15,8 +15,7 @@ pub fn polar(scene: &Scene, stops: &[usize], masking: usize) -> Option<String> {
         return None;
     }
     let (_, phi) = scene.table.grid.stop_deg(first);
-    let azimuth =
-        if scene.table.grid.phi_i_deg.len() > 1 { format!(", phi_i {phi}°") } else { String::new() };
+    let azimuth = if scene.has_azimuths() { format!(", phi_i {phi}°") } else { String::new() };
     let title = format!("Polar plot in the plane of incidence{azimuth}");
     let mut out = Drawing::new();
     let [x, y] = CENTRE;

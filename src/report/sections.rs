@@ -6,11 +6,14 @@ use serde_json::{Value, json};
 
 use super::chart::escaped;
 use super::convergence;
+use super::inline::Inline;
+use super::masking;
 use super::page::Page;
-use super::plots::{self, shown_stops, spread};
+use super::plots::{self, shown_stops, shown_sweeps, spread};
 use super::polar::polar;
 use super::specimen::Specimen;
 use crate::campaign::{Optics, SurfaceKind};
+use crate::instrument::Grid;
 use crate::instrument::grid::GridKind;
 
 /// Rows of the tables of stops before the middle is left out.
@@ -39,25 +42,19 @@ pub fn head(page: &Page) -> String {
 fn measured(page: &Page) -> String {
     let grid = &page.scene.table.grid;
     let surface = page.campaign.map_or("A table without a campaign".into(), surface);
-    let angles: Vec<String> = grid.theta_i_deg.iter().map(f64::to_string).collect();
+    let angles: Vec<String> = page.scene.rounds().iter().map(|round| degrees(round.angle_deg)).collect();
     let angles = match angles.len() {
         0 => format!("a list of {} positions, theta_i and phi_i in", grid.stops()),
         1..=12 => angles.join(", "),
         count => format!("{count} angles from {} to {}", angles[0], angles[count - 1]),
     };
     let azimuths = match grid.phi_i_deg.len() {
-        1 if grid.phi_r_relative => " (azimuth relative)".into(),
         0 => String::new(),
+        1 if grid.phi_r_relative => " (azimuth relative)".into(),
         1 => format!(", phi_i {}°", grid.phi_i_deg[0]),
         count => format!(", {count} azimuths from {}° to {}°", grid.phi_i_deg[0], grid.phi_i_deg[count - 1]),
     };
-    let sensor = match grid.kind {
-        GridKind::Hemisphere => {
-            let (rows, columns) = (grid.theta_r_edges_deg.len() - 1, grid.phi_r_edges_deg.len() - 1);
-            format!("a hemisphere of {rows} x {columns} bins")
-        }
-        _ => format!("{} single sensor positions", grid.bins()),
-    };
+    let sensor = sensor(grid);
     let optics = page.campaign.map_or(String::new(), |campaign| match &campaign.optics {
         Optics::PerfectMirror => "; facets reflect everything (F = 1)".into(),
         Optics::Schlick { f0, .. } => {
@@ -66,6 +63,30 @@ fn measured(page: &Page) -> String {
         other => format!("; {}", other.described()),
     });
     format!("{surface}; light at theta_i {angles} degrees{azimuths}; {sensor}{optics}.")
+}
+
+/// An angle with no more digits than it needs.
+fn degrees(angle: f64) -> String {
+    let text = format!("{angle:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_string()
+}
+
+/// Where the sensor looks, in words.
+fn sensor(grid: &Grid) -> String {
+    let bins = grid.bins();
+    match grid.kind {
+        GridKind::Hemisphere => {
+            let (rows, columns) = (grid.theta_r_edges_deg.len() - 1, grid.phi_r_edges_deg.len() - 1);
+            format!("a hemisphere of {rows} x {columns} bins")
+        }
+        GridKind::Arm => {
+            let aperture = grid.aperture_deg.unwrap_or(0.0);
+            format!("{bins} positions of a sensor arm, aperture ±{aperture}°")
+        }
+        GridKind::Patches => format!("{bins} patches of the hemisphere"),
+        GridKind::Points => format!("{bins} single directions of the sensor"),
+        GridKind::HalfDifference => format!("{bins} cells of half and difference angles"),
+    }
 }
 
 fn surface(campaign: &crate::campaign::Campaign) -> String {
@@ -130,7 +151,7 @@ fn comparisons(page: &Page) -> String {
     let Some(all) = page.summary["comparisons"].as_array().filter(|all| !all.is_empty()) else {
         return "<p>No model speaks of this surface: nothing to compare with.</p>".into();
     };
-    let several = page.scene.table.grid.phi_i_deg.len() > 1;
+    let several = page.scene.has_azimuths();
     let maskings = all.iter().filter_map(|c| c["masking"].as_str());
     let heads: String =
         maskings.map(|name| format!("<th>{}</th>", escaped(&name.replace('_', "-")))).collect();
@@ -171,7 +192,7 @@ fn left_out(stops: usize) -> String {
 
 fn albedos(page: &Page) -> String {
     let Some(stops) = page.summary["stops"].as_array() else { return String::new() };
-    let several = page.scene.table.grid.phi_i_deg.len() > 1;
+    let several = page.scene.has_azimuths();
     let keys = ["albedo_single", "albedo_single_se", "albedo_total", "albedo_total_se"];
     let known = |key: &str| stops.iter().any(|stop| stop[key].is_number());
     let shown: Vec<&str> = keys.iter().copied().filter(|key| known(key)).collect();
@@ -279,13 +300,13 @@ pub fn plots(page: &Page) -> String {
         shown.extend(plots::ratio(scene, stop).map(|chart| chart.svg()));
     }
     if shown.is_empty() {
-        absent.push("No bins lie in the plane of incidence: no in-plane lobes.".into());
+        absent.push("No light in the plane of incidence, or no bins there: no in-plane lobes.".into());
     } else if stops.len() < scene.table.grid.stops() {
         absent.push(format!("{} of {} light directions have plots.", stops.len(), scene.table.grid.stops()));
     }
-    for azimuth in spread(scene.table.grid.phi_i_deg.len(), 3) {
-        shown.extend(polar(scene, &spread_stops(scene.stops_at(azimuth)), page.masking_index()));
-        shown.extend(plots::albedo(scene, &page.summary["stops"], azimuth).map(|chart| chart.svg()));
+    for sweep in shown_sweeps(scene) {
+        shown.extend(polar(scene, &sweep.stops, page.masking_index()));
+        shown.extend(plots::albedo(scene, &page.summary["stops"], &sweep).map(|chart| chart.svg()));
     }
     match plots::anisotropy(scene) {
         Some(chart) => shown.push(chart.svg()),
@@ -296,39 +317,69 @@ pub fn plots(page: &Page) -> String {
     match page.bench.map(convergence::charts) {
         Some(Ok(charts)) => shown.extend(charts.iter().map(|chart| chart.svg())),
         Some(Err(why)) => absent.push(format!("Error against samples: the document {why}.")),
+        None => {}
+    }
+    match convergence::looks(scene, &page.summary["stops"]) {
+        Some(chart) => shown.push(chart.svg()),
+        None if page.bench.is_some() => {}
         None => absent.push(
-            "Error against samples: `gonio bench` measures it; give its answer with `gonio report --bench FILE`.".into(),
+            "Error against samples: a campaign with stop.relative_error notes it on its way; `gonio bench` measures it, \
+             for `gonio report --bench FILE`."
+                .into(),
         ),
     }
-    absent.push("Masking given the normal (G1) is not part of a table: left out.".into());
+    match masking::chart(scene, &page.summary["stops"]) {
+        Some(chart) => shown.push(chart.svg()),
+        None => absent.push(no_masking(page).into()),
+    }
     let figures: String = shown.iter().map(|svg| format!("<figure>{svg}</figure>\n")).collect();
     let absent: String = absent.iter().map(|why: &String| format!("<li>{}</li>", escaped(why))).collect();
     format!("<div class=\"charts\">\n{figures}</div>\n<ul class=\"absent\">{absent}</ul>")
 }
 
-fn spread_stops(stops: Vec<usize>) -> Vec<usize> {
-    spread(stops.len(), 8).into_iter().map(|index| stops[index]).collect()
+/// Why there is no plot of masking given the normal.
+fn no_masking(page: &Page) -> &'static str {
+    match page.campaign {
+        None => "Masking given the normal (G1): only the measurement of a surface knows its facets.",
+        Some(campaign) if !campaign.trace.visibility => {
+            "Masking given the normal (G1): visibility is switched off."
+        }
+        Some(campaign) if matches!(campaign.surface.kind, SurfaceKind::Smith(_)) => {
+            "Masking given the normal (G1): on a statistical Smith surface it is Smith's by construction."
+        }
+        Some(_) => {
+            "Masking given the normal (G1) is not known: the summary beside the table has none, or not every facet was \
+             started on, or paths left the map."
+        }
+    }
 }
 
 /// What the pictures and the viewer do not show; `None`: they have nothing to show.
-pub fn reduced(page: &Page, notes: Option<&[String]>) -> String {
-    match notes {
+pub fn reduced(page: &Page, inlined: Option<&Inline>) -> String {
+    let spots = inlined.is_some_and(|inlined| inlined.spots);
+    let spots = if spots {
+        "<p id=\"spots\">The sensor looks in single directions, too few to make a hemisphere: they are drawn as they \
+         are, and there is no sphere.</p>"
+    } else {
+        ""
+    };
+    let notes = match inlined.map(|inlined| &inlined.notes[..]) {
         None => {
             let kind = serde_json::to_value(page.scene.table.grid.kind).unwrap_or_default();
             let kind = kind.as_str().unwrap_or("other").replace('_', " ");
             format!(
-                "<p id=\"no-pictures\">This table's grid is of the kind “{}”, not a hemisphere of bins: no pictures of \
-                 slices and no viewer.</p>",
+                "<p id=\"no-pictures\">This table's grid is of the kind “{}”, which the pictures and the viewer do not \
+                 know.</p>",
                 escaped(&kind)
             )
         }
         Some([]) => String::new(),
         Some(notes) => format!(
-            "<p id=\"reduced\">This table is large: the page's pictures and viewer hold {}. Plots and figures above are of \
-             the whole table.</p>",
+            "<p id=\"reduced\">Pictures and viewer hold {}. Plots and figures are of the whole table.</p>",
             escaped(&notes.join("; "))
         ),
-    }
+    };
+    format!("{notes}{spots}")
 }
 
 /// Version and conventions.

@@ -23,6 +23,15 @@ pub struct Scene<'a> {
     pub realisations: usize,
 }
 
+/// Stops that share an angle of the light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sweep {
+    /// The angle that they share, degrees.
+    pub angle_deg: f64,
+    /// The stops by the other angle.
+    pub stops: Vec<usize>,
+}
+
 /// A bin in the plane of incidence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cut {
@@ -141,10 +150,35 @@ impl Scene<'_> {
         })
     }
 
-    /// The stops of one azimuth of the light, by theta_i.
-    pub fn stops_at(&self, azimuth: usize) -> Vec<usize> {
-        let columns = self.table.grid.phi_i_deg.len();
-        (0..self.table.grid.theta_i_deg.len()).map(|row| row * columns + azimuth).collect()
+    /// The stops of each azimuth of the light by theta_i; of a list of stops the azimuths with the most of them.
+    ///
+    /// Held by: `a_list_of_stops_is_swept_where_most_angles_share_an_azimuth`.
+    pub fn sweeps(&self) -> Vec<Sweep> {
+        let sweeps = self.grouped(|(_, phi)| phi, |(theta, _)| theta);
+        let most = sweeps.iter().map(|sweep| sweep.stops.len()).max().unwrap_or(0);
+        sweeps.into_iter().filter(|sweep| sweep.stops.len() == most).collect()
+    }
+
+    /// The stops of each polar angle of the light by azimuth.
+    pub fn rounds(&self) -> Vec<Sweep> {
+        self.grouped(|(theta, _)| theta, |(_, phi)| phi)
+    }
+
+    fn grouped(&self, by: fn((f64, f64)) -> f64, order: fn((f64, f64)) -> f64) -> Vec<Sweep> {
+        let grid = &self.table.grid;
+        let mut stops: Vec<usize> = (0..grid.stops()).collect();
+        let key = |stop: usize, of: fn((f64, f64)) -> f64| of(grid.stop_deg(stop));
+        stops.sort_by(|&a, &b| {
+            key(a, by).total_cmp(&key(b, by)).then(key(a, order).total_cmp(&key(b, order)))
+        });
+        let groups = stops.chunk_by(|&a, &b| key(a, by) == key(b, by));
+        groups.map(|stops| Sweep { angle_deg: key(stops[0], by), stops: stops.to_vec() }).collect()
+    }
+
+    /// Whether the light comes from several azimuths.
+    pub fn has_azimuths(&self) -> bool {
+        let grid = &self.table.grid;
+        (1..grid.stops()).any(|stop| grid.stop_deg(stop).1 != grid.stop_deg(0).1)
     }
 
     /// The model's flux at a stop over the incident one, the plots' colour.
@@ -205,5 +239,31 @@ mod tests {
         let cuts = in_plane(&arm, 0);
         assert_eq!(cuts.iter().map(|c| c.bin).collect::<Vec<_>>(), [1, 3]);
         assert!((cuts[0].theta_deg + 30.0).abs() < 1e-9 && (cuts[1].theta_deg - 10.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_list_of_stops_is_swept_where_most_angles_share_an_azimuth() {
+        let list = Grid {
+            theta_i_deg: vec![],
+            phi_i_deg: vec![],
+            stops_deg: vec![[0.0, 180.0], [20.0, 180.0], [20.0, 0.0], [40.0, 270.0], [40.0, 180.0]],
+            ..grid()
+        };
+        let bins = list.bins() * list.stops();
+        let table = BrdfTable {
+            grid: list,
+            campaign: String::new(),
+            version: String::new(),
+            seed: 0,
+            patch_digest: String::new(),
+            colours: vec![],
+            hits: vec![0; bins],
+            schlick: None,
+        };
+        let scene = Scene { table: &table, prediction: None, realisations: 0 };
+        assert_eq!(scene.sweeps(), [Sweep { angle_deg: 180.0, stops: vec![0, 1, 4] }]);
+        let rounds: Vec<Vec<usize>> = scene.rounds().into_iter().map(|round| round.stops).collect();
+        assert_eq!(rounds, [vec![0], vec![2, 1], vec![4, 3]]);
+        assert!(scene.has_azimuths());
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::campaign::Surface;
-use crate::instrument::grid::GridKind;
+use crate::measure::stopping::Look;
 use crate::measure::{Cost, Measured, Plan, StopResult, stopping};
 use crate::stats;
 use crate::table::{BrdfTable, ColourChannels};
@@ -71,7 +71,9 @@ fn table_stop(table: &BrdfTable, stop: usize) -> Value {
         here.map(|(&value, region)| f64::from(value) * region.projected_solid_angle()).sum::<f64>()
     };
     let mean = |pick: fn(&ColourChannels) -> &Vec<f32>| {
-        let whole = table.grid.kind == GridKind::Hemisphere;
+        // Bins that fill the hemisphere, up to the rounding of their edges.
+        let size: f64 = regions.iter().map(|region| region.projected_solid_angle()).sum();
+        let whole = (size - std::f64::consts::PI).abs() < 1e-6;
         whole.then(|| stats::mean(&table.colours.iter().map(|colour| flux(pick(colour))).collect::<Vec<_>>()))
     };
     let (single, total) = (mean(|colour| &colour.single), mean(|colour| &colour.total));
@@ -113,9 +115,20 @@ fn stop_summary(result: &StopResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Va
         "stopped_by": result.stopped_by,
         "relative_error": result.relative_error,
         "realisations_needed": result.realisations_needed,
+        "looks": looks(result),
+        "seen_by_slope": result.seen_by_slope,
         "closure": closure,
         "closure_se": closure_se,
     })
+}
+
+/// Error against samples, as far as the run looked at it.
+fn looks(result: &StopResult) -> Vec<Value> {
+    // Samples of a block follow from what the stop had in the end.
+    let last = result.looks.last().map_or(1, |look| look.blocks);
+    let block = result.samples / last.max(1);
+    let look = |look: &Look| json!({ "samples": look.blocks * block, "relative_error": look.relative_error });
+    result.looks.iter().map(look).collect()
 }
 
 impl StopResult {

@@ -13,7 +13,7 @@ const MOST_ANGLES: usize = 3;
 ///
 /// `*` measured, `-` the model with the masking `masking`, `+` both; heights are shares of the peak.
 pub fn lobes(scene: &Scene, masking: usize) -> Vec<String> {
-    let stops = scene.stops_at(0);
+    let stops = scene.sweeps().into_iter().next().map_or(Vec::new(), |sweep| sweep.stops);
     let mut lines = Vec::new();
     for index in spread(stops.len(), MOST_ANGLES) {
         lines.extend(lobe(scene, stops[index], masking).into_iter().flatten());

@@ -96,6 +96,22 @@ impl Model {
         }
     }
 
+    /// What Smith's model says of the light: its masking G1, the same for every facet that is turned to it, and the
+    /// slope along its azimuth from which on facets are turned away, units of alpha (infinite along the normal).
+    ///
+    /// With s = hypot(alpha_x w.x, alpha_y w.y): w.m >= 0 where the slope is at most w.z/s. `None` for other models, for
+    /// a surface without shadows, and (`averaged`) where an anisotropic one is averaged over the azimuth. `wi`: unit
+    /// vector, stage's frame. Held by: `smith_masks_all_facets_alike_up_to_a_slope`.
+    pub fn smith(&self, wi: DVec3, averaged: bool) -> Option<[f64; 2]> {
+        let Model::Microfacet { surface, maskings } = self else { return None };
+        if (averaged && !surface.is_isotropic()) || maskings.contains(&Masking::None) {
+            return None;
+        }
+        let w = surface.to_sample(wi);
+        let along = (surface.alpha_x * w.x).hypot(surface.alpha_y * w.y);
+        Some([surface.side(w).g1(), w.z / along])
+    }
+
     /// The means over the bins of one stop, over the same bins and light aperture as the measurement.
     pub fn means(&self, campaign: &Campaign, grid: &Grid, stop: usize) -> StopMeans {
         let half_angle = campaign.light.aperture_deg.to_radians();
@@ -198,4 +214,21 @@ fn zip3(mut sum: Vec<Vec<Vec<f64>>>, part: &[Vec<Vec<f64>>]) -> Vec<Vec<Vec<f64>
         *sum += part;
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn smith_masks_all_facets_alike_up_to_a_slope() {
+        let wi = sphere::direction_deg(60.0, 90.0);
+        let surface = Microfacet { ndf: Ndf::Ggx, alpha_x: 0.1, alpha_y: 0.5, rotation: 0.0 };
+        let model = Model::Microfacet { surface, maskings: vec![Masking::Separable] };
+        // GGX along y: G1 = 2/(1 + sqrt(1 + 0.5^2 tan^2 60)), facets turned away from cot 60/0.5 on; a few ulp.
+        let [g1, steepest] = model.smith(wi, false).expect("Smith's");
+        assert!((g1 - 2.0 / (1.0 + 1.75f64.sqrt())).abs() < 1e-14, "{g1}");
+        assert!((steepest - 2.0 / 3f64.sqrt()).abs() < 1e-14, "{steepest}");
+        assert!(model.smith(wi, true).is_none());
+    }
 }

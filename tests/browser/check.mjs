@@ -3,7 +3,7 @@
 //
 //   node tests/browser/check.mjs PAGE.html SUMMARY.json [FOLDER]
 //
-// Writes screenshots at 1280 and 400 pixels to FOLDER. CHROMIUM names another program than `chromium`.
+// SUMMARY.json may be -: the page of a table that has none, on a grid of any kind. Writes screenshots at 1280 and 400 pixels to FOLDER. CHROMIUM names another program than `chromium`.
 
 import { readFileSync, writeFileSync, mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
@@ -13,7 +13,7 @@ import { Browser, WITH_GL, WITHOUT_GL } from "./browser.mjs";
 
 const [page, summaryFile, folder] = process.argv.slice(2);
 const url = pathToFileURL(resolve(page)).href;
-const summary = JSON.parse(readFileSync(summaryFile, "utf8"));
+const summary = summaryFile === "-" ? null : JSON.parse(readFileSync(summaryFile, "utf8"));
 const program = process.env.CHROMIUM ?? "chromium";
 const failures = [];
 
@@ -50,6 +50,10 @@ async function numbers(browser) {
     }));
     hold("albedos are there", albedos.length === summary.stops.length);
   }
+  const cost = await browser.evaluate("document.getElementById('cost').textContent");
+  const { wall_s, cpu_s, samples } = summary.cost;
+  const figures = [`${wall_s.toFixed(1)} s`, `${cpu_s.toFixed(1)} s of`, `${(samples / 1e6).toFixed(2)} million samples`];
+  hold("the cost is the summary's", figures.every((text) => cost.includes(text)), [cost, figures]);
   const verdict = await browser.evaluate("document.getElementById('verdict').textContent");
   const nearest = maskings.find((masking) => masking.masking === summary.nearest_masking);
   hold("the verdict names the nearest masking and its distance",
@@ -87,14 +91,8 @@ async function controls(browser) {
   await changes(browser, "halves", "one", ["scene"]);
   await changes(browser, "exposure", "2", ["scene"]);
   await changes(browser, "which", "model", ["lobe"]);
-  for (const id of ["lobe", "scene"]) {
-    const before = await browser.evaluate(shot(id));
-    await browser.evaluate(`document.getElementById("${id}").focus()`);
-    for (const type of ["keyDown", "keyUp"]) {
-      await browser.send("Input.dispatchKeyEvent", { type, key: "ArrowLeft", code: "ArrowLeft", windowsVirtualKeyCode: 37 });
-    }
-    hold(`an arrow key turns ${id}`, (await browser.evaluate(shot(id))) !== before);
-  }
+  for (const id of ["lobe", "scene"]) await arrow(browser, `document.getElementById("${id}")`, id);
+  await reading(browser);
   const hemispheres = "[...document.querySelectorAll('#hemispheres canvas')].map((c) => c.toDataURL()).join()";
   const before = await browser.evaluate(hemispheres);
   await browser.evaluate(`(() => { const scale = document.getElementById("scale"); scale.value = "linear";
@@ -123,6 +121,40 @@ const HIGHLIGHT = `(() => {
   };
   return spread(1) / spread(0);
 })()`;
+
+// Pictures of a table of another kind: the light's slider moves the lobe, an arrow key turns it and reads a hemisphere.
+async function otherGrid(browser) {
+  const [low, high] = await browser.evaluate('["min", "max"].map((end) => document.getElementById("theta")[end])');
+  await set(browser, "theta", low);
+  await changes(browser, "theta", high, ["lobe"]);
+  await arrow(browser, "document.getElementById('lobe')", "the lobe");
+  const inks = "[...document.querySelectorAll('#hemispheres canvas')].map((c) => new Set(c.getContext('2d').getImageData(0, 0, 200, 200).data).size)";
+  const colours = await browser.evaluate(inks);
+  // A disc of one colour has three values beside its marks and the soft edges of these.
+  hold("every hemisphere shows values", colours.length > 0 && colours.every((count) => count > 12), colours);
+}
+
+async function arrow(browser, place, what) {
+  const picture = `${place}.toDataURL()`;
+  const before = await browser.evaluate(picture);
+  await browser.evaluate(`${place}.focus()`);
+  await press(browser, "ArrowLeft", 37);
+  hold(`an arrow key turns ${what}`, (await browser.evaluate(picture)) !== before);
+}
+
+async function press(browser, key, windowsVirtualKeyCode) {
+  for (const type of ["keyDown", "keyUp"]) {
+    await browser.send("Input.dispatchKeyEvent", { type, key, code: key, windowsVirtualKeyCode });
+  }
+}
+
+// The arrow keys read a hemisphere: what they say is a bin of the table.
+async function reading(browser) {
+  await browser.evaluate("document.querySelector('#hemispheres canvas').focus()");
+  await press(browser, "ArrowRight", 39);
+  const text = await browser.evaluate("document.getElementById('readout').textContent");
+  hold("an arrow key reads a hemisphere", /theta_r .*phi_r .*measured .* 1\/sr/.test(text), text);
+}
 
 async function highlight(browser) {
   const alpha = await browser.evaluate("JSON.parse(document.getElementById('data').textContent).table.alpha");
@@ -168,10 +200,14 @@ async function withViewer() {
   }
   await browser.resize(1280, 900);
   await browser.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
-  await numbers(browser);
-  await highlight(browser);
-  await set(browser, "phi", "0");
-  await controls(browser);
+  if (summary) {
+    await numbers(browser);
+    await highlight(browser);
+    await set(browser, "phi", "0");
+    await controls(browser);
+  } else {
+    await otherGrid(browser);
+  }
   quiet(browser, "with WebGL");
   await browser.close();
 }
@@ -182,7 +218,8 @@ async function withoutWebGl() {
   await browser.until("document.body.dataset.drawn > 0");
   hold("the fallback says so", !(await browser.evaluate("document.getElementById('no-webgl').hidden")));
   hold("no sphere without WebGL", await browser.evaluate("document.getElementById('scene-figure').hidden"));
-  await changes(browser, "theta", "15", ["lobe"]);
+  const other = "(({ value, min, max }) => (value === max ? min : max))(document.getElementById('theta'))";
+  await changes(browser, "theta", summary ? "15" : await browser.evaluate(other), ["lobe"]);
   quiet(browser, "without WebGL");
   if (folder) writeFileSync(join(folder, "no-webgl.png"), await browser.picture("#viewer"));
   await browser.close();

@@ -53,6 +53,7 @@ function drawLegend(canvas, colour, marks) {
   for (const [place, text] of marks) {
     const x = 20 + place * (width - 41);
     g.fillRect(x, 20, 1, 4);
-    g.fillText(text, Math.min(Math.max(x, 18), width - 18), 38);
+    const half = g.measureText(text).width / 2 + 1;
+    g.fillText(text, Math.min(Math.max(x, half), width - half), 38);
   }
 }

@@ -106,8 +106,14 @@ class LobeView {
 
   // Values over the hemisphere for a light direction, a lobe for each layer; one peak for all.
   show({ layers, theta, phi, log }) {
-    this.light = { theta, phi };
+    const stop = this.table.spots ? this.table.nearestStop(theta, phi) : null;
+    this.light = stop === null || this.table.relative ? { theta, phi } : this.table.lightOf(stop);
+    if (stop !== null) this.light.theta = this.table.lightOf(stop).theta;
     const sample = (layer) => {
+      if (stop !== null) {
+        const first = this.table.at(this.colour, stop, 0);
+        return Array.from(layer.values.subarray(first, first + this.table.bins));
+      }
       const values = [];
       for (let row = 0; row <= LOBE_ROWS; row += 1) {
         for (let k = 0; k <= LOBE_COLUMNS; k += 1) {
@@ -120,7 +126,7 @@ class LobeView {
     this.lobes = layers.map((layer) => ({ name: layer.name, values: sample(layer) }));
     this.peak = this.lobes.reduce((peak, lobe) => lobe.values.reduce((a, b) => Math.max(a, b), peak), 1e-30);
     this.log = log;
-    if (this.gl) this.meshes = this.lobes.map((lobe) => this.mesh(lobe.values));
+    if (this.gl) this.meshes = this.lobes.map((lobe) => (stop === null ? this.mesh(lobe.values) : this.fan(lobe.values)));
     this.draw();
   }
 
@@ -146,6 +152,25 @@ class LobeView {
       data.set([...places[at], ...normal.map((x) => 1e3 * x), ...viridis(this.radius(value)).map((x) => x / 255)], 9 * at);
     });
     return data;
+  }
+
+  // Single directions: triangles from the middle to neighbours of one azimuth, and a pin for each.
+  fan(values) {
+    const spots = this.table.spotsAt(this.light.phi), step = this.table.spots.step;
+    const data = [], pins = [];
+    const colour = (k) => viridis(this.radius(values[k])).map((x) => x / 255);
+    const place = (k) => spots[k].map((x) => x * this.radius(values[k]));
+    values.forEach((value, k) => {
+      pins.push(0, 0, 0, 0, 0, 0, ...colour(k), ...place(k), 0, 0, 0, ...colour(k));
+      const next = k + step;
+      if (next >= values.length || dot(spots[k], spots[next]) < Math.cos(25 * RAD)) return;
+      const [a, b] = [spots[k], spots[next]];
+      const normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+      for (const corner of [[0, 0, 0], place(k), place(next)]) {
+        data.push(...corner, ...normal, ...colour(k));
+      }
+    });
+    return { triangles: new Float32Array(data), pins: new Float32Array(pins) };
   }
 
   // Horizon, rings, axes and the light, as line segments.
@@ -187,6 +212,13 @@ class LobeView {
       gl.uniform2f(gl.getUniformLocation(this.program, "scale"), size * canvas.height / width, size);
       this.buffer(this.lines());
       gl.drawArrays(gl.LINES, 0, this.lines().length / 9);
+      if (mesh.pins) {
+        for (const [kind, data] of [[gl.LINES, mesh.pins], [gl.TRIANGLES, mesh.triangles]]) {
+          this.buffer(data);
+          gl.drawArrays(kind, 0, data.length / 9);
+        }
+        return;
+      }
       this.buffer(mesh);
       gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.index);
       gl.drawElements(gl.TRIANGLES, 6 * LOBE_ROWS * LOBE_COLUMNS, gl.UNSIGNED_INT, 0);
@@ -222,14 +254,30 @@ class LobeView {
       g.strokeStyle = ["#111", "#d55e00"][k % 2];
       g.setLineDash(k ? [4, 4] : []);
       g.beginPath();
-      for (let theta = -89; theta <= 89; theta += 1) {
-        const wo = direction(Math.abs(theta) * RAD, (this.light.phi + (theta > 0 ? 180 : 0)) * RAD);
-        const layer = this.table.layers.find((layer) => layer.name === lobe.name);
-        const r = size * this.radius(this.table.value(layer, this.colour, this.light.theta, this.light.phi, wo));
+      for (const [theta, value] of this.table.spots ? this.spotsInPlane(lobe) : this.plane(lobe)) {
+        const r = size * this.radius(value);
         g.lineTo(w / 2 + r * Math.sin(theta * RAD), 0.85 * h - r * Math.cos(theta * RAD));
       }
       g.stroke();
     });
     g.setLineDash([]);
+  }
+
+  // (theta, value) in the plane of incidence, the mirror's side positive.
+  plane(lobe) {
+    const layer = this.table.layers.find((layer) => layer.name === lobe.name);
+    return Array.from({ length: 179 }, (_, k) => {
+      const theta = k - 89;
+      const wo = direction(Math.abs(theta) * RAD, (this.light.phi + (theta > 0 ? 180 : 0)) * RAD);
+      return [theta, this.table.value(layer, this.colour, this.light.theta, this.light.phi, wo)];
+    });
+  }
+
+  spotsInPlane(lobe) {
+    const [c, s] = [Math.cos(this.light.phi * RAD), Math.sin(this.light.phi * RAD)];
+    const found = this.table.spotsAt(this.light.phi).map((wo, k) => [wo, lobe.values[k]])
+      .filter(([wo]) => Math.abs(wo[1] * c - wo[0] * s) < 0.03)
+      .map(([wo, value]) => [Math.atan2(-(wo[0] * c + wo[1] * s), wo[2]) / RAD, value]);
+    return found.sort((a, b) => a[0] - b[0]);
   }
 }

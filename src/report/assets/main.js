@@ -33,7 +33,8 @@ function captions(state, lobe) {
     return;
   }
   const radius = state.log ? `logarithmic, ${lobe.decades} decades` : "linear";
-  element("lobe-caption").textContent = `${names}${lobe.lobes.length > 1 ? " (right)" : ""}. Radius ${radius}; 1 is ` +
+  const nearest = lobe.table.spots ? `Light at theta_i ${short(lobe.light.theta)}°, the nearest that was measured. ` : "";
+  element("lobe-caption").textContent = `${nearest}${names}${lobe.lobes.length > 1 ? " (right)" : ""}. Radius ${radius}; 1 is ` +
     `${short(lobe.peak)} 1/sr. Solid line: light; dashed: mirror direction; red: x, green: y.`;
   const halves = state.model ? `Left: ${state.measured.name}; right: ${state.model.name}.` : `${state.measured.name}.`;
   element("scene-caption").textContent = `${halves} ${state.sky ? "A soft sky, brightest in the light's direction." : "One lamp in the light's direction."} ` +
@@ -47,15 +48,19 @@ function startViewer(table) {
   fill(element("model"), names("model"));
   if (table.chosen) element("model").value = table.chosen;
   const angles = table.theta_i, last = angles[angles.length - 1];
-  element("theta").max = last;
+  element("theta").min = Math.floor(angles[0]);
+  element("theta").max = Math.ceil(last);
   element("theta").value = angles.includes(45) ? 45 : angles.reduce((a, b) => (Math.abs(b - 45) < Math.abs(a - 45) ? b : a));
   element("phi").value = wrapped(table.phi_i[0], 360);
   const modelled = table.layers.some((layer) => layer.kind === "model");
   for (const id of ["which", "halves"]) element(id).parentElement.hidden = !modelled;
-  const lobe = new LobeView(element("lobe"), table), scene = new SceneView(element("scene"), table);
+  const lobe = new LobeView(element("lobe"), table);
+  // Single directions say nothing of all the others that a sphere needs.
+  const scene = table.spots ? { gl: null, show() {} } : new SceneView(element("scene"), table);
   element("no-webgl").hidden = Boolean(lobe.gl);
   element("turning").hidden = !lobe.gl;
   element("scene-figure").hidden = !scene.gl;
+  element("no-sphere").hidden = !scene.tooMany;
   if (!scene.gl) for (const id of ["lamp", "exposure", "halves"]) element(id).parentElement.hidden = true;
   let asked = false;
   const update = () => {

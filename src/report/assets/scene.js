@@ -137,6 +137,9 @@ class SceneView {
     this.gl = canvas.getContext("webgl2", { preserveDrawingBuffer: true });
     if (!this.gl) return;
     const gl = this.gl;
+    this.tooMany = table.stops > gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS);
+    if (this.tooMany) this.gl = null;
+    if (this.tooMany) return;
     this.program = program(gl, SCENE_VERTEX, SCENE_FRAGMENT);
     this.orbit = new Orbit(canvas, { azimuth: table.phi_i[0] * RAD + 0.9, height: 0.5, zoom: 1 }, () => this.draw());
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
@@ -144,7 +147,8 @@ class SceneView {
     gl.enableVertexAttribArray(0);
     gl.bindAttribLocation(this.program, 0, "corner");
     gl.vertexAttribPointer(gl.getAttribLocation(this.program, "corner"), 2, gl.FLOAT, false, 0, 0);
-    this.size = [180, 91];
+    // Many light directions are taken coarser: all of them lie in the memory of the graphics.
+    this.size = table.stops > 300 ? [90, 46] : [180, 91];
     this.textures = [gl.createTexture(), gl.createTexture()];
     this.loaded = [null, null];
   }

@@ -40,14 +40,18 @@ function wrapped(x, m) {
 class Table {
   constructor(data) {
     Object.assign(this, data);
-    this.rows = data.theta_edges.length - 1;
-    this.columns = data.phi_edges.length - 1;
+    // Single directions are one row: nothing lies between them.
+    this.rows = data.spots ? 1 : data.theta_edges.length - 1;
+    this.columns = data.spots ? data.spots.directions.length : data.phi_edges.length - 1;
     this.bins = this.rows * this.columns;
     this.stops = data.theta_i.length * data.phi_i.length;
     const middles = (edges) => edges.slice(1).map((edge, k) => (edge + edges[k]) / 2);
-    this.theta_middles = middles(data.theta_edges);
-    this.phi_middles = middles(data.phi_edges);
+    this.theta_middles = data.theta_nodes || middles(data.theta_edges || []);
+    this.phi_middles = data.phi_nodes || middles(data.phi_edges || []);
     for (const layer of this.layers) layer.values = decoded(layer.data, data.scale);
+    // Below 0: nothing was measured there.
+    this.absent = Array.from(this.layers[0].values.subarray(0, this.bins), (value) => value < 0);
+    for (const layer of this.layers) layer.values.forEach((value, k) => { if (value < 0) layer.values[k] = 0; });
     // Azimuths between which the light is interpolated, in the sample's frame; a mirrored law needs a quarter only.
     const azimuths = data.phi_i.map((phi, index) => ({ phi: this.folded(phi - data.rotation).phi, index, raw: phi }));
     const sorted = azimuths.sort((a, b) => a.phi - b.phi);
@@ -110,7 +114,36 @@ class Table {
     return line(low) * (1 - t) + line(high) * t;
   }
 
+  // Where the sensor's directions end: beyond, nothing was measured.
+  end() {
+    return this.theta_edges[this.rows];
+  }
+
+  // The stop nearest to a direction of the light, for tables that are not interpolated.
+  nearestStop(theta, phi) {
+    const wi = direction(theta * RAD, this.relative ? 0 : phi * RAD);
+    const cosine = (stop) => {
+      const { theta: t, phi: p } = this.lightOf(stop);
+      return dot(wi, direction(t * RAD, this.relative ? 0 : p * RAD));
+    };
+    let best = 0;
+    for (let stop = 1; stop < this.stops; stop += 1) if (cosine(stop) > cosine(best) + 1e-12) best = stop;
+    return best;
+  }
+
+  lightOf(stop) {
+    const columns = this.phi_i.length;
+    return { theta: this.theta_i[Math.floor(stop / columns)], phi: this.phi_i[stop % columns] };
+  }
+
+  // The single directions as unit vectors of the stage, for light from the azimuth phi.
+  spotsAt(phi) {
+    const origin = this.relative ? phi : 0;
+    return this.spots.directions.map(([theta, azimuth]) => direction(theta * RAD, (azimuth + origin) * RAD));
+  }
+
   smooth(layer, colour, stop, theta, phi) {
+    if (theta > this.end() + 1e-6) return 0;
     return this.mixed(layer, this.at(colour, stop, 0), this.rowsAt(theta), this.columnsAt(phi));
   }
 
