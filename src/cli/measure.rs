@@ -27,7 +27,8 @@ use crate::validate::{self, Prediction, Verdict};
 /// Measure a campaign: table, realisations, summary and report
 #[derive(Args)]
 #[command(after_help = "Writes <name>.exr, <name>.realisations.exr, <name>.html (the page to look at),\n\
-    <name>.card.md (where it comes from) and, last, <name>.json to the folder; several roughnesses give one set each, <name>_alpha_<value>.\n\n\
+    <name>.card.md (where it comes from) and, last, <name>.json to the folder; several roughnesses\n\
+    or materials give one set each, <name>_alpha_<value>, <name>_<material>.\n\n\
     Example: gonio measure configs/quickstart.toml --threads 2")]
 pub struct Arguments {
     /// The campaign, a TOML file
