@@ -7,8 +7,10 @@
 //! that restores the azimuth harmonics of the Gaussian field that the patch started from, by rank too. Those have
 //! mean 0 and are not flattened further: patches stay independent draws of one law.
 //! Ranks are divided into octaves of the share above, so that the few steep slopes, which carry much of the light at
-//! grazing angles, have length gains of their own. Of the length error half is taken back: all of it would leave the
-//! law closer and the light further from Smith's (L1 at alpha 0.1 and 75 degrees 0.017 instead of 0.016).
+//! grazing angles, have length gains of their own. The whole length error is taken back of slopes that the grid holds,
+//! less and less of it of steeper ones: a facet spans one cell, and one that rises by more than a good part of a bump
+//! can only have its slope where the height is extreme. Forcing it there makes needles that shadow unlike Smith's
+//! (on bumps of 4 cells, alpha 0.5: L1 0.039 with all of the error taken back, 0.030 so, 0.031 with none).
 
 use glam::Vec2;
 
@@ -24,6 +26,11 @@ const KNOTS: usize = OCTAVES * KNOTS_PER_OCTAVE;
 /// itself unlike Smith's (L1 at alpha 0.5 and 75 degrees 0.057 instead of 0.050).
 const CLASSES_PER_OCTAVE: usize = 2;
 const LENGTH_CLASSES: usize = 7;
+/// The slope, as a share of the correlation length in cells, whose length error is taken back by half. From a half to an
+/// eighth of it the discrepancy on bumps of 4, 8 and 16 cells agrees; the slope law is the closer the larger it is.
+const HELD_SLOPE: f64 = 0.25;
+/// The share of an error that each round adds to its gain.
+const RATE: f32 = 0.7;
 /// Highest azimuth harmonic that is flattened.
 const HARMONICS: usize = 4;
 
@@ -32,6 +39,8 @@ type Harmonics = [[Vec2; HARMONICS]; LENGTH_CLASSES];
 
 /// The corrections.
 pub struct Feedback {
+    /// The slope whose length error is taken back by half.
+    held_slope: f64,
     /// Length gains at the knots and their logarithms.
     gain: [f32; KNOTS],
     log_gain: [f32; KNOTS],
@@ -43,9 +52,11 @@ pub struct Feedback {
     rounds: usize,
 }
 
-impl Default for Feedback {
-    fn default() -> Self {
+impl Feedback {
+    /// Nothing learnt yet, for heights correlated over about `correlation` cells.
+    pub fn new(correlation: f64) -> Self {
         Feedback {
+            held_slope: HELD_SLOPE * correlation,
             gain: [1.0; KNOTS],
             log_gain: [0.0; KNOTS],
             turn: Default::default(),
@@ -105,7 +116,8 @@ impl Feedback {
             let wanted = law.length_quantile(knot_share(knot));
             if squared > 0.0 && wanted > 0.0 {
                 let error = (wanted.ln() - 0.5 * squared.ln()) as f32;
-                *gain = 0.5 * (*gain + error);
+                let held = 1.0 / (1.0 + (wanted / self.held_slope).powi(2));
+                *gain += RATE * (held as f32 * (*gain + error) - *gain);
             }
         }
         self.gain = self.log_gain.map(f32::exp);

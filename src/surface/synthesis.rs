@@ -25,6 +25,7 @@ const LEARNING: usize = 9;
 pub struct Synthesiser {
     law: SlopeLaw,
     cells: usize,
+    correlation: f64,
     fft: SquareFft,
     gaussian: Filter,
     fit: Filter,
@@ -43,7 +44,7 @@ impl Synthesiser {
         let spectrum = GaussianField::new(&fft, correlation, spectrum);
         let gaussian = fft.filter(|kx, ky| spectrum.amplitude(kx, ky));
         let fit = fft.filter(|kx, ky| fit_gain(correlation, kx, ky));
-        Synthesiser { law, cells, fft, gaussian, fit, remap: Remap::new(law, cells) }
+        Synthesiser { law, cells, correlation, fft, gaussian, fit, remap: Remap::new(law, cells) }
     }
 
     /// One patch. All randomness comes from `rng`.
@@ -59,7 +60,7 @@ impl Synthesiser {
 
     /// Rounds of remapped slopes, and of the heights whose differences fit them best.
     fn remap_to_law(&self, heights: &mut Vec<f32>, room: &mut Spectra) {
-        let mut feedback = Feedback::default();
+        let mut feedback = Feedback::new(self.correlation);
         let mut targets = self.remap.targets();
         self.remap.observe(heights, &mut feedback);
         for round in 0..ROUNDS {
