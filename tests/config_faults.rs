@@ -702,5 +702,8 @@ fn doubtful_campaigns_are_noted() {
     note(&with("alpha = 0.2", "alpha = 0.04"), "narrower than a bin");
     note(&with("aperture_deg = 0.0", "aperture_deg = 3"), "exceeds a quarter of alpha");
     let arm = with_arm(&ARM.replace("aperture_deg = 1", "aperture_deg = 3"));
-    note(&arm, "exceeds a quarter of alpha");
+    // Its arm stands at the lamp too: two notes.
+    let notes = accepted(&arm).notes;
+    assert!(notes.len() == 2 && notes[1].contains("exceeds a quarter of alpha"), "{notes:?}");
+    assert!(notes[0].contains("the sensor stands where the lamp is"), "{notes:?}");
 }

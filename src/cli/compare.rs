@@ -25,7 +25,7 @@ pub struct Arguments {
     a: PathBuf,
     /// The table that it is compared with
     b: PathBuf,
-    /// A has the apertures h of an arm, B half of them: print (4 B - A)/3, the values without apertures
+    /// A has an arm's apertures h, B half of them: print (4 B - A)/3
     #[arg(long)]
     richardson: bool,
     /// Print one JSON document: bins, l1, l1_noise, max_t, share_outside_95

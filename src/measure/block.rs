@@ -152,7 +152,8 @@ impl<'a> Block<'a> {
         let heading = self.arms.heading;
         let along = *self.along.get_or_insert_with(|| {
             let along = sample.to_field(heading).truncate();
-            along / along.length()
+            // A surface without an alpha is told by its slopes themselves, whatever unit its heights are in.
+            if self.context.campaign.alphas()[0].is_some() { along / along.length() } else { along }
         });
         let corners = sample.walker.field().corners(start.facet.x, start.facet.y);
         let slope = corners.slope(start.facet.upper).dot(along);

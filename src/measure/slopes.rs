@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::tally::Tally;
 use crate::stats;
 
-/// Edges between the classes, in units of alpha along the light's azimuth. Below 0 a facet is tilted towards the light;
+/// Edges between the classes, in units of alpha along the light's azimuth; plain slopes of a surface without an alpha. Below 0 a facet is tilted towards the light;
 /// slopes at or above cot(theta_i)/alpha are turned away from it and have no starts.
 const EDGES: [f64; 17] =
     [-4.0, -3.0, -2.0, -1.5, -1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0];
@@ -25,7 +25,7 @@ pub struct SeenBySlope {
 /// One class of facets, over all realisations.
 #[derive(Debug, Clone, Serialize)]
 pub struct SlopeClass {
-    /// Slopes in [lower, upper), units of alpha along the light's azimuth; null: without end.
+    /// Slopes in [lower, upper) along the light's azimuth, units of alpha where there is one; null: without end.
     pub slope: [Option<f64>; 2],
     /// Starts in it.
     pub starts: u64,

@@ -38,7 +38,7 @@ pub fn chart(scene: &Scene, stops: &Value) -> Option<Chart> {
     (!series.is_empty()).then(|| Chart {
         title: "Masking given the normal: facets that the light sees".into(),
         x: Axis::linear(
-            "facet's slope along the light's azimuth / alpha (−: towards it)",
+            "facet's slope along the light, in alpha where there is one (−: towards it)",
             [-STEEPEST, STEEPEST],
         ),
         y: Axis::linear("share of the starts that is lit", [0.0, 1.1]),

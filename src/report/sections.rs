@@ -44,12 +44,11 @@ fn measured(page: &Page) -> String {
     let surface = page.campaign.map_or("A table without a campaign".into(), surface);
     let angles: Vec<String> = page.scene.rounds().iter().map(|round| degrees(round.angle_deg)).collect();
     let angles = match angles.len() {
-        0 => format!("a list of {} positions, theta_i and phi_i in", grid.stops()),
-        1..=12 => angles.join(", "),
+        0..=12 => angles.join(", "),
         count => format!("{count} angles from {} to {}", angles[0], angles[count - 1]),
     };
     let azimuths = match grid.phi_i_deg.len() {
-        0 => String::new(),
+        0 => format!(" in {} directions", grid.stops()),
         1 if grid.phi_r_relative => " (azimuth relative)".into(),
         1 => format!(", phi_i {}°", grid.phi_i_deg[0]),
         count => format!(", {count} azimuths from {}° to {}°", grid.phi_i_deg[0], grid.phi_i_deg[count - 1]),
