@@ -36,14 +36,14 @@ pub struct Arguments {
     campaign: Option<PathBuf>,
     #[command(flatten)]
     scene: SceneArguments,
-    /// The same table by another way: noise and time to an equal error
-    #[arg(long, value_name = "forward|rays|hemisphere", value_parser = other, conflicts_with_all = LADDERS)]
+    /// Noise and time to an equal error by: forward, rays, hemisphere
+    #[arg(long, value_name = "WAY", value_parser = other, conflicts_with_all = LADDERS)]
     against: Option<Other>,
     /// The stops on a patch of each of these sizes: time and bytes for each cell
-    #[arg(long, value_name = "N,N,..", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(8..=16_384), conflicts_with_all = LADDERS, conflicts_with_all = ["against", "replicates"])]
+    #[arg(long, value_name = "N,N,..", hide_short_help = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(8..=16_384), conflicts_with_all = LADDERS, conflicts_with_all = ["against", "replicates"])]
     cells: Vec<u32>,
-    /// What errors are counted from [default: model where there is one]
-    #[arg(long, value_enum, value_name = "model|reference", hide_possible_values = true)]
+    /// What errors are counted from: model (if there is one) or reference
+    #[arg(long, value_enum, value_name = "TRUTH", hide_possible_values = true)]
     truth: Option<Wanted>,
     /// Smallest N, as 4096 or 2^12 [default: the largest/4^5]
     #[arg(long, value_name = "N", value_parser = count)]

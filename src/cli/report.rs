@@ -23,7 +23,7 @@ use crate::validate::{self, Prediction};
 pub struct Arguments {
     /// The table
     table: PathBuf,
-    /// The page, or with a name that ends in .md the provenance card [default: <stem>.html]
+    /// The page; a name that ends in .md: the provenance card [default: <stem>.html]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// The answer of `gonio bench`, for the plot of error against samples
