@@ -8,8 +8,8 @@ import sys
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-# Another build may be named: check.py target/debug/gonio.
-GONIO = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else ROOT / "target" / "release" / "gonio"
+# Another build may be named: check.py target/release/gonio.
+GONIO = pathlib.Path(sys.argv[1]).resolve() if len(sys.argv) > 1 else ROOT / "target" / "debug" / "gonio"
 
 
 def gonio(*words):
