@@ -14,8 +14,9 @@ const STEEPEST: f64 = 4.0;
 /// Starts below which a class says nothing.
 const FEWEST_STARTS: f64 = 400.0;
 
-/// The chart from the summary's stops at the first azimuth of the light; `None` where nothing was counted.
-pub fn chart(scene: &Scene, stops: &Value) -> Option<Chart> {
+/// The chart from the summary's stops at the first azimuth of the light; `None` where nothing was counted. Slopes are
+/// `scaled` by alpha where the surface has one.
+pub fn chart(scene: &Scene, stops: &Value, scaled: bool) -> Option<Chart> {
     let sweep = scene.sweeps().into_iter().next()?;
     let counted = |&&stop: &&usize| stops[stop]["seen_by_slope"].is_array();
     let known: Vec<usize> = sweep.stops.iter().filter(counted).copied().collect();
@@ -38,7 +39,7 @@ pub fn chart(scene: &Scene, stops: &Value) -> Option<Chart> {
     (!series.is_empty()).then(|| Chart {
         title: "Masking given the normal: facets that the light sees".into(),
         x: Axis::linear(
-            "facet's slope along the light, in alpha where there is one (−: towards it)",
+            if scaled { "slope along the light, alpha (−: towards it)" } else { "slope along the light (−: towards it)" },
             [-STEEPEST, STEEPEST],
         ),
         y: Axis::linear("share of the starts that is lit", [0.0, 1.1]),

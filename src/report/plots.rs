@@ -139,7 +139,10 @@ pub fn albedo(scene: &Scene, stops: &serde_json::Value, sweep: &Sweep) -> Option
         }
     };
     let errors = |key: &str| shown.iter().filter_map(|&stop| stops[stop][key].as_f64()).collect::<Vec<_>>();
-    add("order 1".into(), column(&|s| s["albedo_single"].as_f64()), errors("albedo_single_se"), MEASURED);
+    // Another program's table does not know how often its light has bounced.
+    let orders_known = !scene.table.campaign.is_empty();
+    let first = if orders_known { "order 1" } else { "measured" };
+    add(first.into(), column(&|s| s["albedo_single"].as_f64()), errors("albedo_single_se"), MEASURED);
     let orders =
         shown.iter().filter_map(|&stop| stops[stop]["albedo_by_order"].as_array()).map(Vec::len).max();
     for order in 1..orders.unwrap_or(1).min(5) {

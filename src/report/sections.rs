@@ -95,7 +95,8 @@ fn surface(campaign: &crate::campaign::Campaign) -> String {
         None => String::new(),
     };
     let surface = &campaign.surface;
-    let cells = format!("{} patches of {} x {} cells", surface.realisations, surface.cells, surface.cells);
+    let patches = if surface.realisations == 1 { "patch" } else { "patches" };
+    let cells = format!("{} {patches} of {} x {} cells", surface.realisations, surface.cells, surface.cells);
     match &surface.kind {
         SurfaceKind::Ggx(_) => format!("A random GGX surface{alpha}, {cells}"),
         SurfaceKind::Beckmann { .. } => format!("A Gaussian (Beckmann) surface{alpha}, {cells}"),
@@ -192,7 +193,12 @@ fn left_out(stops: usize) -> String {
 fn albedos(page: &Page) -> String {
     let Some(stops) = page.summary["stops"].as_array() else { return String::new() };
     let several = page.scene.has_azimuths();
-    let keys = ["albedo_single", "albedo_single_se", "albedo_total", "albedo_total_se"];
+    // Another program's table does not know how often its light has bounced.
+    let keys: &[_] = if page.campaign.is_some() {
+        &["albedo_single", "albedo_single_se", "albedo_total", "albedo_total_se"]
+    } else {
+        &["albedo_total", "albedo_total_se"]
+    };
     let known = |key: &str| stops.iter().any(|stop| stop[key].is_number());
     let shown: Vec<&str> = keys.iter().copied().filter(|key| known(key)).collect();
     if shown.is_empty() {
@@ -207,10 +213,14 @@ fn albedos(page: &Page) -> String {
     };
     let rows: String = spread(stops.len(), MOST_ROWS).into_iter().map(row).collect();
     let azimuth = if several { "<th>phi_i</th>" } else { "" };
+    let what = if page.campaign.is_some() {
+        " after one bounce, and after all that were followed; ±: standard error over patches."
+    } else {
+        ", from the bins."
+    };
     format!(
-        "<h2>Albedo</h2>\n<p>Share of the light that leaves after one bounce, and after all that were followed; ±: \
-         standard error over patches.{}</p>\n<div class=\"scroll\"><table id=\"albedos\"><thead><tr><th>theta_i</th>\
-         {azimuth}{heads}</tr></thead><tbody>{rows}</tbody></table></div>\n",
+        "<h2>Albedo</h2>\n<p>Share of the light that leaves{what}{}</p>\n<div class=\"scroll\"><table id=\"albedos\">\
+         <thead><tr><th>theta_i</th>{azimuth}{heads}</tr></thead><tbody>{rows}</tbody></table></div>\n",
         left_out(stops.len())
     )
 }
@@ -327,7 +337,8 @@ pub fn plots(page: &Page) -> String {
                 .into(),
         ),
     }
-    match masking::chart(scene, &page.summary["stops"]) {
+    let scaled = page.campaign.is_some_and(|campaign| campaign.surface.kind.alphas().is_some());
+    match masking::chart(scene, &page.summary["stops"], scaled) {
         Some(chart) => shown.push(chart.svg()),
         None => absent.push(no_masking(page).into()),
     }

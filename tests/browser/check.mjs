@@ -40,7 +40,7 @@ async function numbers(browser) {
     shown.forEach((row, stop) => {
       const wanted = [["theta_i_deg", maskings[0].stops[stop].theta_i_deg.toFixed(1)]];
       if (row.some(([key]) => key === "phi_i_deg")) wanted.push(["phi_i_deg", maskings[0].stops[stop].phi_i_deg.toFixed(1)]);
-      wanted.push(["l1_noise", maskings[0].stops[stop].l1_noise.toFixed(4)]);
+      wanted.push(["l1_noise", maskings[0].stops[stop].l1_noise?.toFixed(4) ?? "–"]);
       maskings.forEach((masking) => wanted.push(["l1_model", masking.stops[stop].l1_model.toFixed(4)]));
       hold(`figures of stop ${stop}`, JSON.stringify(row) === JSON.stringify(wanted), [row, wanted]);
     });
@@ -202,7 +202,7 @@ async function withViewer() {
   await browser.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
   if (summary) {
     await numbers(browser);
-    await highlight(browser);
+    if (!(await browser.evaluate("document.getElementById('scene-figure').hidden"))) await highlight(browser);
     await set(browser, "phi", "0");
     await controls(browser);
   } else {

@@ -52,6 +52,7 @@ class Pictures {
       this.scale.log ? "measured / model" : "(measured − model) / peak of the light direction";
     const place = document.getElementById("hemispheres");
     place.replaceChildren();
+    place.classList.toggle("measured-only", !this.model);
     this.table.theta_i.forEach((theta, row) => place.append(this.hemisphere(theta, row)));
     this.slices(document.getElementById("slices"));
   }
