@@ -1,4 +1,5 @@
-//! What the lanes read: heights in f32, and the highest height of every cell, of 4 x 4 and of 16 x 16 cells.
+//! What the lanes read: heights in f32, and the highest height of every cell, of 4 x 4 and of 16 x 16 cells; larger
+//! tiles are for very long rays alone.
 //!
 //! Enters: a periodic field whose sides are powers of two. Leaves: two tables whose lengths are powers of two, so
 //! that an index is made valid by a mask alone.
@@ -18,8 +19,9 @@ const MOST_CELLS: usize = 1 << 29;
 
 /// The heights of a field as the lanes read them.
 ///
-/// Maxima: level L (0, 1, 2) has one value for each 4^L x 4^L cells; that of cell (x, y) stands at
-/// ((y + ny) >> 2L) nx + (x >> 2L), so that one formula serves all levels and their rows never overlap.
+/// Maxima: level L (0, 1, 2, and on while 4^L is no more than a side) has one value for each 4^L x 4^L cells; that of
+/// cell (x, y) stands at ((y + ny) >> 2L) nx + (x >> 2L), so that one formula serves all levels and their rows never
+/// overlap.
 #[derive(Debug, Clone)]
 pub struct LaneField {
     pub(super) cells_x: usize,
@@ -70,6 +72,17 @@ impl LaneField {
         (wrapped(x, hit.cells_x, self.cells_x), wrapped(y, hit.cells_y, self.cells_y))
     }
 
+    /// The highest level of tiles.
+    pub(super) fn top_level(&self) -> usize {
+        top_level(self.cells_x, self.cells_y)
+    }
+
+    /// The highest corner of the 4^level x 4^level cells around a cell.
+    #[inline]
+    pub(super) fn highest_in_tile(&self, level: usize, (x, y): (usize, usize)) -> f64 {
+        f64::from(self.maxima[tile(self.cells_x, self.cells_y, 2 * level, x, y)])
+    }
+
     /// Whether anything stops each ray.
     ///
     /// Held by: `tests/lanes.rs`, kernel against kernel and against the f64 walk.
@@ -88,8 +101,7 @@ impl LaneField {
 /// The table of all levels, and the steepest edge.
 fn maxima(heights: &[f32], nx: usize, ny: usize) -> (Vec<f32>, f32) {
     let mut table = vec![f32::NEG_INFINITY; 2 * nx * ny];
-    let (tiles, cells) = table.split_at_mut(nx * ny);
-    let steepest = cells
+    let steepest = table[nx * ny..]
         .par_chunks_mut(nx)
         .enumerate()
         .map(|(y, row)| {
@@ -103,16 +115,28 @@ fn maxima(heights: &[f32], nx: usize, ny: usize) -> (Vec<f32>, f32) {
             steepest
         })
         .reduce(|| 0.0, f32::max);
-    for level in [2, 4] {
-        for y in 0..ny {
-            for (x, &cell) in cells[y * nx..][..nx].iter().enumerate() {
-                let tile = &mut tiles[((y + ny) >> level) * nx + (x >> level)];
-                *tile = tile.max(cell);
+    for level in 1..=top_level(nx, ny) {
+        let (below, above) = (2 * level - 2, 2 * level);
+        for y in (0..ny).step_by(1 << below) {
+            for x in (0..nx).step_by(1 << below) {
+                let highest = table[tile(nx, ny, below, x, y)];
+                let to = &mut table[tile(nx, ny, above, x, y)];
+                *to = to.max(highest);
             }
         }
     }
     // Differences of f32 heights are rounded to half a unit in the last place.
     (table, steepest * (1.0 + 2.0 * f32::EPSILON))
+}
+
+/// The highest level that has tiles of its own: level 2 at least, above it those that fit the field.
+fn top_level(nx: usize, ny: usize) -> usize {
+    ((nx.min(ny).trailing_zeros() / 2) as usize).max(2)
+}
+
+/// Where the tables of maxima hold the tile of 2^shift x 2^shift cells with cell (x, y).
+fn tile(nx: usize, ny: usize, shift: usize, x: usize, y: usize) -> usize {
+    ((y + ny) >> shift) * nx + (x >> shift)
 }
 
 #[cfg(test)]
@@ -126,10 +150,10 @@ mod tests {
 
     #[test]
     fn every_level_holds_the_highest_corner_of_its_cells() {
-        for (nx, ny) in [(8, 8), (16, 8), (8, 64), (32, 32)] {
+        for (nx, ny) in [(8, 8), (16, 8), (8, 64), (32, 32), (128, 64)] {
             let field = bumpy(nx, ny);
             let lanes = LaneField::new(&field).expect("periodic, powers of two");
-            for level in [0, 2, 4] {
+            for level in (0..=lanes.top_level()).map(|level| 2 * level) {
                 for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
                     let mut highest = f64::NEG_INFINITY;
                     for (j, i) in (0..ny).flat_map(|j| (0..nx).map(move |i| (j, i))) {

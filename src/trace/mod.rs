@@ -11,6 +11,7 @@ mod lane_pair;
 mod lane_queue;
 pub mod lane_rays;
 pub mod lanes;
+mod long_walk;
 pub mod path;
 pub mod selection;
 pub mod smith_walk;
@@ -20,6 +21,7 @@ mod vectors;
 pub mod walk;
 pub mod wave_paths;
 pub mod waves;
+mod way;
 
 pub use by_slope::BySlope;
 pub use facet_index::FacetIndex;

@@ -8,6 +8,7 @@ use super::lane_field::LaneField;
 use super::lane_kernel::{Answers, Fate, LaneHit};
 use super::lane_rays::LaneRays;
 use super::lanes::Kernel;
+use super::long_walk;
 use super::walk::{Facet, Outcome, Place, Walker};
 use crate::surface::heightfield::Corners;
 
@@ -28,6 +29,13 @@ impl<'a> LaneWalker<'a> {
     /// The f64 walk.
     pub fn walker(&self) -> &Walker<'a> {
         &self.walker
+    }
+
+    /// The f64 walk of a ray that is too long for the lanes: the answer of `Walker::walk`, sooner.
+    ///
+    /// Held by: `tests/long_rays.rs`.
+    pub fn walk_long(&self, start: &Place, d: DVec3) -> Outcome {
+        long_walk::walk(&self.walker, self.lanes, start, d)
     }
 
     /// Bytes of the lanes' tables.
@@ -89,7 +97,7 @@ impl Waves {
         for (index, fate) in self.answers.fates.iter_mut().enumerate() {
             if *fate == Fate::Beyond {
                 let (start, d) = ray(index);
-                *fate = match over.walker.walk(start, d) {
+                *fate = match over.walk_long(start, d) {
                     Outcome::Escaped => Fate::Escaped,
                     Outcome::Hit(_) => Fate::Blocked,
                     Outcome::LeftMap | Outcome::Lost => Fate::Beyond,
@@ -120,7 +128,7 @@ impl Waves {
                 }
                 Fate::Beyond => {
                     let (start, d) = ray(index);
-                    over.walker.walk(start, d)
+                    over.walk_long(start, d)
                 }
             };
             visit(index, outcome);

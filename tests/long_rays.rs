@@ -1,0 +1,119 @@
+//! Promise: a ray that is too long for the lanes gets the very answer of the plain f64 walk, whatever it was taken over.
+
+#[path = "common/measuring.rs"]
+mod measuring;
+
+use glam::DVec3;
+use gonio::rng::uniform;
+use gonio::sphere;
+use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
+use gonio::trace::{Facet, Kernel, LaneField, LaneWalker, Outcome, Place, Walker};
+use measuring::{test_rng, whole};
+use rand_pcg::Pcg64Dxsm;
+
+/// Random patches, a rectangle of steps, needles on a plain (lone and in a row), a plain; and the patch again with
+/// heights flatter and higher by a ratio of 10^4 (powers of two, so that f32 holds them). With each the factor by which
+/// rays climb: grazing is relative to the surface's own slopes.
+fn fields() -> Vec<(&'static str, Heightfield, f64)> {
+    let patch = |law, seed| Synthesiser::new(law, 128, 8.0).patch(&mut test_rng(seed));
+    let ggx = patch(SlopeLaw::Ggx, 1);
+    let (low, high) = (2f64.powi(-13), 2f64.powi(13));
+    let scaled = |by: f64| Heightfield::new(128, 128, true, ggx.heights().iter().map(|h| h * by).collect());
+    let steps = (0..8 * 256).map(|i| f64::from(i * 7919 % 13) / 4.0).collect();
+    let needles = |wanted: &dyn Fn(usize) -> bool| {
+        let heights = (0..64 * 64).map(|i| if wanted(i) { 1000.0 } else { 0.0 }).collect();
+        Heightfield::new(64, 64, true, heights)
+    };
+    vec![
+        ("flat", scaled(low), low),
+        ("high", scaled(high), high),
+        ("steps", Heightfield::new(256, 8, true, steps), 1.0),
+        ("needle", needles(&|i| i == 0), 10.0),
+        ("fence", needles(&|i| i % 64 == 63), 10.0),
+        ("plain", Heightfield::new(16, 16, true, vec![1.0; 256]), 1.0),
+        ("beckmann", patch(SlopeLaw::Beckmann, 2), 1.0),
+        ("ggx", ggx, 1.0),
+    ]
+}
+
+/// A ray that leaves a random facet, often at a seam, in a corner or on an edge; from 50 to 89.99 degrees, upwards
+/// more often than downwards, often along an axis or a diagonal.
+fn ray(rng: &mut Pcg64Dxsm, field: &Heightfield, climb: f64) -> (Place, DVec3) {
+    loop {
+        let (place, d) = any_ray(rng, field);
+        let d = DVec3::new(d.x, d.y, d.z * climb);
+        let slope = field.corners(place.facet.x, place.facet.y).slope(place.facet.upper);
+        if d.z > d.truncate().dot(slope) {
+            return (place, d);
+        }
+    }
+}
+
+fn any_ray(rng: &mut Pcg64Dxsm, field: &Heightfield) -> (Place, DVec3) {
+    let (nx, ny) = (field.cells_x() as i64, field.cells_y() as i64);
+    let cell = |rng: &mut Pcg64Dxsm, n: i64| match whole(rng, 0, 8) {
+        0 => 0,
+        1 => n - 1,
+        _ => whole(rng, 0, n),
+    };
+    let facet = Facet { x: cell(rng, nx) as usize, y: cell(rng, ny) as usize, upper: whole(rng, 0, 2) == 1 };
+    let (a, b) = (uniform(rng), uniform(rng));
+    let (u, v) = match whole(rng, 0, 6) {
+        0 => [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)][whole(rng, 0, 3) as usize],
+        1 => [(a, 0.0), (0.0, a), (a, 1.0 - a)][whole(rng, 0, 3) as usize],
+        _ if a + b > 1.0 => (1.0 - a, 1.0 - b),
+        _ => (a, b),
+    };
+    let (u, v) = if facet.upper { (1.0 - u, 1.0 - v) } else { (u, v) };
+    let place = Place::on(field, facet, u, v);
+    let phi = if whole(rng, 0, 4) == 0 { 45.0 * whole(rng, 0, 8) as f64 } else { 360.0 * uniform(rng) };
+    let below = 10f64.powf(-2.0 + 3.6 * uniform(rng));
+    let theta = if whole(rng, 0, 8) == 0 { 90.0 + below } else { 90.0 - below };
+    (place, sphere::direction_deg(theta, phi))
+}
+
+const RAYS: u64 = 3000;
+
+#[test]
+fn a_long_ray_ends_where_the_plain_walk_ends() {
+    let mut rng = test_rng(31);
+    for (name, field, climb) in &fields() {
+        let lanes = LaneField::new(field).expect("lanes serve it");
+        let walker = Walker::new(field);
+        let over = LaneWalker::new(walker, &lanes, Kernel::Scalar);
+        let (mut escaped, mut hit, mut cells) = (0u32, 0u32, 0);
+        for _ in 0..RAYS {
+            let (place, d) = ray(&mut rng, field, *climb);
+            let expected = walker.walk_counted(&place, d, &mut cells);
+            // Every bit: where it is met, and that it is met at all.
+            assert_eq!(over.walk_long(&place, d), expected, "{name}: {place:?} along {d:?}");
+            escaped += u32::from(expected == Outcome::Escaped);
+            hit += u32::from(matches!(expected, Outcome::Hit(_)));
+        }
+        println!("{name}: {escaped} escape, {hit} hit, {} cells each", cells / RAYS);
+        // Power: both ends are there, except over a plain, and rays are long.
+        assert!(escaped > 100 && (hit > 100 || *name == "plain"), "{name}");
+    }
+}
+
+/// A ray between needles for 10^6 cells is above them in the end: of each crossing of the field the plain walk looks at
+/// every cell.
+#[test]
+fn a_ray_between_needles_finds_its_way_out() {
+    let mut heights = vec![0.0; 64 * 64];
+    heights[0] = 1024.0;
+    let field = Heightfield::new(64, 64, true, heights);
+    let lanes = LaneField::new(&field).expect("lanes serve it");
+    let walker = Walker::new(&field);
+    let over = LaneWalker::new(walker, &lanes, Kernel::Scalar);
+    let place = Place::on(&field, Facet { x: 32, y: 32, upper: false }, 0.25, 0.25);
+    for (d, expected) in [
+        (DVec3::new(0.0, 1.0, 1e-3), Outcome::Escaped),
+        (DVec3::new(-1.0, 0.0, 1e-3), Outcome::Escaped),
+        (DVec3::Z, Outcome::Escaped),
+        (DVec3::new(1e-30, 0.0, 1.0), Outcome::Escaped),
+    ] {
+        assert_eq!(walker.walk(&place, d), expected);
+        assert_eq!(over.walk_long(&place, d), expected);
+    }
+}
