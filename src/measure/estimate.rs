@@ -18,9 +18,10 @@ const NS_PER_FACET: f64 = 2.5;
 const NS_PER_SWEPT_CELL: [f64; 2] = [6.9, 4.5];
 /// Lanes' copy, layout for sweeps and digest of a patch.
 const NS_PER_MOUNTED_CELL: f64 = 30.0;
-/// The index of the facets; and a start on a wanted facet, its rays included.
+/// The index of the facets; a start on a wanted facet, its rays included; the choice of a start by slope.
 const NS_PER_INDEXED_CELL: f64 = 25.0;
 const NS_PER_WANTED_START: f64 = 260.0;
+const NS_PER_START_BY_SLOPE: f64 = 40.0;
 /// A step of the statistical surface's walk.
 const NS_PER_WALK: f64 = 150.0;
 
@@ -41,8 +42,9 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
     let threads = rayon::current_num_threads() as u128;
     let cells = cells(campaign) as u128;
     let lanes = if campaign.trace.visibility { LANES } else { 0 };
-    let mounted = HEIGHTS + lanes + if plan.indexed { INDEX } else { 0 };
-    let layout = if plan.sweeps && !plan.indexed { LAYOUT } else { 0 };
+    let sorted = plan.indexed || plan.by_slope;
+    let mounted = HEIGHTS + lanes + if sorted { INDEX } else { 0 };
+    let layout = if plan.sweeps && !sorted { LAYOUT } else { 0 };
     let rounds = campaign.stop.relative_error.is_some() || campaign.stop.seconds.is_some();
     // Patches that are looked at again are all kept.
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
@@ -94,7 +96,7 @@ pub(super) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
     if random && !matches!(campaign.surface.kind, SurfaceKind::Beckmann { .. }) {
         patch += NS_PER_SYNTHESISED_CELL;
     }
-    if plan.indexed {
+    if plan.indexed || plan.by_slope {
         patch += NS_PER_INDEXED_CELL;
     }
     0.5e-9 * f64::from(plan.realisations) * (tracing + patch * cells)
@@ -104,7 +106,8 @@ pub(super) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
 fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
     let heights = heights(campaign);
     let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
-    let swept = |&stop: &usize| !plan.indexed && is_swept(campaign, plan, stop, heights, alpha);
+    let swept =
+        |&stop: &usize| !plan.indexed && !plan.by_slope && is_swept(campaign, plan, stop, heights, alpha);
     let together = (0..plan.stops).filter(swept).count() / plan.grid.azimuths();
     let block = |stop: usize| block(campaign, plan, stop, alpha, swept(&stop).then_some(together.max(1)));
     plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
@@ -139,6 +142,7 @@ fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2, toge
             let [shared, own] = NS_PER_SWEPT_CELL;
             path + (cells + cells.sqrt() * run_in) * (shared / stops as f64 + own)
         }
+        None if plan.by_slope => path + starts * (to_light + NS_PER_START_BY_SLOPE),
         None => path + starts * to_light + 2.0 * cells * NS_PER_FACET,
     }
 }
