@@ -2,11 +2,12 @@
 
 pub mod exr_header;
 pub mod image;
+pub mod image_blocks;
 pub mod image_rows;
 pub mod npy;
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -117,14 +118,21 @@ fn is_leftover(path: &Path) -> bool {
     pid.is_some_and(|pid| !Path::new("/proc").join(pid.to_string()).exists())
 }
 
-/// The content of a regular file; pipes and devices, which might never end, are refused.
+/// The content of a regular file.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    Ok(bytes)
+}
+
+/// Opens a regular file; pipes and devices, which might never end, are refused.
+pub fn open(path: &Path) -> Result<File> {
     let meta = fs::metadata(path).map_err(|e| Error::io(path, e))?;
     if !meta.is_file() {
         let kind = io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file");
         return Err(Error::io(path, kind));
     }
-    fs::read(path).map_err(|e| Error::io(path, e))
+    File::open(path).map_err(|e| Error::io(path, e))
 }
 
 /// SHA-256 of `bytes`, 64 lower-case hex digits.

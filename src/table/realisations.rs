@@ -145,7 +145,7 @@ pub fn save(path: &Path, realisations: &Realisations, table: &BrdfTable, limit: 
 
 /// Reads a realisations' file.
 pub fn load(path: &Path) -> Result<RealisationsFile> {
-    decode(path, &files::read(path)?)
+    from_parts(image::load(path)?).map_err(|why| Error::format(path, why))
 }
 
 /// The realisations in the bytes of a file; `path` is for messages only.

@@ -53,16 +53,19 @@ pub fn digest(table: &BrdfTable) -> Result<String> {
     Ok(part.text(DIGEST).unwrap_or_default().to_string())
 }
 
-/// Reads a table's file.
+/// Reads a table's file, block by block.
 pub fn load(path: &Path) -> Result<Loaded> {
-    decode(path, &files::read(path)?)
+    from_parts(path, image::load(path)?)
 }
 
 /// The table in the bytes of a file; `path` is for messages only.
 ///
 /// A wrong digest is an error, a missing one a warning. Held by: `damaged_tables_are_errors_and_never_panic`.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Loaded> {
-    let parts = image::decode(bytes).map_err(|why| Error::format(path, why))?;
+    from_parts(path, image::decode(bytes).map_err(|why| Error::format(path, why))?)
+}
+
+fn from_parts(path: &Path, parts: Vec<Part>) -> Result<Loaded> {
     let count = parts.len();
     match <[Part; 1]>::try_from(parts) {
         Ok([part]) => from_part(part).map_err(|why| Error::format(path, why)),
