@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_line};
 use crate::files;
 use crate::files::image::{self, Part, Samples};
 
@@ -68,7 +68,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Loaded> {
 fn from_parts(path: &Path, parts: Vec<Part>) -> Result<Loaded> {
     let count = parts.len();
     match <[Part; 1]>::try_from(parts) {
-        Ok([part]) => from_part(part).map_err(|why| Error::format(path, why)),
+        Ok([part]) => from_part(part).map_err(|why| Error::format(path, one_line(&why))),
         Err(_) => Err(Error::format(path, format!("a table has one part, this file has {count}"))),
     }
 }
