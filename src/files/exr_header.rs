@@ -79,6 +79,11 @@ pub fn read(source: &mut (impl Read + Seek)) -> Result<Vec<u8>, String> {
     }
 }
 
+/// Where the header ends in a file's bytes.
+pub fn end(file: &[u8]) -> Result<usize, String> {
+    parts(file).map(|(_, end)| end)
+}
+
 fn check(file: &[u8], parts: &[Vec<Attribute>], length: u64) -> Result<(), String> {
     let flags = read_u32(file, 4)?;
     if flags & FLAG_TILED != 0 {

@@ -29,7 +29,7 @@ pub enum Samples {
 
 impl Samples {
     /// Adds values of the channel's type, in the machine's order of bytes.
-    fn extend(&mut self, bytes: &[u8]) {
+    pub(crate) fn extend(&mut self, bytes: &[u8]) {
         let fours = || bytes.as_chunks::<4>().0.iter();
         match self {
             Samples::F32(list) => list.extend(fours().map(|four| f32::from_ne_bytes(*four))),
@@ -178,7 +178,7 @@ fn read_raw(source: impl Read + Seek) -> Result<Vec<Part>, String> {
 }
 
 /// Room for all values: better an error here than an abort later.
-fn reserve(part: &mut Part) -> Result<(), String> {
+pub(crate) fn reserve(part: &mut Part) -> Result<(), String> {
     let values = part.width.checked_mul(part.height).ok_or("more pixels than this machine can address")?;
     let room = |samples: &mut Samples| match samples {
         Samples::F32(list) => list.try_reserve_exact(values),
