@@ -7,8 +7,14 @@ use std::io::Cursor;
 use std::path::Path;
 
 use analytic::{Ggx, hemisphere, measured_looking, steps};
+use gonio::campaign::{self, Campaign};
 use gonio::files::image;
+use gonio::interchange::{self, Format, Options};
+use gonio::measure;
+use gonio::report::thinned::kept_stops;
 use gonio::table::{BrdfTable, TableRows, TableWriter, store};
+use gonio::validate::two_tables::{Difference, Side, difference, difference_of_rows};
+use gonio::validate::{Verdict, examine, examine_laws, examine_rows};
 
 /// 6 x 8 stops of 3 x 8 bins: three blocks of 16 rows.
 fn grid() -> gonio::instrument::Grid {
@@ -113,4 +119,97 @@ fn bands_of_a_table_are_its_rows() {
     std::fs::write(&path, damaged).expect("written");
     let found = TableRows::open(&path).and_then(|mut rows| rows.verify());
     assert!(found.expect_err("damaged").to_string().contains("t.exr"));
+}
+
+const CAMPAIGN: &str = "name = \"rows\"\nseed = 3\n[surface]\nrealisations = 4\ncells = 64\ncorrelation_cells = 4.0\n\
+    [surface.ggx]\nalpha_x = 0.3\nalpha_y = 0.5\n[light]\ntheta_i_deg = [0, 30, 60]\nazimuth = \"absolute\"\n\
+    phi_i_deg = { from = 0, to = 315, step = 45 }\n[sensor.hemisphere]\ntheta_r_bins = 18\nphi_r_bins = 36\n\
+    [optics]\nmaterials = [\"gold\", \"copper\"]\n[trace]\nbounces = 2\n[stop]\nsamples = 65536\n";
+
+fn measured() -> (Campaign, measure::Measured) {
+    let campaign = campaign::parse(CAMPAIGN, "rows", Path::new("")).expect("sound").campaign;
+    let plan = measure::plan(&campaign).expect("fits");
+    let patches = measure::Patches::prepare(&campaign, &mut Vec::new()).expect("patches");
+    let (mut all, _) = measure::measure(&campaign, &plan, &patches, &|_| ()).expect("measured");
+    (campaign, all.remove(0))
+}
+
+#[test]
+fn a_table_examined_by_rows_has_the_verdict_of_the_whole() {
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("t.exr");
+    let (_, measured) = measured();
+    store::save(&path, &measured.table).expect("saved");
+    let json = |verdict: &Verdict| serde_json::to_string(verdict).expect("JSON");
+    for parts in [None, Some(&measured.realisations)] {
+        let whole = examine(&measured.table, &measured.campaign, parts);
+        assert!(whole.reciprocity.as_ref().is_some_and(|found| found.pairs > 100));
+        for bytes in [1, u64::MAX] {
+            let mut rows = TableRows::open(&path).expect("opened");
+            let found = examine_rows(&mut rows, Some(&measured.campaign), parts, bytes).expect("read");
+            assert_eq!(json(&found), json(&whole), "{bytes} bytes");
+        }
+        let found = examine_rows(&mut TableRows::open(&path).expect("opened"), None, parts, 1).expect("read");
+        assert_eq!(json(&found), json(&examine_laws(&measured.table, parts)));
+    }
+}
+
+fn side(measured: &measure::Measured) -> Side<'_> {
+    let measure::Measured { table, campaign, realisations, .. } = measured;
+    Side { table, campaign: Some(campaign), parts: Some(realisations) }
+}
+
+#[test]
+fn tables_compared_by_rows_differ_as_whole_ones() {
+    let folder = tempfile::tempdir().expect("folder");
+    let paths = ["a.exr", "b.exr"].map(|name| folder.path().join(name));
+    let (_, a) = measured();
+    let mut b = a.clone();
+    b.table.colours[0].total.iter_mut().for_each(|value| *value *= 1.01);
+    for part in &mut b.realisations.parts {
+        part.total[0].iter_mut().enumerate().for_each(|(k, value)| *value *= 1.01 + 1e-3 * (k % 7) as f32);
+    }
+    [&a, &b].iter().zip(&paths).for_each(|(m, path)| store::save(path, &m.table).expect("saved"));
+    let json = |found: &Difference| serde_json::to_string(found).expect("JSON");
+    let whole = difference(side(&a), side(&b)).expect("comparable");
+    assert!(whole.paired);
+    let [mut rows_a, mut rows_b] = paths.each_ref().map(|path| TableRows::open(path).expect("opened"));
+    let both = (&mut rows_a, &mut rows_b);
+    let parts = [Some(&a.realisations), Some(&b.realisations)];
+    let found = difference_of_rows(both, [Some(&a.campaign), Some(&b.campaign)], parts, 1).expect("read");
+    assert_eq!(json(&found), json(&whole));
+}
+
+#[test]
+fn a_table_exported_by_rows_is_the_file_of_the_whole() {
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("t.exr");
+    let (_, measured) = measured();
+    store::save(&path, &measured.table).expect("saved");
+    for (name, format) in [("npy", Format::Npy), ("csv", Format::Csv)] {
+        let [whole, by_rows] = ["whole", "by_rows"].map(|kind| folder.path().join(format!("{kind}.{name}")));
+        let wanted =
+            interchange::export(&measured.table, format, &Options::default(), &whole).expect("written");
+        let mut rows = TableRows::open(&path).expect("opened");
+        let found = interchange::export_rows(&mut rows, format, &by_rows, 1).expect("written");
+        assert!(std::fs::read(&whole).expect("there") == std::fs::read(&by_rows).expect("there"), "{name}");
+        assert_eq!(found, wanted);
+        assert_eq!(found.read_back.expect("light").worst, 0.0);
+    }
+    let mut rows = TableRows::open(&path).expect("opened");
+    let output = folder.path().join("t.bsdf");
+    let refused = interchange::export_rows(&mut rows, Format::Rgl, &output, 1).expect_err("needs it whole");
+    assert!(refused.exit_code() == 4 && !output.exists(), "{refused}");
+}
+
+#[test]
+fn a_page_of_a_large_table_shows_stops_of_every_part_of_it() {
+    let grid = grid();
+    assert_eq!(kept_stops(&grid, 10, 480), Some((grid.clone(), (0..48).collect())));
+    let (kept, stops) = kept_stops(&grid, 10, 130).expect("stops");
+    assert!(kept.stops() <= 13 && kept.stops() == stops.len() && stops.contains(&0));
+    for (k, &stop) in stops.iter().enumerate() {
+        assert_eq!((kept.stop_deg(k), kept.wi(k)), (grid.stop_deg(stop), grid.wi(stop)));
+    }
+    assert_eq!(kept_stops(&grid, 10, 1).expect("stops").1, [0]);
 }

@@ -119,6 +119,18 @@ fn read<T: Deserialize>(npy: NpyFile<&[u8]>) -> Result<Vec<T>, String> {
     data.collect::<Result<Vec<T>, _>>().map_err(|e| e.to_string())
 }
 
+/// The f4 values of an array of this shape, one after the other, from a file that this program has written.
+pub fn values_of<R: io::Read>(
+    mut file: R,
+    shape: &[usize],
+) -> Result<impl Iterator<Item = io::Result<f32>> + use<R>, String> {
+    let header = NpyHeader::from_reader(&mut file).map_err(|e| one_line(&format!("NPY header: {e}")))?;
+    if !header.shape().iter().map(|&side| side as usize).eq(shape.iter().copied()) {
+        return Err(format!("shape {:?}, {shape:?} needed", header.shape()));
+    }
+    NpyFile::with_header(header, file).data::<f32>().map_err(|e| e.to_string())
+}
+
 /// Writes an array, the values streamed.
 pub fn encode<T: AutoSerialize>(
     out: impl Write,

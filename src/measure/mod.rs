@@ -22,6 +22,7 @@ pub mod weighing;
 
 pub use assemble::{Measured, StopResult};
 pub use cost::Cost;
+pub use memory_limit::memory_limit;
 pub use patches::{Patch, Patches, Specimen};
 pub use plan::{Plan, plan};
 pub use run::measure;
