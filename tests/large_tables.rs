@@ -12,6 +12,7 @@ use gonio::files::image;
 use gonio::interchange::{self, Format, Options};
 use gonio::measure;
 use gonio::report::thinned::kept_stops;
+use gonio::table::realisations;
 use gonio::table::{BrdfTable, TableRows, TableWriter, store};
 use gonio::validate::two_tables::{Difference, Side, difference, difference_of_rows};
 use gonio::validate::{Verdict, examine, examine_laws, examine_rows};
@@ -212,4 +213,55 @@ fn a_page_of_a_large_table_shows_stops_of_every_part_of_it() {
         assert_eq!((kept.stop_deg(k), kept.wi(k)), (grid.stop_deg(stop), grid.wi(stop)));
     }
     assert_eq!(kept_stops(&grid, 10, 1).expect("stops").1, [0]);
+}
+
+/// The program with `arguments` in `folder`: its exit code and what it says on stderr.
+fn gonio(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("gonio"));
+    let done = command.current_dir(folder).args(arguments).output().expect("runs");
+    (done.status.code(), String::from_utf8_lossy(&done.stderr).into_owned())
+}
+
+#[test]
+fn a_campaign_measured_in_bands_gives_the_same_bytes() {
+    let folder = tempfile::tempdir().expect("folder");
+    let here = folder.path();
+    std::fs::write(here.join("rows.toml"), CAMPAIGN).expect("written");
+    let campaign = campaign::parse(CAMPAIGN, "rows", Path::new("")).expect("sound").campaign;
+    // One MiB less than all at once takes: some stops fewer.
+    let all = measure::plan(&campaign).expect("fits").memory_bytes >> 20;
+    let banded = (1..all)
+        .find(|&mb| measure::plan_within(&campaign, mb << 20).is_ok_and(|plan| plan.bands().len() > 2));
+    let mb = banded.expect("a budget that bands fit").to_string();
+    for (name, memory) in [("whole", vec![]), ("bands", vec!["--memory-mb", &mb])] {
+        let (code, err) =
+            gonio(here, &[&["measure", "rows.toml", "-o", name, "--threads", "2"], &memory[..]].concat());
+        assert_eq!(code, Some(0), "{err}");
+    }
+    let read = |name: &str, file: &str| std::fs::read(here.join(name).join(file)).expect(file);
+    for material in ["gold", "copper"] {
+        for end in [".exr", ".realisations.exr"] {
+            let file = format!("rows_{material}{end}");
+            assert!(read("whole", &file) == read("bands", &file), "{file}");
+        }
+        let summary = |name| -> serde_json::Value {
+            serde_json::from_slice(&read(name, &format!("rows_{material}.json"))).expect("JSON")
+        };
+        let (whole, bands) = (summary("whole"), summary("bands"));
+        for key in
+            ["stops", "comparisons", "energy", "reciprocity", "ok", "fresnel", "stopped_by", "patch_digest"]
+        {
+            assert_eq!(whole[key], bands[key], "{key}");
+        }
+        assert_eq!(whole["cost"]["samples"], bands["cost"]["samples"]);
+        // Cards tell the time; all else is the same.
+        let card = |name| {
+            let text = String::from_utf8(read(name, &format!("rows_{material}.card.md"))).expect("UTF-8");
+            text.lines().filter(|line| !line.starts_with("| time")).collect::<Vec<_>>().join("\n")
+        };
+        assert_eq!(card("whole"), card("bands"));
+    }
+    let file = realisations::load(&here.join("bands/rows_gold.realisations.exr")).expect("sound");
+    let table = store::load(&here.join("bands/rows_gold.exr")).expect("sound").table;
+    assert!(file.belongs_to(&table).expect("a digest"));
 }
