@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 
+use super::banded::Banded;
 use super::optics_text;
 use super::output::{self, Output, duration, grouped, json_text, say, warn, with_error};
 use super::plan_text;
@@ -45,6 +46,10 @@ pub struct Arguments {
     /// Take the patches that `gonio surface` wrote there instead of making them
     #[arg(long, value_name = "DIR")]
     patches: Option<PathBuf>,
+    /// Memory that the run may use, MiB; a table beyond it is measured and written in bands
+    /// [default: half of what is free]
+    #[arg(long, value_name = "N")]
+    memory_mb: Option<u64>,
     /// Replace results that are there
     #[arg(long)]
     force: bool,
@@ -57,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let Parsed { mut campaign, notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     notes.iter().for_each(warn);
-    measure::plan(&campaign)?;
+    arguments.plan(&campaign)?;
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let all = Target::of(&campaign, &folder);
     for target in &all {
@@ -84,6 +89,17 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     Ok(0)
 }
 
+impl Arguments {
+    fn plan(&self, campaign: &Campaign) -> Result<Plan> {
+        measure::plan_within(campaign, self.memory())
+    }
+
+    /// Bytes that the run may use.
+    fn memory(&self) -> u64 {
+        self.memory_mb.map_or_else(measure::memory_limit, |mb| mb.saturating_mul(1 << 20))
+    }
+}
+
 /// The campaign with the roughnesses and materials of `open` alone. They share patches and draws: the tables stay the
 /// same.
 fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
@@ -103,7 +119,7 @@ fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
 /// Measures the open tables and writes each with its summary, data first.
 fn measure_all(campaign: &Campaign, open: &[&Target], arguments: &Arguments, out: &mut Output) -> Result<()> {
     let json = arguments.json;
-    let plan = measure::plan(campaign)?;
+    let plan = arguments.plan(campaign)?;
     let mut notes = Vec::new();
     let patches = match &arguments.patches {
         Some(folder) => Patches::from_folder(campaign, folder)?,
@@ -115,6 +131,10 @@ fn measure_all(campaign: &Campaign, open: &[&Target], arguments: &Arguments, out
         out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
     }
     let progress = Progress::new(plan.total_samples, "samples");
+    if plan.bands().len() > 1 {
+        let job = Banded { campaign, plan: &plan, open, json, memory: arguments.memory() };
+        return job.run(patches, &progress, out);
+    }
     let (results, cost) = measure::measure(campaign, &plan, &patches, &|starts| progress.add(starts))?;
     progress.finish();
     for (measured, target) in results.iter().filter_map(|measured| {
@@ -165,7 +185,7 @@ fn read_summary(path: &Path) -> Result<Value> {
 }
 
 /// The lobe in the plane of incidence, for the eye.
-fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
+pub(super) fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
     let campaign = &measured.campaign;
     let realisations = campaign.surface.realisations as usize;
     let scene = Scene { table: &measured.table, prediction, realisations };
@@ -177,7 +197,7 @@ fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
 }
 
 /// Albedos of every stop, and the verdict.
-fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict) -> Result<()> {
+pub(super) fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict) -> Result<()> {
     let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
     let mut headings = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
     let beyond = measured.stops.iter().any(|stop| stop.beyond_order_1().0.is_some());
@@ -256,7 +276,7 @@ fn albedo<'a>(orders: impl Iterator<Item = &'a Vec<f64>> + Clone) -> String {
     with_error(mean, se)
 }
 
-fn files_written(target: &Target, kept: Kept) -> Vec<String> {
+pub(super) fn files_written(target: &Target, kept: Kept) -> Vec<String> {
     let size = |path: &Path| path.metadata().map_or(String::new(), |meta| output::bytes(meta.len()));
     let line = |what: &str, path: &Path| format!("{what:<14}{} ({})", path.display(), size(path));
     let limit = realisations::SIZE_LIMIT / 1_000_000;
@@ -282,7 +302,7 @@ fn files_written(target: &Target, kept: Kept) -> Vec<String> {
     ]
 }
 
-fn cost_lines(cost: &Cost) -> [String; 2] {
+pub(super) fn cost_lines(cost: &Cost) -> [String; 2] {
     let rate = cost.samples as f64 / cost.tracing_s.max(1e-9) / 1e6;
     let times = format!(
         "{:<14}{} ({} of it making patches), {} of processor time, {} threads",

@@ -28,6 +28,24 @@ pub struct Cost {
     pub peak_bytes: u64,
 }
 
+impl Cost {
+    /// This and a run after it.
+    pub fn plus(self, next: Cost) -> Cost {
+        Cost {
+            wall_s: self.wall_s + next.wall_s,
+            cpu_s: self.cpu_s + next.cpu_s,
+            synthesis_s: self.synthesis_s + next.synthesis_s,
+            tracing_s: self.tracing_s + next.tracing_s,
+            tracing_cpu_s: self.tracing_cpu_s + next.tracing_cpu_s,
+            threads: next.threads,
+            samples: self.samples + next.samples,
+            rays_traced: self.rays_traced + next.rays_traced,
+            rays_skipped: self.rays_skipped + next.rays_skipped,
+            peak_bytes: self.peak_bytes.max(next.peak_bytes),
+        }
+    }
+}
+
 /// Processor time of the process so far, all threads.
 pub fn cpu_seconds() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);

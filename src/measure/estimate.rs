@@ -37,8 +37,30 @@ const INDEX: u128 = 12;
 /// Sums of turned areas, of a thread without a sweep.
 const SUMS: u128 = 2;
 
+/// What a run takes, bytes.
+pub(super) struct Memory {
+    /// Patches in flight or kept, what is made of them, tallies.
+    pub shared: u128,
+    /// Records and tables of each stop.
+    pub stop: u128,
+    /// What is made of each stop when the table is written: directions and predictions.
+    pub written: u128,
+}
+
+impl Memory {
+    /// All stops at once.
+    pub fn whole(&self, plan: &Plan) -> u128 {
+        self.shared.saturating_add(self.stop.saturating_mul(plan.stops as u128))
+    }
+
+    /// A band of stops at a time.
+    pub fn banded(&self, stops: usize) -> u128 {
+        self.shared.saturating_add((self.stop + self.written).saturating_mul(stops as u128))
+    }
+}
+
 /// Patches in flight or kept, what is made of them, tallies and tables; bytes.
-pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
+pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let threads = rayon::current_num_threads() as u128;
     let cells = cells(campaign) as u128;
     let lanes = if campaign.trace.visibility { LANES } else { 0 };
@@ -50,17 +72,19 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
     let surface = kept * mounted + threads * synthesis.max(layout + SUMS);
-    let entries = (plan.stops as u128) * (plan.bins as u128);
+    let bins = plan.bins as u128;
     // Fixed-point sums of 16 bytes while a stop is measured; f64 records of every realisation; f32 tables and
     // realisations' files, with the sums of Schlick's formula in each.
     let sums = (2 + plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
     let (realisations, roughnesses) = (u128::from(plan.realisations), campaign.alphas().len() as u128);
-    let records = entries * realisations * roughnesses * 8 * sums;
-    let tallies = 4 * threads * plan.bins as u128 * 16 * sums;
+    let records = bins * realisations * roughnesses * 8 * sums;
+    let tallies = 4 * threads * bins * 16 * sums;
     let kept = if plan.weighing.serves_any_f0() { sums * plan.tables as u128 } else { 0 };
     let colours = (plan.colours as u128) * roughnesses;
-    let files = entries * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);
-    cells * surface + records + tallies + files
+    let files = bins * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);
+    // Projected solid angles; means of each colour with three maskings; the same as bands are examined one by one.
+    let written = bins * 8 * (1 + 3 * colours);
+    Memory { shared: cells * surface + tallies, stop: records + files, written }
 }
 
 /// Cells of a patch; of a measured map at most one for each byte of its file.

@@ -2,6 +2,7 @@
 
 pub mod arms;
 pub mod assemble;
+pub mod bands;
 mod block;
 pub mod cost;
 mod estimate;
@@ -22,8 +23,9 @@ pub mod weighing;
 
 pub use assemble::{Measured, StopResult};
 pub use cost::Cost;
+pub use memory_limit::memory_limit;
 pub use patches::{Patch, Patches, Specimen};
-pub use plan::{Plan, plan};
+pub use plan::{Plan, plan, plan_within};
 pub use run::measure;
 pub use skips::Skip;
 pub use stopping::StoppedBy;

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
+use super::bands;
 use super::estimate::{memory, seconds};
 use super::memory_limit::memory_limit;
 use super::skips::{Skip, skips};
@@ -75,6 +76,8 @@ pub struct Plan {
     pub weighing: Weighing,
     /// What is left out, and why.
     pub skipped: Vec<Skip>,
+    /// Stops that are measured and written at a time: all, or as many as fit the memory.
+    pub band_stops: usize,
     /// Estimated peak memory.
     pub memory_bytes: u64,
     /// Estimated time on two cores.
@@ -83,6 +86,11 @@ pub struct Plan {
 
 /// Decides how a campaign is measured. Errors: `Refused` where it would not fit the memory.
 pub fn plan(campaign: &Campaign) -> Result<Plan> {
+    plan_within(campaign, memory_limit())
+}
+
+/// The same with so many bytes of memory. A table that exceeds them is measured in bands of stops.
+pub fn plan_within(campaign: &Campaign, limit: u64) -> Result<Plan> {
     let grid = grid_of(campaign);
     let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
@@ -119,14 +127,21 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
         colours: campaign.optics.colours(),
         weighing: Weighing::of(campaign),
         skipped: Vec::new(),
+        band_stops: grid.stops(),
         memory_bytes: 0,
         estimated_s: 0.0,
         grid,
     };
     plan.skipped = skips(campaign, &plan);
-    plan.memory_bytes = saturated(memory(campaign, &plan));
+    let memory = memory(campaign, &plan);
+    plan.memory_bytes = saturated(memory.whole(&plan));
+    if plan.memory_bytes > limit
+        && let Some(stops) = bands::stops_within(campaign, &plan, &memory, limit)
+    {
+        plan.band_stops = stops;
+        plan.memory_bytes = saturated(memory.banded(stops));
+    }
     plan.estimated_s = seconds(campaign, &plan).min(campaign.stop.seconds.unwrap_or(f64::INFINITY));
-    let limit = memory_limit();
     if plan.memory_bytes > limit {
         return Err(Error::Refused(format!(
             "{}: needs about {} MiB of memory, {} MiB may be used; take fewer stops, bins, realisations or cells",
