@@ -149,7 +149,7 @@ fn maps() -> Answer {
     let mut npy = Vec::new();
     gonio::files::npy::encode(&mut npy, &[8, 8], (0..64).map(f64::from))?;
     let mut gsf = b"XRes = 2\nYRes = 2\nXReal = 1e-6\nYReal = 1e-6\n\0\0".to_vec();
-    while (26 + gsf.len()) % 4 != 0 {
+    while !(26 + gsf.len()).is_multiple_of(4) {
         gsf.push(0);
     }
     gsf.extend([0.0f32, 1.0, 2.0, 3.0].iter().flat_map(|v| v.to_le_bytes()));

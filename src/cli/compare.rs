@@ -43,8 +43,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     // Where only one has half/difference angles, it is seen at the stops and bins of the other.
     let other = |grid: &Grid| (grid.kind != GridKind::HalfDifference).then(|| grid.clone());
     let (grid_a, grid_b) = (other(&a.grid), other(&b.grid));
-    let a = Read::of(&arguments.a, table_file::arms(&arguments.a, a, grid_b.as_ref())?)?;
-    let b = Read::of(&arguments.b, table_file::arms(&arguments.b, b, grid_a.as_ref())?)?;
+    let a = Read::of(&arguments.a, table_file::arms(&arguments.a, *a, grid_b.as_ref())?)?;
+    let b = Read::of(&arguments.b, table_file::arms(&arguments.b, *b, grid_a.as_ref())?)?;
     let mut out = Output::default();
     if arguments.richardson {
         let rows = extrapolate(a.side(), b.side()).map_err(|why| Error::format(&arguments.b, why))?;

@@ -33,7 +33,7 @@ pub fn arms(path: &Path, table: BrdfTable, grid: Option<&Grid>) -> Result<BrdfTa
 /// The table in a file, whatever its geometry. Refused where its values do not fit the memory.
 pub fn load_as_stored(path: &Path) -> Result<BrdfTable> {
     match open_as_stored(path, TableRows::row_bytes)? {
-        Opened::Whole(table) => Ok(table),
+        Opened::Whole(table) => Ok(*table),
         Opened::Rows(rows) => Err(too_large(&rows)),
     }
 }
@@ -41,7 +41,7 @@ pub fn load_as_stored(path: &Path) -> Result<BrdfTable> {
 /// A table as it can be had.
 pub enum Opened {
     /// In memory.
-    Whole(BrdfTable),
+    Whole(Box<BrdfTable>),
     /// Too large for that: a band of stops at a time.
     Rows(Box<TableRows>),
 }
@@ -55,13 +55,13 @@ pub fn open_as_stored(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<O
     if row_bytes(&rows).saturating_mul(rows.grid().stops() as u64) > memory_limit() {
         return Ok(Opened::Rows(Box::new(rows)));
     }
-    Ok(Opened::Whole(store::load(path)?.table))
+    Ok(Opened::Whole(Box::new(store::load(path)?.table)))
 }
 
 /// As [`open_as_stored`]; half/difference angles come as stops and bins, whole.
 pub fn open(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<Opened> {
     match open_as_stored(path, row_bytes)? {
-        Opened::Whole(table) => arms(path, table, None).map(Opened::Whole),
+        Opened::Whole(table) => arms(path, *table, None).map(Box::new).map(Opened::Whole),
         Opened::Rows(rows) if rows.grid().kind == GridKind::HalfDifference => Err(too_large(&rows)),
         Opened::Rows(rows) => Ok(Opened::Rows(rows)),
     }
