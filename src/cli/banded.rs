@@ -57,8 +57,8 @@ impl Banded<'_> {
         }
         progress.finish();
         let cost = cost.ok_or_else(no_bands)?;
-        for (sheet, target) in sheets.into_iter().flatten().zip(self.open) {
-            sheet.finish(self, target, &cost, &patches, out)?;
+        for (sheet, target) in sheets.into_iter().zip(self.open) {
+            sheet.ok_or_else(no_bands)?.finish(self, target, &cost, &patches, out)?;
         }
         if self.json { Ok(()) } else { out.lines(cost_lines(&cost)) }
     }
@@ -141,7 +141,7 @@ impl Sheet {
         let (file, digest) = writer.finish()?;
         file.commit()?;
         write_realisations(&measured, target, &digest, (kept, job.plan))?;
-        let (table, stops) = pages::thinned(&mut TableRows::open(&target.table)?)?;
+        let (table, stops) = pages::thinned(&mut TableRows::open(&target.table)?, job.memory)?;
         let prediction = Prediction::of(&measured.campaign, &table.grid);
         let specimen = specimen::of_patches(patches, &measured.campaign)?;
         let (campaign, predicted) = (Some(&measured.campaign), prediction.as_ref());

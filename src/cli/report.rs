@@ -98,7 +98,7 @@ fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&Value>) -> Result
         let digest = rows.digest().unwrap_or("none").to_string();
         return Ok(report::card_of(rows.heading(), &digest, facts, &summary));
     }
-    let (table, kept) = report::thinned(rows)?;
+    let (table, kept) = report::thinned(rows, table_file::band_bytes())?;
     let summary = report::thinned_summary(&summary, &kept);
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
     let specimen = match &campaign {

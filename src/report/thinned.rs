@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::instrument::Grid;
 use crate::table::{BrdfTable, TableRows};
 
-/// Bytes of values that a page may need: what it shows is reduced below that in any case.
+/// Bytes of values that a page takes at most: what it shows is reduced further in any case.
 const LARGEST: u64 = 1 << 28;
 
 /// The stops that a page shows of a table in which a stop takes `row_bytes`, and their geometry: all of them, or some
@@ -45,9 +45,9 @@ fn some_of(count: usize, most: usize) -> Vec<usize> {
     if most < 2 { vec![0] } else { spread(count, most) }
 }
 
-/// The table for the page, and which stops it has.
-pub fn thinned(rows: &mut TableRows) -> Result<(BrdfTable, Vec<usize>)> {
-    let (grid, stops) = match kept_stops(rows.grid(), rows.row_bytes(), LARGEST) {
+/// The table for the page, and which stops it has; `bytes` hold it, its prediction and its pictures.
+pub fn thinned(rows: &mut TableRows, bytes: u64) -> Result<(BrdfTable, Vec<usize>)> {
+    let (grid, stops) = match kept_stops(rows.grid(), rows.row_bytes(), LARGEST.min(bytes / 4)) {
         Some((grid, stops)) => (Some(grid), stops),
         None => (None, (0..rows.grid().stops()).collect()),
     };
