@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 
+use super::kept;
 use super::optics_text;
 use super::output::{self, Output, duration, grouped, json_text, say, warn, with_error};
 use super::plan_text;
@@ -14,7 +15,10 @@ use super::targets::{self, Target};
 use crate::campaign::{self, Campaign, Optics, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
-use crate::measure::{self, Cost, Measured, Patches, Plan, StopResult, StoppedBy};
+use crate::files::lock::Lock;
+use crate::measure::{
+    self, Checkpoint, Cost, Found, Measured, Patches, Plan, Session, StopResult, StoppedBy,
+};
 use crate::report::summary::summary;
 use crate::report::{self, Scene, specimen, terminal};
 use crate::stats;
@@ -45,6 +49,9 @@ pub struct Arguments {
     /// Take the patches that `gonio surface` wrote there instead of making them
     #[arg(long, value_name = "DIR")]
     patches: Option<PathBuf>,
+    /// Go on with the run that was ended here (Ctrl-C, a crash): the same bytes as in one go
+    #[arg(long)]
+    resume: bool,
     /// Replace results that are there
     #[arg(long)]
     force: bool,
@@ -59,6 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     notes.iter().for_each(warn);
     measure::plan(&campaign)?;
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
+    let _lock = Lock::take(&folder.join(format!("{}.lock", campaign.name)))?;
     let all = Target::of(&campaign, &folder);
     for target in &all {
         targets::spare_inputs(&target.paths(), &arguments.campaign, &campaign)?;
@@ -72,8 +80,21 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         let text = format!("{} is finished: nothing to do", target.table.display());
         if arguments.json { say(text) } else { out.line(text)? }
     }
-    if !open.is_empty() {
-        measure_all(&of_targets(&campaign, &open), &open, arguments, &mut out)?;
+    let checkpoint = Checkpoint::of(&folder, &campaign.name);
+    if open.is_empty() {
+        kept::remove_finished(&checkpoint, &campaign)?;
+    } else {
+        let found = kept::find(&checkpoint, arguments.resume, arguments.force)?;
+        let measured =
+            found.as_ref().map_or_else(|| open.clone(), |found| kept::measured_by(found, &all, open.clone()));
+        let job = Job {
+            arguments,
+            checkpoint: &checkpoint,
+            campaign: of_targets(&campaign, &measured),
+            open: &open,
+        };
+        job.run(found, &mut out)?;
+        checkpoint.remove()?;
     }
     if arguments.json {
         let mut summaries =
@@ -82,6 +103,25 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         out.json(&single.unwrap_or(Value::Array(summaries)))?;
     }
     Ok(0)
+}
+
+impl Arguments {
+    /// The command that goes on with this one.
+    pub fn again(&self) -> String {
+        let mut words = vec!["gonio measure".to_string(), kept::quoted(&self.campaign)];
+        let folders = [("-o", &self.output), ("--patches", &self.patches)];
+        for (option, folder) in
+            folders.into_iter().filter_map(|(option, folder)| Some((option, folder.as_ref()?)))
+        {
+            words.extend([option.to_string(), kept::quoted(folder)]);
+        }
+        words.extend(self.seed.map(|seed| format!("--seed {seed}")));
+        words.extend((self.threads > 0).then(|| format!("--threads {}", self.threads)));
+        words.extend(self.force.then(|| "--force".to_string()));
+        words.extend(self.json.then(|| "--json".to_string()));
+        words.push("--resume".into());
+        words.join(" ")
+    }
 }
 
 /// The campaign with the roughnesses and materials of `open` alone. They share patches and draws: the tables stay the
@@ -100,57 +140,91 @@ fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
     some
 }
 
-/// Measures the open tables and writes each with its summary, data first.
-fn measure_all(campaign: &Campaign, open: &[&Target], arguments: &Arguments, out: &mut Output) -> Result<()> {
-    let json = arguments.json;
-    let plan = measure::plan(campaign)?;
-    let mut notes = Vec::new();
-    let patches = match &arguments.patches {
-        Some(folder) => Patches::from_folder(campaign, folder)?,
-        None => Patches::prepare(campaign, &mut notes)?,
-    };
-    notes.iter().for_each(warn);
-    if !json {
-        out.lines(plan_text::facts(campaign, &plan))?;
-        out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
-    }
-    let progress = Progress::new(plan.total_samples, "samples");
-    let (results, cost) = measure::measure(campaign, &plan, &patches, &|starts| progress.add(starts))?;
-    progress.finish();
-    for (measured, target) in results.iter().filter_map(|measured| {
-        // A table that was finished before may be among the results.
-        open.iter().find(|target| target.is_of(&measured.table)).map(|target| (measured, target))
-    }) {
-        let Measured { table, campaign, .. } = measured;
-        let prediction = Prediction::of(campaign, &table.grid);
-        let verdict =
-            validate::examine_against(table, campaign, Some(&measured.realisations), prediction.as_ref());
-        let schlick = SchlickError::of(campaign, table);
-        let mut document = summary(measured, &plan, &cost, &verdict);
-        document["fresnel"] = output::to_json(&schlick)?;
-        let specimen = specimen::of_patches(&patches, campaign)?;
-        let sources = Sources { table, campaign: Some(campaign), prediction: prediction.as_ref(), specimen };
-        let page = page_of(sources, &document, None);
-        let kept = write(measured, &document, &page, target)?;
-        verdict.failures.iter().for_each(warn);
-        if !json {
-            report(out, measured, &plan, &verdict)?;
-            out.lines(schlick.iter().flat_map(optics_text::schlick_lines))?;
-            out.lines(lobes(measured, prediction.as_ref()))?;
-            out.lines(files_written(target, kept))?;
+/// What is measured in one run, and which tables of it are written.
+struct Job<'a> {
+    arguments: &'a Arguments,
+    checkpoint: &'a Checkpoint,
+    campaign: Campaign,
+    open: &'a [&'a Target],
+}
+
+impl Job<'_> {
+    /// Measures what is missing and writes the open tables, each with its summary, data first.
+    fn run(&self, found: Option<Found>, out: &mut Output) -> Result<()> {
+        let Job { arguments, campaign, .. } = self;
+        let number = found.as_ref().map_or(0, |found| found.kept.heading.number);
+        let plan = measure::plan(campaign)?;
+        let ledger = kept::ledger(found, campaign, &plan, &arguments.campaign)?;
+        let interrupted = kept::interruption()?;
+        let mut notes = Vec::new();
+        let patches = match &arguments.patches {
+            Some(folder) => Patches::from_folder(campaign, folder)?,
+            None => Patches::prepare(campaign, &mut notes)?,
+        };
+        notes.iter().for_each(warn);
+        if !arguments.json {
+            out.lines(plan_text::facts(campaign, &plan))?;
+            out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
         }
+        let progress = Progress::after(ledger.starts(&plan), plan.total_samples, "samples");
+        let session = Session {
+            progress: &|starts| progress.add(starts),
+            note: &|text| warn(text),
+            interrupted: &interrupted,
+            checkpoint: Some((self.checkpoint, number)),
+        };
+        let ended = measure::go_on(campaign, &plan, &patches, ledger, &session);
+        progress.finish();
+        let ledger = ended.map_err(|error| kept::with_advice(error, self.checkpoint, arguments))?;
+        let (results, cost) = measure::tables(campaign, &plan, ledger);
+        self.write_all(&results, &cost, &plan, &patches, out)
     }
-    if json { Ok(()) } else { out.lines(cost_lines(&cost)) }
+
+    fn write_all(
+        &self,
+        results: &[Measured],
+        cost: &Cost,
+        plan: &Plan,
+        patches: &Patches,
+        out: &mut Output,
+    ) -> Result<()> {
+        let json = self.arguments.json;
+        for (measured, target) in results.iter().filter_map(|measured| {
+            // A table that was finished before may be among the results.
+            self.open.iter().find(|target| target.is_of(&measured.table)).map(|target| (measured, target))
+        }) {
+            let Measured { table, campaign, .. } = measured;
+            let prediction = Prediction::of(campaign, &table.grid);
+            let verdict =
+                validate::examine_against(table, campaign, Some(&measured.realisations), prediction.as_ref());
+            let schlick = SchlickError::of(campaign, table);
+            let mut document = summary(measured, plan, cost, &verdict);
+            document["fresnel"] = output::to_json(&schlick)?;
+            let specimen = specimen::of_patches(patches, campaign)?;
+            let sources =
+                Sources { table, campaign: Some(campaign), prediction: prediction.as_ref(), specimen };
+            let page = page_of(sources, &document, None);
+            let kept = write(measured, &document, &page, target)?;
+            verdict.failures.iter().for_each(warn);
+            if !json {
+                report(out, measured, plan, &verdict)?;
+                out.lines(schlick.iter().flat_map(optics_text::schlick_lines))?;
+                out.lines(lobes(measured, prediction.as_ref()))?;
+                out.lines(files_written(target, kept))?;
+            }
+        }
+        if json { Ok(()) } else { out.lines(cost_lines(cost)) }
+    }
 }
 
 fn write(measured: &Measured, summary: &Value, page: &str, target: &Target) -> Result<Kept> {
     // Without its summary a table counts as unfinished, whatever happens from here on.
-    targets::remove(&target.summary)?;
+    files::remove(&target.summary)?;
     store::save(&target.table, &measured.table)?;
     let limit = realisations::SIZE_LIMIT;
     let kept = realisations::save(&target.realisations, &measured.realisations, &measured.table, limit)?;
     if kept == Kept::Nothing {
-        targets::remove(&target.realisations)?;
+        files::remove(&target.realisations)?;
     }
     files::write_atomically(&target.page, page.as_bytes())?;
     let card = report::card(&measured.table, summary)?;

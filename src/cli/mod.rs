@@ -18,6 +18,7 @@ mod compare;
 mod export;
 mod fit;
 mod import;
+mod kept;
 mod measure;
 mod optics_text;
 mod output;
@@ -45,7 +46,7 @@ const THREADS_PER_CORE: usize = 4;
 #[command(name = "gonio", version, color = ColorChoice::Never, arg_required_else_help = true, max_term_width = 100)]
 #[command(after_help = "Example: gonio measure configs/quickstart.toml\n\
     Exit codes: 0 done, 1 ran and disagrees, 2 command line or campaign, 3 files, 4 refused,\n\
-    70 internal error.")]
+    70 internal error, 130 interrupted.")]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,

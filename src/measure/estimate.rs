@@ -49,12 +49,12 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
     let surface = kept * mounted + threads * synthesis.max(layout + SUMS);
     let entries = (plan.stops as u128) * (plan.bins as u128);
-    // Fixed-point sums of 16 bytes while a stop is measured; f64 records of every realisation; f32 tables and
-    // realisations' files, with the sums of Schlick's formula in each.
-    let sums = (2 + plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
+    // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
+    // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.
+    let sums = (1 + plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
     let (realisations, roughnesses) = (u128::from(plan.realisations), campaign.alphas().len() as u128);
-    let records = entries * realisations * roughnesses * 8 * sums;
-    let tallies = 4 * threads * plan.bins as u128 * 16 * sums;
+    let records = 2 * entries * realisations * roughnesses * (8 + 16 * sums);
+    let tallies = 4 * threads * plan.bins as u128 * (8 + 16 * sums);
     let kept = if plan.weighing.serves_any_f0() { sums * plan.tables as u128 } else { 0 };
     let colours = (plan.colours as u128) * roughnesses;
     let files = entries * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);
