@@ -10,17 +10,18 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use gonio::campaign;
-use gonio::files::{sealed, sha256_hex};
+use gonio::files::sealed;
 use gonio::measure::{self, Checkpoint, Kept, Ledger, Patches, Plan, Session};
 use gonio::rng::uniform;
 use rustix::process::{Pid, Signal, kill_process};
-use serde_json::Value;
 use tempfile::TempDir;
 
 #[path = "common/measuring.rs"]
 mod measuring;
 #[path = "common/mutations.rs"]
 mod mutations;
+#[path = "common/outputs.rs"]
+mod outputs;
 
 /// A campaign of some seconds: two roughnesses, colours, two orders, stops that share a sweep.
 fn small(samples: u64, realisations: u32, stop: &str) -> String {
@@ -60,31 +61,9 @@ fn exits(output: &Output, code: i32) -> String {
     text
 }
 
-/// Names and SHA-256 of all files in the output folder; of summaries, pages and cards, without the lines on costs.
+/// All files in the output folder.
 fn digests(folder: &Path) -> BTreeMap<String, String> {
-    let digest = |path: &Path| {
-        let bytes = fs::read(path).expect("readable");
-        match path.extension().and_then(|end| end.to_str()) {
-            Some("json") => {
-                let mut summary: Value = serde_json::from_slice(&bytes).expect("a summary");
-                summary.as_object_mut().expect("an object").remove("cost");
-                // Larger for more threads.
-                summary["plan"]["memory_bytes"] = Value::Null;
-                sha256_hex(summary.to_string().as_bytes())
-            }
-            Some("html" | "md") => {
-                let text = String::from_utf8(bytes).expect("UTF-8");
-                let kept = |line: &&str| !line.contains("id=\"cost\"") && !line.starts_with("| time |");
-                sha256_hex(text.lines().filter(kept).collect::<Vec<_>>().join("\n").as_bytes())
-            }
-            _ => sha256_hex(&bytes),
-        }
-    };
-    let entries =
-        fs::read_dir(folder.join("out")).expect("readable").map(|entry| entry.expect("entry").path());
-    entries
-        .map(|path| (path.file_name().expect("name").to_string_lossy().into_owned(), digest(&path)))
-        .collect()
+    outputs::digests(&folder.join("out"))
 }
 
 fn uninterrupted(text: &str) -> BTreeMap<String, String> {
@@ -302,14 +281,14 @@ fn damaged_checkpoints_are_errors_and_never_panic() {
     const KIND: &str = "gonio checkpoint 1";
     let (campaign, plan, bytes) = kept_bytes();
     let whole = Kept::from_bytes(KIND, &bytes).expect("whole");
-    assert!(whole.faults(&campaign, "small.toml", "out").is_empty());
+    assert!(whole.faults((&campaign, None), "small.toml", "out").is_empty());
     whole.ledger(&campaign, &plan).expect("fits");
     let content = sealed::open(KIND, &bytes).expect("whole").to_vec();
     // A checksum that fits, as if somebody had meant it: what it holds is wrong, or could be a ledger all the same.
     let refused = mutations::survives(&content, 20_000, |damaged| {
         let sealed = sealed::seal(KIND, damaged.len(), |head| Ok::<_, String>([&head, damaged].concat()))?;
         let kept = Kept::from_bytes(KIND, &sealed)?;
-        match kept.faults(&campaign, "small.toml", "out").first() {
+        match kept.faults((&campaign, None), "small.toml", "out").first() {
             Some(fault) => Err(fault.to_string()),
             None => kept.ledger(&campaign, &plan).map(|_| ()),
         }

@@ -13,7 +13,7 @@ use super::output::{grouped, say, warn};
 use super::targets::Target;
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
-use crate::measure::{Checkpoint, Found, Ledger, Plan};
+use crate::measure::{Checkpoint, Found, Ledger, Plan, Shard};
 
 /// What a process that is asked to end says to whom it was started by.
 const INTERRUPTED: i32 = 130;
@@ -55,7 +55,8 @@ pub fn measured_by<'a>(found: &Found, all: &'a [Target], open: Vec<&'a Target>) 
 /// The ledger to go on with: that of the found run, which must be of this campaign, or an empty one.
 pub fn ledger(found: Option<Found>, campaign: &Campaign, plan: &Plan, file: &Path) -> Result<Ledger> {
     let Some(Found { path, kept, .. }) = found else { return Ok(Ledger::new(campaign, plan)) };
-    let faults = kept.faults(campaign, &file.display().to_string(), &path.display().to_string());
+    let faults =
+        kept.faults((campaign, plan.shard), &file.display().to_string(), &path.display().to_string());
     if !faults.is_empty() {
         return Err(Error::Campaign(faults));
     }
@@ -67,12 +68,12 @@ pub fn ledger(found: Option<Found>, campaign: &Campaign, plan: &Plan, file: &Pat
 }
 
 /// Removes the checkpoint of a run whose tables are all there; that of another campaign stays.
-pub fn remove_finished(checkpoint: &Checkpoint, campaign: &Campaign) -> Result<()> {
+pub fn remove_finished(checkpoint: &Checkpoint, campaign: &Campaign, shard: Option<Shard>) -> Result<()> {
     if checkpoint.path().is_none() {
         return Ok(());
     }
     match checkpoint.load() {
-        Ok(Some(found)) if found.kept.faults(campaign, "", "").is_empty() => checkpoint.remove(),
+        Ok(Some(found)) if found.kept.faults((campaign, shard), "", "").is_empty() => checkpoint.remove(),
         _ => Ok(()),
     }
 }

@@ -3,30 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::kept;
-use super::optics_text;
-use super::output::{self, Output, duration, grouped, json_text, say, warn, with_error};
+use super::output::{self, Output, say, warn};
 use super::plan_text;
 use super::progress::Progress;
-use super::report::{Sources, page_of};
+use super::results::{Results, cost_lines};
 use super::targets::{self, Target};
 use crate::campaign::{self, Campaign, Optics, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::files::lock::Lock;
-use crate::measure::{
-    self, Checkpoint, Cost, Found, Measured, Patches, Plan, Session, StopResult, StoppedBy,
-};
-use crate::report::summary::summary;
-use crate::report::{self, Scene, specimen, terminal};
-use crate::stats;
-use crate::table::realisations::{self, Kept};
-use crate::table::store;
+use crate::measure::{self, Checkpoint, Found, Ledger, Patches, Plan, Session, Shard, shards};
+use crate::report::specimen;
 use crate::validate::aperture::worst;
-use crate::validate::schlick_error::SchlickError;
-use crate::validate::{self, Prediction, Verdict};
 
 /// Measure a campaign: table, realisations, summary and report
 #[derive(Args)]
@@ -49,7 +40,10 @@ pub struct Arguments {
     /// Take the patches that `gonio surface` wrote there instead of making them
     #[arg(long, value_name = "DIR")]
     patches: Option<PathBuf>,
-    /// Go on with the run that was ended here (Ctrl-C, a crash): the same bytes as in one go
+    /// Measure one of N shards, whole stops of it; `gonio merge` puts them together
+    #[arg(long, value_name = "K/N")]
+    shard: Option<Shard>,
+    /// Go on with a run that was ended (Ctrl-C, a crash), to the same bytes
     #[arg(long)]
     resume: bool,
     /// Replace results that are there
@@ -64,45 +58,97 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let Parsed { mut campaign, notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     notes.iter().for_each(warn);
-    measure::plan(&campaign)?;
+    measure::plan_of(&campaign, arguments.shard)?;
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
-    let _lock = Lock::take(&folder.join(format!("{}.lock", campaign.name)))?;
-    let all = Target::of(&campaign, &folder);
+    let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign));
+    let _lock = Lock::take(&folder.join(format!("{stem}.lock")))?;
+    let checkpoint = Checkpoint::of(&folder, &stem);
+    let mut out = Output::default();
+    match arguments.shard {
+        Some(shard) => one_shard(arguments, campaign, shard, (&folder.join(stem), &checkpoint), &mut out)?,
+        None => whole(arguments, &campaign, (&folder, &checkpoint), &mut out)?,
+    }
+    Ok(0)
+}
+
+/// Measures and writes the tables that are not there yet.
+fn whole(
+    arguments: &Arguments,
+    campaign: &Campaign,
+    (folder, checkpoint): (&Path, &Checkpoint),
+    out: &mut Output,
+) -> Result<()> {
+    let all = Target::of(campaign, folder);
     for target in &all {
-        targets::spare_inputs(&target.paths(), &arguments.campaign, &campaign)?;
+        targets::spare_inputs(&target.paths(), &arguments.campaign, campaign)?;
     }
     let finished =
         all.iter().map(|target| Ok(!arguments.force && target.is_finished()?)).collect::<Result<Vec<_>>>()?;
     let open: Vec<&Target> =
         all.iter().zip(&finished).filter(|(_, done)| !**done).map(|(target, _)| target).collect();
-    let mut out = Output::default();
     for target in all.iter().zip(&finished).filter(|(_, done)| **done).map(|(target, _)| target) {
         let text = format!("{} is finished: nothing to do", target.table.display());
         if arguments.json { say(text) } else { out.line(text)? }
     }
-    let checkpoint = Checkpoint::of(&folder, &campaign.name);
     if open.is_empty() {
-        kept::remove_finished(&checkpoint, &campaign)?;
+        kept::remove_finished(checkpoint, campaign, None)?;
     } else {
-        let found = kept::find(&checkpoint, arguments.resume, arguments.force)?;
+        let found = kept::find(checkpoint, arguments.resume, arguments.force)?;
         let measured =
             found.as_ref().map_or_else(|| open.clone(), |found| kept::measured_by(found, &all, open.clone()));
-        let job = Job {
-            arguments,
-            checkpoint: &checkpoint,
-            campaign: of_targets(&campaign, &measured),
-            open: &open,
-        };
-        job.run(found, &mut out)?;
+        let job = Job { arguments, checkpoint, campaign: of_targets(campaign, &measured) };
+        let Ended { ledger, plan, patches } = job.run(found, out)?;
+        let (tables, cost) = measure::tables(&job.campaign, &plan, ledger);
+        let results = Results { plan: &plan, cost: &cost, open: &open, json: arguments.json };
+        results.write_all(&tables, |table| specimen::of_patches(&patches, &table.campaign), out)?;
         checkpoint.remove()?;
     }
-    if arguments.json {
-        let mut summaries =
-            all.iter().map(|target| read_summary(&target.summary)).collect::<Result<Vec<_>>>()?;
-        let single = if summaries.len() == 1 { summaries.pop() } else { None };
-        out.json(&single.unwrap_or(Value::Array(summaries)))?;
+    if arguments.json { out.json(&summaries(&all)?) } else { Ok(()) }
+}
+
+/// Measures the stops of one shard, and keeps their sums for `gonio merge`.
+fn one_shard(
+    arguments: &Arguments,
+    campaign: Campaign,
+    shard: Shard,
+    (path, checkpoint): (&Path, &Checkpoint),
+    out: &mut Output,
+) -> Result<()> {
+    targets::spare_inputs(&[path], &arguments.campaign, &campaign)?;
+    if !arguments.force && path.exists() {
+        let there =
+            shards::load(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
+        let faults =
+            there.faults((&campaign, Some(shard)), &arguments.campaign.display().to_string(), "this file");
+        if faults.is_empty() && there.is_of_all(&campaign) {
+            kept::remove_finished(checkpoint, &campaign, Some(shard))?;
+            let text = format!("{} is finished: nothing to do", path.display());
+            return if arguments.json {
+                out.json(&json!({ "shard": shard.to_string(), "file": path }))
+            } else {
+                out.line(text)
+            };
+        }
+        return Err(targets::in_the_way(path, "was measured by another campaign, version or seed"));
     }
-    Ok(0)
+    let found = kept::find(checkpoint, arguments.resume, arguments.force)?;
+    let job = Job { arguments, checkpoint, campaign };
+    let Ended { ledger, plan, .. } = job.run(found, out)?;
+    shards::save(path, &ledger, &job.campaign, &plan)?;
+    checkpoint.remove()?;
+    let cost = ledger.cost(&plan);
+    if arguments.json {
+        let stops: Vec<_> = plan.measured.iter().map(|&stop| plan.grid.stop_deg(stop)).collect();
+        return out.json(&json!({ "shard": shard.to_string(), "file": path, "stops": stops, "cost": cost }));
+    }
+    let size = path.metadata().map_or(0, |meta| meta.len());
+    let (measured, stops) = (plan.measured.len(), plan.stops);
+    let file = format!("{} ({})", path.display(), output::bytes(size));
+    out.line(format_args!(
+        "{:<14}{file}: {measured} of {stops} stops; gonio merge puts all together",
+        "shard"
+    ))?;
+    out.lines(cost_lines(&cost))
 }
 
 impl Arguments {
@@ -115,6 +161,7 @@ impl Arguments {
         {
             words.extend([option.to_string(), kept::quoted(folder)]);
         }
+        words.extend(self.shard.map(|shard| format!("--shard {shard}")));
         words.extend(self.seed.map(|seed| format!("--seed {seed}")));
         words.extend((self.threads > 0).then(|| format!("--threads {}", self.threads)));
         words.extend(self.force.then(|| "--force".to_string()));
@@ -140,20 +187,26 @@ fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
     some
 }
 
-/// What is measured in one run, and which tables of it are written.
+/// What is measured in one run.
 struct Job<'a> {
     arguments: &'a Arguments,
     checkpoint: &'a Checkpoint,
     campaign: Campaign,
-    open: &'a [&'a Target],
+}
+
+/// A run at its end.
+struct Ended {
+    ledger: Ledger,
+    plan: Plan,
+    patches: Patches,
 }
 
 impl Job<'_> {
-    /// Measures what is missing and writes the open tables, each with its summary, data first.
-    fn run(&self, found: Option<Found>, out: &mut Output) -> Result<()> {
+    /// Measures what is missing, after what was found.
+    fn run(&self, found: Option<Found>, out: &mut Output) -> Result<Ended> {
         let Job { arguments, campaign, .. } = self;
         let number = found.as_ref().map_or(0, |found| found.kept.heading.number);
-        let plan = measure::plan(campaign)?;
+        let plan = measure::plan_of(campaign, arguments.shard)?;
         let ledger = kept::ledger(found, campaign, &plan, &arguments.campaign)?;
         let interrupted = kept::interruption()?;
         let mut notes = Vec::new();
@@ -176,196 +229,18 @@ impl Job<'_> {
         let ended = measure::go_on(campaign, &plan, &patches, ledger, &session);
         progress.finish();
         let ledger = ended.map_err(|error| kept::with_advice(error, self.checkpoint, arguments))?;
-        let (results, cost) = measure::tables(campaign, &plan, ledger);
-        self.write_all(&results, &cost, &plan, &patches, out)
-    }
-
-    fn write_all(
-        &self,
-        results: &[Measured],
-        cost: &Cost,
-        plan: &Plan,
-        patches: &Patches,
-        out: &mut Output,
-    ) -> Result<()> {
-        let json = self.arguments.json;
-        for (measured, target) in results.iter().filter_map(|measured| {
-            // A table that was finished before may be among the results.
-            self.open.iter().find(|target| target.is_of(&measured.table)).map(|target| (measured, target))
-        }) {
-            let Measured { table, campaign, .. } = measured;
-            let prediction = Prediction::of(campaign, &table.grid);
-            let verdict =
-                validate::examine_against(table, campaign, Some(&measured.realisations), prediction.as_ref());
-            let schlick = SchlickError::of(campaign, table);
-            let mut document = summary(measured, plan, cost, &verdict);
-            document["fresnel"] = output::to_json(&schlick)?;
-            let specimen = specimen::of_patches(patches, campaign)?;
-            let sources =
-                Sources { table, campaign: Some(campaign), prediction: prediction.as_ref(), specimen };
-            let page = page_of(sources, &document, None);
-            let kept = write(measured, &document, &page, target)?;
-            verdict.failures.iter().for_each(warn);
-            if !json {
-                report(out, measured, plan, &verdict)?;
-                out.lines(schlick.iter().flat_map(optics_text::schlick_lines))?;
-                out.lines(lobes(measured, prediction.as_ref()))?;
-                out.lines(files_written(target, kept))?;
-            }
-        }
-        if json { Ok(()) } else { out.lines(cost_lines(cost)) }
+        Ok(Ended { ledger, plan, patches })
     }
 }
 
-fn write(measured: &Measured, summary: &Value, page: &str, target: &Target) -> Result<Kept> {
-    // Without its summary a table counts as unfinished, whatever happens from here on.
-    files::remove(&target.summary)?;
-    store::save(&target.table, &measured.table)?;
-    let limit = realisations::SIZE_LIMIT;
-    let kept = realisations::save(&target.realisations, &measured.realisations, &measured.table, limit)?;
-    if kept == Kept::Nothing {
-        files::remove(&target.realisations)?;
-    }
-    files::write_atomically(&target.page, page.as_bytes())?;
-    let card = report::card(&measured.table, summary)?;
-    files::write_atomically(&target.card, card.as_bytes())?;
-    files::write_atomically(&target.summary, format!("{}\n", json_text(summary)?).as_bytes())?;
-    Ok(kept)
-}
-
-fn read_summary(path: &Path) -> Result<Value> {
-    let bytes = files::read(path)?;
-    serde_json::from_slice(&bytes).map_err(|e| Error::format(path, format!("is no summary: {e}")))
-}
-
-/// The lobe in the plane of incidence, for the eye.
-fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
-    let campaign = &measured.campaign;
-    let realisations = campaign.surface.realisations as usize;
-    let scene = Scene { table: &measured.table, prediction, realisations };
-    let masking = prediction.and_then(|prediction| {
-        prediction.model.maskings().iter().position(|name| *name == validate::expect::masking(campaign))
-    });
-    let lines = terminal::lobes(&scene, masking.unwrap_or(0));
-    if lines.is_empty() { lines } else { [vec![String::new()], lines].concat() }
-}
-
-/// Albedos of every stop, and the verdict.
-fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict) -> Result<()> {
-    let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
-    let mut headings = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
-    let beyond = measured.stops.iter().any(|stop| stop.beyond_order_1().0.is_some());
-    headings.extend(beyond.then_some("beyond order 1"));
-    headings.extend(open_map.then_some("left map"));
-    headings.extend(plan.apertures_only.then_some("outside"));
-    let row = |(index, stop): (usize, &StopResult)| {
-        let (theta, phi) = plan.grid.stop_deg(index);
-        let starts = stop.samples as f64 * f64::from(plan.realisations);
-        let share = |count: u64| format!("{:.4} %", 100.0 * count as f64 / starts);
-        let single = stop.albedo_by_order[..1].iter();
-        let (single, total) = (albedo(single), albedo(stop.albedo_by_order.iter()));
-        let mut row = vec![
-            format!("{theta:.2}"),
-            format!("{phi:.2}"),
-            single,
-            total,
-            share(stop.hidden),
-            share(stop.cut),
-        ];
-        let missed = stop.beyond_order_1();
-        row.extend(missed.0.map(|mean| with_error(mean, missed.1)));
-        row.extend(open_map.then(|| share(stop.left_map)));
-        row.extend(plan.apertures_only.then(|| share(stop.outside)));
-        row
+/// The summaries of finished tables: one document, or a list of them.
+pub fn summaries(all: &[Target]) -> Result<Value> {
+    let read = |target: &Target| {
+        let path = &target.summary;
+        let bytes = files::read(path)?;
+        serde_json::from_slice(&bytes).map_err(|e| Error::format(path, format!("is no summary: {e}")))
     };
-    let rows: Vec<Vec<String>> = measured.stops.iter().enumerate().map(row).collect();
-    let alpha = match measured.campaign.alphas()[..] {
-        [Some(alpha)] if alpha.x == alpha.y => format!(", alpha {}", alpha.x),
-        [Some(alpha)] => format!(", alpha_x {}, alpha_y {}", alpha.x, alpha.y),
-        _ => String::new(),
-    };
-    out.line("")?;
-    let material = measured.campaign.optics.label();
-    let material = if material.is_empty() { material } else { format!(", {material}") };
-    let name = &measured.campaign.name;
-    out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations"))?;
-    out.lines(output::columns(&headings, &rows))?;
-    out.lines(optics_text::order_lines(measured, plan))?;
-    out.lines(end_lines(measured, plan))?;
-    out.line("")?;
-    out.lines(verdict.lines())
-}
-
-/// What ended the stops, where it was not that all samples were measured.
-fn end_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
-    let line = |(index, stop): (usize, &StopResult)| {
-        let why = match stop.stopped_by {
-            StoppedBy::Samples if measured.campaign.stop.relative_error.is_none() => return None,
-            StoppedBy::Samples => "all samples measured".into(),
-            StoppedBy::RelativeError => "error reached".into(),
-            StoppedBy::Seconds => "time is over".into(),
-            StoppedBy::PatchLimited => {
-                let needed = stop.realisations_needed.map_or("more".into(), grouped);
-                format!(
-                    "patch-limited: {needed} realisations would be needed, there are {}",
-                    plan.realisations
-                )
-            }
-        };
-        let (theta, phi) = plan.grid.stop_deg(index);
-        let error = stop.relative_error.map_or(String::new(), |e| format!(", relative error {e:.4}"));
-        Some(format!("stop {theta:.2} {phi:.2}: {} starts a patch{error}; {why}", grouped(stop.samples)))
-    };
-    measured.stops.iter().enumerate().filter_map(line).collect()
-}
-
-/// Sum over orders, its mean over the realisations and the standard error.
-fn albedo<'a>(orders: impl Iterator<Item = &'a Vec<f64>> + Clone) -> String {
-    let count = orders.clone().map(Vec::len).min().unwrap_or(0);
-    let sums: Vec<f64> = (0..count).map(|k| orders.clone().map(|order| order[k]).sum()).collect();
-    if sums.is_empty() {
-        return "not seen".into();
-    }
-    let (mean, se) = stats::mean_and_se(sums.into_iter());
-    with_error(mean, se)
-}
-
-fn files_written(target: &Target, kept: Kept) -> Vec<String> {
-    let size = |path: &Path| path.metadata().map_or(String::new(), |meta| output::bytes(meta.len()));
-    let line = |what: &str, path: &Path| format!("{what:<14}{} ({})", path.display(), size(path));
-    let limit = realisations::SIZE_LIMIT / 1_000_000;
-    let realisations = match kept {
-        Kept::All => line("realisations", &target.realisations),
-        Kept::Groups => {
-            let groups = realisations::GROUPS;
-            format!(
-                "{}, in {groups} groups: all would exceed {limit} MB",
-                line("realisations", &target.realisations)
-            )
-        }
-        Kept::Nothing => format!("{:<14}left out: they would exceed {limit} MB", "realisations"),
-    };
-    let summary = line("summary", &target.summary);
-    vec![
-        String::new(),
-        line("table", &target.table),
-        realisations,
-        summary,
-        line("report", &target.page),
-        line("card", &target.card),
-    ]
-}
-
-fn cost_lines(cost: &Cost) -> [String; 2] {
-    let rate = cost.samples as f64 / cost.tracing_s.max(1e-9) / 1e6;
-    let times = format!(
-        "{:<14}{} ({} of it making patches), {} of processor time, {} threads",
-        "time",
-        duration(cost.wall_s),
-        duration(cost.synthesis_s),
-        duration(cost.cpu_s),
-        cost.threads
-    );
-    let (rays, memory) = (grouped(cost.rays_traced), output::bytes(cost.peak_bytes));
-    [times, format!("{:<14}{rays} rays, {rate:.2} million samples/s, {memory} of memory", "work")]
+    let mut summaries = all.iter().map(read).collect::<Result<Vec<Value>>>()?;
+    let single = if summaries.len() == 1 { summaries.pop() } else { None };
+    Ok(single.unwrap_or(Value::Array(summaries)))
 }

@@ -20,6 +20,7 @@ mod fit;
 mod import;
 mod kept;
 mod measure;
+mod merge;
 mod optics_text;
 mod output;
 mod plan_text;
@@ -27,6 +28,7 @@ mod progress;
 mod recolour;
 mod report;
 mod resolution_text;
+mod results;
 mod scene;
 mod study;
 mod surface;
@@ -57,6 +59,7 @@ enum Verb {
     Check(check::Arguments),
     Surface(surface::Arguments),
     Measure(measure::Arguments),
+    Merge(merge::Arguments),
     Validate(validate::Arguments),
     Compare(compare::Arguments),
     Fit(fit::Arguments),
@@ -77,7 +80,7 @@ impl Verb {
             Verb::Bench(arguments) => arguments.threads,
             Verb::Study(arguments) => arguments.threads,
             Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) | Verb::Report(_) => 0,
-            Verb::Export(_) | Verb::Import(_) | Verb::Recolour(_) => 0,
+            Verb::Export(_) | Verb::Import(_) | Verb::Recolour(_) | Verb::Merge(_) => 0,
         }
     }
 
@@ -86,6 +89,7 @@ impl Verb {
             Verb::Check(arguments) => check::run(arguments),
             Verb::Surface(arguments) => surface::run(arguments),
             Verb::Measure(arguments) => measure::run(arguments),
+            Verb::Merge(arguments) => merge::run(arguments),
             Verb::Validate(arguments) => validate::run(arguments),
             Verb::Compare(arguments) => compare::run(arguments),
             Verb::Fit(arguments) => fit::run(arguments),

@@ -30,6 +30,22 @@ pub struct Cost {
     pub peak_bytes: u64,
 }
 
+impl Cost {
+    /// Adds what another machine has cost: times and work add up, threads and memory are the most that one had.
+    pub(super) fn add(&mut self, other: &Cost) {
+        self.wall_s += other.wall_s;
+        self.cpu_s += other.cpu_s;
+        self.synthesis_s += other.synthesis_s;
+        self.tracing_s += other.tracing_s;
+        self.tracing_cpu_s += other.tracing_cpu_s;
+        self.threads = self.threads.max(other.threads);
+        self.samples += other.samples;
+        self.rays_traced += other.rays_traced;
+        self.rays_skipped += other.rays_skipped;
+        self.peak_bytes = self.peak_bytes.max(other.peak_bytes);
+    }
+}
+
 /// The clocks of a run, which goes on from what an earlier part of it has cost.
 pub(super) struct Clocks {
     begin: Instant,

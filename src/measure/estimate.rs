@@ -48,7 +48,7 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
     let surface = kept * mounted + threads * synthesis.max(layout + SUMS);
-    let entries = (plan.stops as u128) * (plan.bins as u128);
+    let entries = (plan.measured.len() as u128) * (plan.bins as u128);
     // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
     // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.
     let sums = (1 + plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
@@ -107,7 +107,7 @@ fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
     let swept = |&stop: &usize| !plan.indexed && is_swept(campaign, plan, stop, heights, alpha);
     let together = (0..plan.stops).filter(swept).count() / plan.grid.azimuths();
     let block = |stop: usize| block(campaign, plan, stop, alpha, swept(&stop).then_some(together.max(1)));
-    plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
+    plan.blocks as f64 * plan.measured.iter().copied().map(block).sum::<f64>()
 }
 
 /// One block of a stop, which shares its sweep with others (`together`, itself included), ns.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::cost::Cost;
 use super::plan::Plan;
 use super::rounds::Tables;
+use super::shards::Shard;
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Fault};
 use crate::files::sealed;
@@ -31,9 +32,11 @@ pub struct Heading {
     pub campaign: String,
     /// A later one has a higher number.
     pub number: u64,
+    /// Whose stops are measured, if not all.
+    pub shard: Option<Shard>,
     /// Blocks per stop and realisation.
     blocks: u64,
-    digests: Vec<Option<[u8; 32]>>,
+    pub(super) digests: Vec<Option<[u8; 32]>>,
     cost: Cost,
 }
 
@@ -62,6 +65,27 @@ impl Ledger {
         self.tables.starts(plan)
     }
 
+    /// What the run has cost, in all its parts.
+    pub fn cost(&self, plan: &Plan) -> Cost {
+        Cost { samples: self.starts(plan), ..self.cost.clone() }
+    }
+
+    /// Takes over these `stops` of another ledger, which must be at their end, or says what is wrong.
+    pub(super) fn take(&mut self, other: Ledger, stops: &[usize]) -> Result<(), String> {
+        self.tables.take(other.tables, stops)?;
+        for (mine, theirs) in self.digests.iter_mut().zip(other.digests) {
+            *mine = mine.or(theirs);
+        }
+        self.cost.add(&other.cost);
+        Ok(())
+    }
+
+    /// The same with these `stops` alone, in their order.
+    pub fn with_stops(mut self, stops: &[usize]) -> Self {
+        self.tables.keep(stops);
+        self
+    }
+
     /// The bytes of a file of this `kind`.
     pub(super) fn to_bytes(
         &self,
@@ -74,6 +98,7 @@ impl Ledger {
             version: env!("CARGO_PKG_VERSION").into(),
             campaign: campaign::to_toml(campaign),
             number,
+            shard: plan.shard,
             blocks: plan.blocks,
             digests: self.digests.clone(),
             cost: self.cost.clone(),
@@ -99,7 +124,7 @@ impl Kept {
 
     /// Why this cannot be gone on from: another version, or a campaign that differs in more than that it has more
     /// samples or realisations. `file` is the campaign's, `at` where this was read from.
-    pub fn faults(&self, campaign: &Campaign, file: &str, at: &str) -> Vec<Fault> {
+    pub fn faults(&self, (campaign, shard): (&Campaign, Option<Shard>), file: &str, at: &str) -> Vec<Fault> {
         let fault = |path: &str, key: &str, value: Option<String>, allowed: String| Fault {
             path: path.into(),
             line: None,
@@ -114,6 +139,12 @@ impl Kept {
             let allowed =
                 format!("{version} cannot go on with what another version measured; --force starts again");
             return vec![fault(at, "version", Some(self.heading.version.clone()), allowed)];
+        }
+        if self.heading.shard != shard {
+            let name = |shard: Option<Shard>| shard.map_or("none".into(), |shard| shard.to_string());
+            let allowed =
+                format!("{} in the run that {at} keeps; --force starts again", name(self.heading.shard));
+            return vec![fault(file, "--shard", Some(name(shard)), allowed)];
         }
         let differences = campaign::differences(&self.heading.campaign, &campaign::to_toml(campaign));
         let count = |text: &Option<String>| text.as_ref().and_then(|text| text.parse::<u64>().ok());
@@ -135,6 +166,11 @@ impl Kept {
         refused.collect()
     }
 
+    /// Whether this is of the very campaign, not of one with fewer samples or realisations.
+    pub fn is_of_all(&self, campaign: &Campaign) -> bool {
+        self.heading.campaign == campaign::to_toml(campaign)
+    }
+
     /// The ledger, for a campaign that it has no faults with; else what is wrong with the sums.
     pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<Ledger, String> {
         let Kept { heading: Heading { blocks, mut digests, cost, .. }, mut tables } = self;
@@ -142,7 +178,7 @@ impl Kept {
             return Err("more blocks or patches than were asked for".into());
         }
         tables.check(campaign, plan, blocks)?;
-        tables.complete(campaign);
+        tables.complete(campaign, plan);
         tables.extend(campaign, plan, blocks);
         digests.resize(plan.realisations as usize, None);
         Ok(Ledger { tables, digests, cost })

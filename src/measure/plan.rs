@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::estimate::{memory, seconds};
 use super::memory_limit::memory_limit;
+use super::shards::Shard;
 use super::skips::{Skip, skips};
 use super::weighing::Weighing;
 use crate::campaign::{Azimuth, Campaign, SurfaceKind};
@@ -28,6 +29,12 @@ pub struct Plan {
     pub grid: Grid,
     /// Light stops.
     pub stops: usize,
+    /// Which of them are measured: all, or those of a shard, increasing.
+    #[serde(skip)]
+    pub measured: Vec<usize>,
+    /// The shard that they are, if they are not all.
+    #[serde(skip)]
+    pub shard: Option<Shard>,
     /// Sensor bins at each stop.
     pub bins: usize,
     /// Tables (one for each roughness and material).
@@ -79,9 +86,19 @@ pub struct Plan {
     pub estimated_s: f64,
 }
 
-/// Decides how a campaign is measured. Errors: `Refused` where it would not fit the memory.
+/// Decides how a campaign is measured. Errors: `Refused` where it would not fit the memory, or take too long.
 pub fn plan(campaign: &Campaign) -> Result<Plan> {
+    plan_of(campaign, None)
+}
+
+/// The same for one shard of it. Errors: as [`plan`]; `Usage` where the stops do not suffice for so many shards, or
+/// where the clock would end each of them elsewhere.
+pub fn plan_of(campaign: &Campaign, shard: Option<Shard>) -> Result<Plan> {
     let grid = grid_of(campaign);
+    let measured = match shard {
+        Some(shard) => dealt(campaign, &grid, shard)?,
+        None => (0..grid.stops()).collect(),
+    };
     let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
     let roughnesses = campaign.alphas().len();
@@ -93,9 +110,11 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
     let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
     let apertures_only = grid.kind == GridKind::Arm && campaign.trace.bounces == 1 && explicit;
     let total =
-        [grid.stops() as u128, u128::from(realisations), u128::from(blocks * BLOCK), roughnesses as u128];
+        [measured.len() as u128, u128::from(realisations), u128::from(blocks * BLOCK), roughnesses as u128];
     let mut plan = Plan {
         stops: grid.stops(),
+        measured,
+        shard,
         bins: grid.bins(),
         tables: roughnesses * campaign.optics.each().len(),
         realisations,
@@ -140,6 +159,23 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
         )));
     }
     Ok(plan)
+}
+
+/// The stops of a shard.
+fn dealt(campaign: &Campaign, grid: &Grid, shard: Shard) -> Result<Vec<usize>> {
+    if let Some(seconds) = campaign.stop.seconds {
+        let why = "no budget of time with --shard: each shard would end somewhere else";
+        return Err(Error::Usage(format!("{}: stop.seconds = {seconds}: {why}", campaign.name)));
+    }
+    let stops = shard.stops(grid);
+    if stops.is_empty() || shard.of as usize > grid.stops() {
+        let most = grid.stops();
+        return Err(Error::Usage(format!(
+            "--shard {shard}: {} has {most} stops, and no more shards",
+            campaign.name
+        )));
+    }
+    Ok(stops)
 }
 
 /// A count as it is reported: what exceeds 64 bits is refused or takes for ever in any case.

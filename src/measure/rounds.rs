@@ -32,6 +32,9 @@ pub(super) struct Table {
     /// [realisation][stop].
     sums: Vec<Vec<Sum>>,
     stops: Vec<Progress>,
+    /// The stops that are measured here: all of them, but in a shard. Known from the plan.
+    #[serde(skip)]
+    measured: Vec<usize>,
 }
 
 /// What one stop and realisation has.
@@ -57,6 +60,7 @@ impl Tables {
             alpha,
             sums: vec![vec![Sum::default(); plan.stops]; plan.realisations as usize],
             stops: vec![Progress::default(); plan.stops],
+            measured: plan.measured.clone(),
         };
         Tables { tables: campaign.alphas().into_iter().map(table).collect(), judged: 0, done: 0 }
     }
@@ -145,7 +149,7 @@ impl Tables {
     }
 
     pub fn all_ended(&self) -> bool {
-        self.tables.iter().flat_map(|table| &table.stops).all(|stop| stop.by.is_some())
+        self.tables.iter().all(|table| table.open_stops().next().is_none())
     }
 
     /// Starts so far, of all tables, stops and realisations.
@@ -208,12 +212,43 @@ impl Tables {
         Ok(())
     }
 
-    /// Fills in what files do not repeat: the roughnesses, and how many blocks there are.
-    pub fn complete(&mut self, campaign: &Campaign) {
+    /// Fills in what files do not repeat: the roughnesses, the stops, and how many blocks there are.
+    pub fn complete(&mut self, campaign: &Campaign, plan: &Plan) {
         let sums = self.tables.iter().flat_map(|table| table.sums.iter().flatten());
         self.done = sums.map(|sum| sum.done.count()).sum();
         for (table, alpha) in self.tables.iter_mut().zip(campaign.alphas()) {
             table.alpha = alpha;
+            table.measured.clone_from(&plan.measured);
+        }
+    }
+
+    /// Takes over these `stops` of other tables of the same shape, which must be at their end, or says what is wrong.
+    pub fn take(&mut self, other: Tables, stops: &[usize]) -> Result<(), String> {
+        for (mine, mut theirs) in self.tables.iter_mut().zip(other.tables) {
+            for &stop in stops {
+                let Progress { blocks, by, .. } = theirs.stops[stop];
+                let ended = by.is_some() && theirs.sums.iter().all(|sums| sums[stop].done.count() == blocks);
+                if !ended || blocks == 0 || mine.sums.len() != theirs.sums.len() {
+                    return Err(format!("stop {stop} is not measured to its end"));
+                }
+                for (mine, theirs) in mine.sums.iter_mut().zip(&mut theirs.sums) {
+                    mine[stop] = std::mem::take(&mut theirs[stop]);
+                    self.done += blocks;
+                }
+                mine.stops[stop] = std::mem::take(&mut theirs.stops[stop]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Leaves these `stops` alone, in their order.
+    pub fn keep(&mut self, stops: &[usize]) {
+        for table in &mut self.tables {
+            for sums in &mut table.sums {
+                *sums = stops.iter().map(|&stop| std::mem::take(&mut sums[stop])).collect();
+            }
+            table.stops = stops.iter().map(|&stop| std::mem::take(&mut table.stops[stop])).collect();
+            table.measured = (0..stops.len()).collect();
         }
     }
 
@@ -253,7 +288,7 @@ impl Sum {
 impl Table {
     /// The stops that go on.
     pub fn open_stops(&self) -> impl Iterator<Item = usize> {
-        (0..self.stops.len()).filter(|&stop| self.stops[stop].by.is_none())
+        self.measured.iter().copied().filter(|&stop| self.stops[stop].by.is_none())
     }
 
     /// What a stop of a realisation misses of `blocks`.

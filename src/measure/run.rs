@@ -97,8 +97,8 @@ pub fn go_on(
 
 /// The tables of a ledger in which nothing is missing.
 pub fn tables(campaign: &Campaign, plan: &Plan, ledger: Ledger) -> (Vec<Measured>, Cost) {
-    let Ledger { tables, digests, mut cost } = ledger;
-    cost.samples = tables.starts(plan);
+    let cost = ledger.cost(plan);
+    let Ledger { tables, digests, .. } = ledger;
     let digests: Vec<u8> = digests.into_iter().flatten().flatten().collect();
     let patch_digest = if digests.is_empty() { String::new() } else { files::sha256_hex(&digests) };
     let finished = tables.finished().into_iter();

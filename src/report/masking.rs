@@ -39,7 +39,11 @@ pub fn chart(scene: &Scene, stops: &Value, scaled: bool) -> Option<Chart> {
     (!series.is_empty()).then(|| Chart {
         title: "Masking given the normal: facets that the light sees".into(),
         x: Axis::linear(
-            if scaled { "slope along the light, alpha (−: towards it)" } else { "slope along the light (−: towards it)" },
+            if scaled {
+                "slope along the light, alpha (−: towards it)"
+            } else {
+                "slope along the light (−: towards it)"
+            },
             [-STEEPEST, STEEPEST],
         ),
         y: Axis::linear("share of the starts that is lit", [0.0, 1.1]),

@@ -248,7 +248,10 @@ mod tests {
         for (k, place) in (0..).zip(&places) {
             // An additive sequence of the golden ratio leaves no gap above 2/n, so that the k-th of n places is off by
             // a few steps at most: it has discrepancy below (1 + ln n)/n.
-            assert!((place * CLASSES as f32 - k as f32 - 0.5).abs() < 1.0 + (CLASSES as f32).ln(), "{k}: {place}");
+            assert!(
+                (place * CLASSES as f32 - k as f32 - 0.5).abs() < 1.0 + (CLASSES as f32).ln(),
+                "{k}: {place}"
+            );
         }
         assert!(places.windows(2).all(|pair| pair[1] - pair[0] < 2.0 / CLASSES as f32));
     }
