@@ -112,6 +112,23 @@ impl Error {
     }
 }
 
+/// A foreign text, or a message that quotes one, as a part of one line: control characters become `?`, and the middle of
+/// a long one is left out.
+///
+/// Held by: `findings_of_the_fuzzer_are_answered_in_one_line` (tests/fuzzed.rs).
+pub fn one_line(text: &str) -> String {
+    const HEAD: usize = 360;
+    const TAIL: usize = 120;
+    let line: String = text.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
+    let count = line.chars().count();
+    if count <= HEAD + TAIL {
+        return line;
+    }
+    let head: String = line.chars().take(HEAD).collect();
+    let tail: String = line.chars().skip(count - TAIL).collect();
+    format!("{head} ... {tail}")
+}
+
 /// One line per fault; the caller adds `error: ` to the first line only, so the others carry it here.
 fn faults_text(faults: &[Fault]) -> String {
     let lines: Vec<String> = faults.iter().map(Fault::to_string).collect();

@@ -2,13 +2,18 @@
 
 pub mod exr_header;
 pub mod image;
+pub mod image_blocks;
 pub mod image_rows;
 pub mod lock;
+mod new_file;
 pub mod npy;
+pub mod row_writer;
 pub mod sealed;
 
+pub use new_file::NewFile;
+
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -26,13 +31,9 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
 
 /// As [`write_atomically`], with the content streamed by `fill`.
 pub fn write_atomically_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
-    check_target(path).map_err(|e| Error::io(path, e))?;
-    let temporary = temporary_path(path).map_err(|e| Error::io(path, e))?;
-    let written = write_new(&temporary, fill).and_then(|()| fs::rename(&temporary, path));
-    match written {
-        Ok(()) => sync_folder(folder_of(path)).map_err(|e| Error::io(path, e)),
-        Err(cause) => Err(Error::io(path, clean_up(&temporary, cause))),
-    }
+    let mut file = NewFile::create(path)?;
+    fill(&mut file).map_err(|e| Error::io(path, e))?;
+    file.commit()
 }
 
 /// Refuses what a rename would wrongly replace: folders, devices, pipes.
@@ -51,13 +52,6 @@ fn temporary_path(path: &Path) -> io::Result<PathBuf> {
     let mut name = name.to_os_string();
     name.push(format!(".tmp.{}", std::process::id()));
     Ok(path.with_file_name(name))
-}
-
-fn write_new(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut out = BufWriter::new(File::create(path)?);
-    fill(&mut out)?;
-    out.flush()?;
-    out.get_ref().sync_all()
 }
 
 /// Removes the temporary file and returns the cause, with what else went wrong.
@@ -127,14 +121,21 @@ fn is_leftover(path: &Path) -> bool {
     pid.is_some_and(|pid| !Path::new("/proc").join(pid.to_string()).exists())
 }
 
-/// The content of a regular file; pipes and devices, which might never end, are refused.
+/// The content of a regular file.
 pub fn read(path: &Path) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    Ok(bytes)
+}
+
+/// Opens a regular file; pipes and devices, which might never end, are refused.
+pub fn open(path: &Path) -> Result<File> {
     let meta = fs::metadata(path).map_err(|e| Error::io(path, e))?;
     if !meta.is_file() {
         let kind = io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file");
         return Err(Error::io(path, kind));
     }
-    fs::read(path).map_err(|e| Error::io(path, e))
+    File::open(path).map_err(|e| Error::io(path, e))
 }
 
 /// SHA-256 of `bytes`, 64 lower-case hex digits.

@@ -246,8 +246,8 @@ fn two_ways_are_compared_at_an_equal_error() {
     }
     let ratio = number(forward, "to_target_s") / number(planned, "to_target_s");
     assert!((number(&answer, "ratio") / ratio - 1.0).abs() < 1e-12);
-    // A ray from above for each start, more or less what the sweep answers.
-    assert!(number(forward, "rays") > 1.3 * number(planned, "rays"));
+    // A ray for each start and one for each lit one that sends light up, either way.
+    assert!(number(forward, "rays") > 0.8 * number(planned, "rays"));
     let output = bench(folder.path(), &words);
     exits(&output, 0);
     assert!(

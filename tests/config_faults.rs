@@ -477,6 +477,8 @@ fn optics_outside_physics_are_refused() {
         (gold, "materials = [\"gold\", \"gold\"]", "optics.materials", "is there already"),
         (gold, "materials = [\"gold\", \"tin\"]", "optics.materials", "unknown material"),
         (gold, "file = \"nowhere.csv\"", "optics.file", "cannot be read"),
+        // A pipe would never end; a device stands for it here.
+        (gold, "file = \"/dev/zero\"", "optics.file", "is not a regular file"),
     ]);
     let both = with(gold, "material = \"gold\"\nf0 = 1");
     one_fault(&both, "f0", f0, "ambiguous");

@@ -152,8 +152,41 @@ fn the_facet_index_changes_nothing_but_noise() {
 fn a_swept_stop_agrees_with_rays() {
     for (surface, light) in [(ISOTROPIC, RELATIVE), (ANISOTROPIC, ABSOLUTE)] {
         let text = campaign(surface, light, HEMISPHERE, "");
-        agree("sweep", &measured_one(&text), &measured_with(&text, |plan| plan.sweeps = false));
+        let measured = |sweeps| measured_with(&text, |plan| (plan.by_slope, plan.sweeps) = (false, sweeps));
+        agree("sweep", &measured(true), &measured(false));
     }
+}
+
+/// Starts from facet to facet of like slope, or from place to place; with and without shadows, one order and several.
+#[test]
+fn starts_by_slope_change_nothing_but_noise() {
+    for (what, surface, light, trace) in [
+        ("isotropic", ISOTROPIC, RELATIVE, ""),
+        ("anisotropic, images", ANISOTROPIC, ABSOLUTE, ""),
+        ("light cone", ISOTROPIC, "theta_i_deg = [20, 60]\nazimuth = \"relative\"\naperture_deg = 4", ""),
+        ("no visibility", ISOTROPIC, RELATIVE, "[trace]\nvisibility = false"),
+        ("four orders", ANISOTROPIC, ABSOLUTE, "[trace]\nbounces = 4"),
+    ] {
+        let text = campaign(surface, light, HEMISPHERE, trace);
+        let by_slope =
+            measured_with(&text, |plan| assert!(plan.by_slope, "the plan takes the order of slopes"));
+        let by_place = measured_with(&text, |plan| plan.by_slope = false);
+        agree(&format!("by slope, {what}"), &by_slope, &by_place);
+        starts_close(&by_slope);
+    }
+}
+
+/// One block of few stops on a large patch is not worth a sort of its facets.
+#[test]
+fn facets_are_sorted_where_the_starts_are_worth_it() {
+    let of = |cells: u32| {
+        let text = campaign(ISOTROPIC, "theta_i_deg = [60]\nazimuth = \"relative\"", HEMISPHERE, "");
+        let parsed = campaign::parse(&text, "c.toml", std::path::Path::new("")).expect("no faults");
+        let mut campaign = parsed.campaign;
+        campaign.surface.cells = cells;
+        measure::plan(&campaign).expect("a plan").by_slope
+    };
+    assert!(of(512) && !of(4096));
 }
 
 /// A folded bin has the arrivals of the bin and of its mirror image, of the very same paths.

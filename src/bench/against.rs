@@ -26,21 +26,21 @@ const TARGET: f64 = 0.01;
 pub enum Other {
     /// Starts where rays from above come down.
     Forward,
-    /// A search for the starts and a ray towards the light for each, instead of line sweeps.
+    /// Starts along the lines of sweeps, which say as well what the light sees.
+    Sweeps,
+    /// Starts in equal steps from place to place, and a ray towards the light for each.
     Rays,
-    /// Starts in the order of the facets' slopes.
-    Slopes,
     /// All starts of the hemisphere, also where only some apertures are asked for.
     Hemisphere,
 }
 
 impl Other {
     /// All of them.
-    pub const ALL: [Other; 4] = [Other::Forward, Other::Rays, Other::Slopes, Other::Hemisphere];
+    pub const ALL: [Other; 4] = [Other::Forward, Other::Sweeps, Other::Rays, Other::Hemisphere];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        ["forward", "rays", "slopes", "hemisphere"][self as usize]
+        ["forward", "sweeps", "rays", "hemisphere"][self as usize]
     }
 
     /// The plan of this way; `None` where it would be the plan itself, or cannot be.
@@ -48,15 +48,15 @@ impl Other {
         let mut other = plan.clone();
         let heights = campaign.surface.kind.is_random_heights() && campaign.trace.visibility;
         match self {
-            Other::Forward => other.from_above = true,
-            Other::Rays => other.sweeps = false,
-            Other::Slopes => other.by_slope = true,
-            Other::Hemisphere => (other.apertures_only, other.indexed) = (false, false),
+            Other::Forward => (other.from_above, other.by_slope) = (true, false),
+            Other::Sweeps => other.by_slope = false,
+            Other::Rays => (other.sweeps, other.by_slope) = (false, false),
+            Other::Hemisphere => (other.apertures_only, other.indexed, other.by_slope) = (false, false, true),
         }
         let differs = match self {
             Other::Forward => campaign.surface.cells.is_power_of_two(),
-            Other::Rays => plan.sweeps && !plan.indexed,
-            Other::Slopes => !plan.indexed,
+            Other::Sweeps => plan.sweeps && plan.by_slope,
+            Other::Rays => !plan.indexed,
             Other::Hemisphere => plan.apertures_only,
         };
         (heights && differs).then_some(other)
@@ -188,8 +188,8 @@ pub fn plans(campaign: &Campaign, other: Other, replicates: u32) -> Result<[Plan
     let plan = measure::plan(campaign)?;
     let why = match other {
         Other::Forward => "is for ggx and beckmann with visibility, cells a power of two",
-        Other::Rays => "is for campaigns whose plan has line sweeps",
-        Other::Slopes => "is for hemispheres over ggx and beckmann",
+        Other::Sweeps => "is for hemispheres over ggx and beckmann with visibility",
+        Other::Rays => "is for hemispheres over ggx and beckmann",
         Other::Hemisphere => "is for apertures (sensor.arm) over ggx and beckmann, one bounce",
     };
     let refused = || Error::Usage(format!("{}: --against {other} {why}", campaign.name));

@@ -21,9 +21,14 @@ const LARGEST_FILE: u64 = 1 << 20;
 
 /// The lines of the file at `path`.
 pub(super) fn read(path: &Path) -> Result<Vec<Medium>, String> {
-    let file = File::open(path).map_err(|e| format!("cannot be read: {e}"))?;
+    let failed = |e: std::io::Error| format!("cannot be read: {e}");
+    // A pipe might never begin.
+    if !std::fs::metadata(path).map_err(failed)?.is_file() {
+        return Err("cannot be read: is not a regular file".into());
+    }
+    let file = File::open(path).map_err(failed)?;
     let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|e| format!("cannot be read: {e}"))?;
+    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(failed)?;
     if bytes.len() as u64 > LARGEST_FILE {
         return Err("is larger than 1 MiB; this is no list of n and k".into());
     }

@@ -26,7 +26,8 @@ use crate::validate::model::Model;
     realisations: its b is free of the patches' spread. N: samples of a stop, all realisations.\n\
     With a [bench] table in the campaign it varies cells and correlation length instead.\n\
     --against measures the same patches, azimuths and bins --replicates times as planned and by\n\
-    another way: forward (rays from above instead of starts on facets), rays (no line sweeps),\n\
+    another way: forward (rays from above instead of starts on facets), sweeps and rays (starts from\n\
+    place to place instead of slope to slope, and line sweeps or rays for what the light sees),\n\
     hemisphere (all starts, not those alone that the apertures ask for). It writes no files.\n\n\
     Example: gonio bench configs/bench.toml --from 2^12 --to 2^20"
 )]
@@ -36,7 +37,7 @@ pub struct Arguments {
     campaign: Option<PathBuf>,
     #[command(flatten)]
     scene: SceneArguments,
-    /// Noise and time to an equal error by: forward, rays, hemisphere
+    /// Noise and time to an equal error by: forward, sweeps, rays, hemisphere
     #[arg(long, value_name = "WAY", value_parser = other, conflicts_with_all = LADDERS)]
     against: Option<Other>,
     /// The stops on a patch of each of these sizes: time and bytes for each cell
@@ -76,7 +77,7 @@ const LADDERS: [&str; 7] = ["scene", "truth", "from", "to", "realisations_to", "
 
 fn other(text: &str) -> std::result::Result<Other, String> {
     let found = Other::ALL.into_iter().find(|other| other.name() == text);
-    found.ok_or_else(|| "one of forward, rays, hemisphere".into())
+    found.ok_or_else(|| "one of forward, sweeps, rays, hemisphere".into())
 }
 
 #[derive(Clone, Copy, ValueEnum)]

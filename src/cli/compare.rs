@@ -6,13 +6,13 @@ use clap::Args;
 use serde_json::json;
 
 use super::output::{Output, columns, or_na, to_json};
-use super::table_file;
+use super::table_file::{self, Opened};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind};
-use crate::table::{BrdfTable, Realisations};
+use crate::table::{BrdfTable, Realisations, TableRows};
 use crate::validate::aperture::{Extrapolated, extrapolate};
-use crate::validate::two_tables::{Difference, DifferenceFigures, Side, difference};
+use crate::validate::two_tables::{Difference, DifferenceFigures, Side, difference, difference_of_rows};
 
 /// Compare two tables on the same grid bin by bin, with the errors of both
 #[derive(Args)]
@@ -34,13 +34,17 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let load = |path: &Path| table_file::load_as_stored(path);
-    let (a, b) = (load(&arguments.a)?, load(&arguments.b)?);
+    // Both tables must fit at once.
+    let open = |path: &Path| table_file::open_as_stored(path, |rows| 2 * rows.row_bytes());
+    let (a, b) = match (open(&arguments.a)?, open(&arguments.b)?) {
+        (Opened::Whole(a), Opened::Whole(b)) => (a, b),
+        _ => return by_rows(arguments),
+    };
     // Where only one has half/difference angles, it is seen at the stops and bins of the other.
     let other = |grid: &Grid| (grid.kind != GridKind::HalfDifference).then(|| grid.clone());
     let (grid_a, grid_b) = (other(&a.grid), other(&b.grid));
-    let a = Read::of(&arguments.a, table_file::arms(&arguments.a, a, grid_b.as_ref())?)?;
-    let b = Read::of(&arguments.b, table_file::arms(&arguments.b, b, grid_a.as_ref())?)?;
+    let a = Read::of(&arguments.a, table_file::arms(&arguments.a, *a, grid_b.as_ref())?)?;
+    let b = Read::of(&arguments.b, table_file::arms(&arguments.b, *b, grid_a.as_ref())?)?;
     let mut out = Output::default();
     if arguments.richardson {
         let rows = extrapolate(a.side(), b.side()).map_err(|why| Error::format(&arguments.b, why))?;
@@ -52,12 +56,33 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         return Ok(0);
     }
     let found = difference(a.side(), b.side()).map_err(|why| Error::format(&arguments.b, why))?;
-    if arguments.json {
-        out.json(&to_json(&found)?)?;
+    say_difference(&mut out, &found, arguments.json)
+}
+
+fn say_difference(out: &mut Output, found: &Difference, json: bool) -> Result<u8> {
+    if json {
+        out.json(&to_json(found)?)?;
     } else {
-        out.lines(lines(&found))?;
+        out.lines(lines(found))?;
     }
     Ok(0)
+}
+
+/// Tables that do not fit the memory together.
+fn by_rows(arguments: &Arguments) -> Result<u8> {
+    let open = |path: &Path| {
+        let rows = TableRows::open(path)?;
+        let needs_all = arguments.richardson || rows.grid().kind == GridKind::HalfDifference;
+        if needs_all { Err(table_file::too_large(&rows)) } else { Ok(rows) }
+    };
+    let (mut a, mut b) = (open(&arguments.a)?, open(&arguments.b)?);
+    let campaigns = [&a, &b].map(|rows| table_file::campaign_if_any(rows.path(), rows.heading()));
+    let parts = [&a, &b].map(table_file::realisations_beside_rows);
+    let ([in_a, in_b], [of_a, of_b]) = (campaigns, parts);
+    let (in_a, in_b, of_a, of_b) = (in_a?, in_b?, of_a?, of_b?);
+    let (campaigns, parts) = ([in_a.as_ref(), in_b.as_ref()], [of_a.as_ref(), of_b.as_ref()]);
+    let found = difference_of_rows((&mut a, &mut b), campaigns, parts, table_file::band_bytes())?;
+    say_difference(&mut Output::default(), &found, arguments.json)
 }
 
 /// A table with all that is known about it.

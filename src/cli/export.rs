@@ -6,11 +6,13 @@ use clap::Args;
 use serde_json::json;
 
 use super::output::{Output, to_json, warn, wrapped};
+use super::table_file::{self, Opened};
 use super::targets::in_the_way;
 use crate::error::{Error, Result};
+use crate::instrument::GridKind;
 use crate::interchange::merl::Sampling;
 use crate::interchange::{self, Export, Format, Options};
-use crate::table::store;
+use crate::table::TableRows;
 
 /// Write a table in another program's format, and say how far the file is from the table
 #[derive(Args)]
@@ -46,11 +48,16 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let format = format_of("--to", &arguments.to)?;
     let options = options_of(arguments.merl_centre, &arguments.wavelengths_nm);
     check_output(&arguments.table, &arguments.output, arguments.force)?;
-    let loaded = store::load(&arguments.table)?;
-    for warning in &loaded.warnings {
-        warn(format_args!("{}: {warning}", arguments.table.display()));
-    }
-    let export = interchange::export(&loaded.table, format, &options, &arguments.output)?;
+    let export = match table_file::open_as_stored(&arguments.table, TableRows::row_bytes)? {
+        Opened::Whole(table) => {
+            let table = if format.holds_totals_alone() { table.totals_alone() } else { *table };
+            interchange::export(&table, format, &options, &arguments.output)?
+        }
+        Opened::Rows(mut rows) if format.goes_by_rows() && rows.grid().kind != GridKind::HalfDifference => {
+            interchange::export_rows(&mut rows, format, &arguments.output, table_file::band_bytes())?
+        }
+        Opened::Rows(rows) => return Err(table_file::too_large(&rows)),
+    };
     for note in &export.notes {
         warn(format_args!("{}: {note}", arguments.output.display()));
     }

@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
 use crate::interchange::{self, maps};
-use crate::table::store;
+use crate::table::{TableRows, store};
 
 /// Campaigns that are written at once.
 const MOST_CAMPAIGNS: usize = 10_000;
@@ -66,8 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     check_output(&arguments.file, &arguments.output, arguments.force)?;
     let options = options_of(arguments.merl_centre, &[]);
-    let like = arguments.like.as_ref().map(|path| store::load(path)).transpose()?;
-    let grid = like.as_ref().map(|loaded| &loaded.table.grid);
+    let like = arguments.like.as_ref().map(|path| TableRows::open(path)).transpose()?;
+    let grid = like.as_ref().map(TableRows::grid);
     if let Some((path, _)) =
         arguments.like.as_ref().zip(grid).filter(|(_, grid)| grid.kind == GridKind::HalfDifference)
     {

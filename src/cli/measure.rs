@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::banded::Banded;
 use super::kept;
 use super::output::{self, Output, say, warn};
 use super::plan_text;
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// Take the patches that `gonio surface` wrote there instead of making them
     #[arg(long, value_name = "DIR")]
     patches: Option<PathBuf>,
+    /// Memory that the run may use, MiB [default: half of what is free]
+    #[arg(long, value_name = "N")]
+    memory_mb: Option<u64>,
     /// Measure one of N shards, whole stops of it; `gonio merge` puts them together
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
@@ -58,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let Parsed { mut campaign, notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     notes.iter().for_each(warn);
-    measure::plan_of(&campaign, arguments.shard)?;
+    arguments.plan(&campaign)?;
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign));
     let _lock = Lock::take(&folder.join(format!("{stem}.lock")))?;
@@ -97,6 +101,10 @@ fn whole(
         let measured =
             found.as_ref().map_or_else(|| open.clone(), |found| kept::measured_by(found, &all, open.clone()));
         let job = Job { arguments, checkpoint, campaign: of_targets(campaign, &measured) };
+        if arguments.plan(&job.campaign)?.bands().len() > 1 {
+            job.run_in_bands(&open, out)?;
+            return if arguments.json { out.json(&summaries(&all)?) } else { Ok(()) };
+        }
         let Ended { ledger, plan, patches } = job.run(found, out)?;
         let (tables, cost) = measure::tables(&job.campaign, &plan, ledger);
         let results = Results { plan: &plan, cost: &cost, open: &open, json: arguments.json };
@@ -152,6 +160,15 @@ fn one_shard(
 }
 
 impl Arguments {
+    fn plan(&self, campaign: &Campaign) -> Result<Plan> {
+        measure::plan_of(campaign, self.shard, self.memory())
+    }
+
+    /// Bytes that the run may use.
+    fn memory(&self) -> u64 {
+        self.memory_mb.map_or_else(measure::memory_limit, |mb| mb.saturating_mul(1 << 20))
+    }
+
     /// The command that goes on with this one.
     pub fn again(&self) -> String {
         let mut words = vec!["gonio measure".to_string(), kept::quoted(&self.campaign)];
@@ -161,6 +178,7 @@ impl Arguments {
         {
             words.extend([option.to_string(), kept::quoted(folder)]);
         }
+        words.extend(self.memory_mb.map(|mb| format!("--memory-mb {mb}")));
         words.extend(self.shard.map(|shard| format!("--shard {shard}")));
         words.extend(self.seed.map(|seed| format!("--seed {seed}")));
         words.extend((self.threads > 0).then(|| format!("--threads {}", self.threads)));
@@ -206,19 +224,10 @@ impl Job<'_> {
     fn run(&self, found: Option<Found>, out: &mut Output) -> Result<Ended> {
         let Job { arguments, campaign, .. } = self;
         let number = found.as_ref().map_or(0, |found| found.kept.heading.number);
-        let plan = measure::plan_of(campaign, arguments.shard)?;
+        let plan = arguments.plan(campaign)?;
         let ledger = kept::ledger(found, campaign, &plan, &arguments.campaign)?;
         let interrupted = kept::interruption()?;
-        let mut notes = Vec::new();
-        let patches = match &arguments.patches {
-            Some(folder) => Patches::from_folder(campaign, folder)?,
-            None => Patches::prepare(campaign, &mut notes)?,
-        };
-        notes.iter().for_each(warn);
-        if !arguments.json {
-            out.lines(plan_text::facts(campaign, &plan))?;
-            out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
-        }
+        let patches = self.patches(&plan, out)?;
         let progress = Progress::after(ledger.starts(&plan), plan.total_samples, "samples");
         let session = Session {
             progress: &|starts| progress.add(starts),
@@ -230,6 +239,35 @@ impl Job<'_> {
         progress.finish();
         let ledger = ended.map_err(|error| kept::with_advice(error, self.checkpoint, arguments))?;
         Ok(Ended { ledger, plan, patches })
+    }
+}
+
+impl Job<'_> {
+    /// The patches, with what is to be said of the campaign before it runs.
+    fn patches(&self, plan: &Plan, out: &mut Output) -> Result<Patches> {
+        let Job { arguments, campaign, .. } = self;
+        let mut notes = Vec::new();
+        let patches = match &arguments.patches {
+            Some(folder) => Patches::from_folder(campaign, folder)?,
+            None => Patches::prepare(campaign, &mut notes)?,
+        };
+        notes.iter().for_each(warn);
+        if !arguments.json {
+            out.lines(plan_text::facts(campaign, plan))?;
+            out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
+        }
+        Ok(patches)
+    }
+
+    /// A table that does not fit the memory: measured and written in bands, without checkpoints.
+    fn run_in_bands(&self, open: &[&Target], out: &mut Output) -> Result<()> {
+        let Job { arguments, campaign, .. } = self;
+        say("note: a table in bands keeps no checkpoints; --shard K/N measures it in parts that do");
+        let plan = arguments.plan(campaign)?;
+        let patches = self.patches(&plan, out)?;
+        let progress = Progress::new(plan.total_samples, "samples");
+        let banded = Banded { campaign, plan: &plan, open, json: arguments.json, memory: arguments.memory() };
+        banded.run(patches, &progress, out)
     }
 }
 

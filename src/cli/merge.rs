@@ -53,6 +53,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut campaign =
         campaign::parse(shards.campaign(), &shards.path().display().to_string(), folder)?.campaign;
     let plan = measure::plan(&campaign)?;
+    if plan.bands().len() > 1 {
+        let what = "the whole table does not fit the memory that is free: merging in bands is not there";
+        return Err(Error::Refused(format!("{}: {what}", campaign.name)));
+    }
     let missing = missing(&shards, &plan, arguments.partial)?;
     let part = (!missing.is_empty()).then(|| shards.stops(&plan.grid));
     let mut ledger = shards.ledger(&campaign, &plan)?;
@@ -64,7 +68,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
             plan.stops,
             names(&missing)
         ));
-        plan = shards::partial(&plan, &stops);
+        plan = shards::partial(&plan, &stops)
+            .ok_or_else(|| Error::Internal("half vectors in a campaign".into()))?;
         ledger = ledger.with_stops(&stops);
         campaign.name = format!("{}_partial", campaign.name);
     }

@@ -11,6 +11,7 @@ use clap::{ColorChoice, Parser, Subcommand};
 use crate::error::{Error, Result};
 
 mod against;
+mod banded;
 mod bench;
 mod certificate_text;
 mod check;

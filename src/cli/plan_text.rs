@@ -26,6 +26,10 @@ pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
         grouped(plan.blocks),
         grouped(plan.total_samples)
     );
+    let bands = match plan.bands().len() {
+        1 => String::new(),
+        bands => format!(", in {bands} bands of up to {} stops", plan.band_stops),
+    };
     let facts = [
         ("campaign", format!("{}, seed {}", campaign.name, campaign.seed)),
         ("surface", surface(campaign)),
@@ -36,7 +40,7 @@ pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
         ("tables", plan.tables.to_string()),
         ("realisations", plan.realisations.to_string()),
         ("samples", samples),
-        ("memory", format!("about {}", bytes(plan.memory_bytes))),
+        ("memory", format!("about {}{bands}", bytes(plan.memory_bytes))),
         ("time", format!("about {} on two cores", duration(plan.estimated_s))),
     ];
     facts.iter().flat_map(|(head, text)| line(head, text)).collect()

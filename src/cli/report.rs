@@ -6,13 +6,14 @@ use clap::Args;
 use serde_json::Value;
 
 use super::output::{Output, bytes, say, warn};
-use super::{table_file, targets};
+use super::table_file::{self, Opened};
+use super::targets;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::report::{self, Page, Scene, specimen, summary};
-use crate::table::BrdfTable;
-use crate::validate::{self, Prediction};
+use crate::table::{BrdfTable, TableRows};
+use crate::validate::{self, Prediction, verdict};
 
 /// Make one self-contained page of a table: figures, plots, pictures and a 3-D viewer
 #[derive(Args)]
@@ -33,12 +34,16 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let path = &arguments.table;
-    let table = table_file::load(path)?;
+    let opened = table_file::open(path, verdict::row_bytes)?;
     let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));
     targets::spare(&output, [Some(path), arguments.bench.as_ref()].into_iter().flatten(), "command")?;
     let bench = arguments.bench.as_deref().map(read_json).transpose()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
-    let text = if is_card { stored_card(path, &table)? } else { stored_page(path, &table, bench.as_ref())? };
+    let text = match opened {
+        Opened::Whole(table) if is_card => stored_card(path, &table)?,
+        Opened::Whole(table) => stored_page(path, &table, bench.as_ref())?,
+        Opened::Rows(mut rows) => by_rows(&mut rows, is_card, bench.as_ref())?,
+    };
     files::write_atomically(&output, text.as_bytes())?;
     Output::default().line(format_args!(
         "report        {} ({})",
@@ -48,11 +53,61 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     Ok(0)
 }
 
+const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";
+
 /// The card of a table from its file and the summary beside it.
 fn stored_card(path: &Path, table: &BrdfTable) -> Result<String> {
     let campaign = table_file::campaign_if_any(path, table)?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
     report::card(table, &summary_of(path, table, campaign.as_ref(), prediction.as_ref())?)
+}
+
+/// The page or the card of a table that does not fit the memory.
+fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&Value>) -> Result<String> {
+    let path = rows.path().to_path_buf();
+    let campaign = table_file::campaign_if_any(&path, rows.heading())?;
+    let beside = summary_beside(&path, rows.heading())?;
+    if beside.is_some() || campaign.is_none() {
+        rows.verify()?;
+    }
+    let mut facts = report::Facts::new(rows.grid(), rows.colours());
+    let mut stops = Vec::new();
+    if is_card || beside.is_none() {
+        for band in rows.bands(table_file::band_bytes(), rows.row_bytes()) {
+            let first_stop = band.start;
+            let band = rows.take(&band.collect::<Vec<_>>())?;
+            facts.add(&band, first_stop);
+            stops.extend(summary::stops_of(&band));
+        }
+    }
+    let summary = match (beside, &campaign) {
+        (Some(summary), _) => summary,
+        (None, None) => {
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            summary::of_stops(&stem, rows.heading(), None, None, stops)
+        }
+        (None, Some(campaign)) => {
+            let parts = table_file::realisations_beside_rows(rows)?;
+            let bytes = table_file::band_bytes();
+            let verdict = validate::examine_rows(rows, Some(campaign), parts.as_ref(), bytes)?;
+            let surface = Some(&campaign.surface);
+            summary::of_stops(&campaign.name, rows.heading(), surface, Some(&verdict), stops)
+        }
+    };
+    if is_card {
+        let digest = rows.digest().unwrap_or("none").to_string();
+        return Ok(report::card_of(rows.heading(), &digest, facts, &summary));
+    }
+    let (table, kept) = report::thinned(rows)?;
+    let summary = report::thinned_summary(&summary, &kept);
+    let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
+    let specimen = match &campaign {
+        Some(campaign) => specimen::remade(campaign)?,
+        None => Err(NO_CAMPAIGN.into()),
+    };
+    let sources =
+        Sources { table: &table, campaign: campaign.as_ref(), prediction: prediction.as_ref(), specimen };
+    Ok(page_of(sources, &summary, bench))
 }
 
 /// The summary beside a table, or what the table alone says.
@@ -75,7 +130,7 @@ fn stored_page(path: &Path, table: &BrdfTable, bench: Option<&Value>) -> Result<
     let summary = summary_of(path, table, campaign.as_ref(), prediction.as_ref())?;
     let specimen = match &campaign {
         Some(campaign) => specimen::remade(campaign)?,
-        None => Err("The table holds no campaign: its surface cannot be made anew.".into()),
+        None => Err(NO_CAMPAIGN.into()),
     };
     Ok(page_of(
         Sources { table, campaign: campaign.as_ref(), prediction: prediction.as_ref(), specimen },

@@ -84,7 +84,7 @@ fn write(measured: &Measured, summary: &Value, page: &str, target: &Target) -> R
 }
 
 /// The lobe in the plane of incidence, for the eye.
-fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
+pub fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
     let campaign = &measured.campaign;
     let realisations = campaign.surface.realisations as usize;
     let scene = Scene { table: &measured.table, prediction, realisations };
@@ -96,7 +96,7 @@ fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
 }
 
 /// Albedos of every stop, and the verdict.
-fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict) -> Result<()> {
+pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict) -> Result<()> {
     let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
     let mut headings = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
     let beyond = measured.stops.iter().any(|stop| stop.beyond_order_1().0.is_some());
@@ -175,7 +175,8 @@ fn albedo<'a>(orders: impl Iterator<Item = &'a Vec<f64>> + Clone) -> String {
     with_error(mean, se)
 }
 
-fn files_written(target: &Target, kept: Kept) -> Vec<String> {
+/// Which files a table has.
+pub fn files_written(target: &Target, kept: Kept) -> Vec<String> {
     let size = |path: &Path| path.metadata().map_or(String::new(), |meta| output::bytes(meta.len()));
     let line = |what: &str, path: &Path| format!("{what:<14}{} ({})", path.display(), size(path));
     let limit = realisations::SIZE_LIMIT / 1_000_000;

@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 use super::output::{say, warn};
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
-use crate::instrument::Grid;
+use crate::instrument::{Grid, GridKind};
 use crate::interchange::half_difference;
-use crate::table::{BrdfTable, Realisations, realisations, store};
+use crate::measure::memory_limit;
+use crate::table::{BrdfTable, Realisations, TableRows, realisations, store};
 
 /// The table in a file; what is odd about it goes to stderr. One of half/difference angles comes as stops and bins.
 pub fn load(path: &Path) -> Result<BrdfTable> {
@@ -29,13 +30,59 @@ pub fn arms(path: &Path, table: BrdfTable, grid: Option<&Grid>) -> Result<BrdfTa
     Ok(arms.unwrap_or(table))
 }
 
-/// The table in a file, whatever its geometry.
+/// The table in a file, whatever its geometry. Refused where its values do not fit the memory.
 pub fn load_as_stored(path: &Path) -> Result<BrdfTable> {
-    let loaded = store::load(path)?;
-    for warning in &loaded.warnings {
+    match open_as_stored(path, TableRows::row_bytes)? {
+        Opened::Whole(table) => Ok(*table),
+        Opened::Rows(rows) => Err(too_large(&rows)),
+    }
+}
+
+/// A table as it can be had.
+pub enum Opened {
+    /// In memory.
+    Whole(Box<BrdfTable>),
+    /// Too large for that: a band of stops at a time.
+    Rows(Box<TableRows>),
+}
+
+/// Opens a table: whole where memory holds as many bytes for every stop as `row_bytes` says.
+pub fn open_as_stored(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<Opened> {
+    let rows = TableRows::open(path)?;
+    for warning in rows.warnings() {
         warn(format_args!("{}: {warning}", path.display()));
     }
-    Ok(loaded.table)
+    if row_bytes(&rows).saturating_mul(rows.grid().stops() as u64) > memory_limit() {
+        return Ok(Opened::Rows(Box::new(rows)));
+    }
+    Ok(Opened::Whole(Box::new(store::load(path)?.table)))
+}
+
+/// As [`open_as_stored`]; half/difference angles come as stops and bins, whole.
+pub fn open(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<Opened> {
+    match open_as_stored(path, row_bytes)? {
+        Opened::Whole(table) => arms(path, *table, None).map(Box::new).map(Opened::Whole),
+        Opened::Rows(rows) if rows.grid().kind == GridKind::HalfDifference => Err(too_large(&rows)),
+        Opened::Rows(rows) => Ok(Opened::Rows(rows)),
+    }
+}
+
+/// The refusal of a table that a verb needs whole.
+pub fn too_large(rows: &TableRows) -> Error {
+    Error::Refused(format!(
+        "{}: {} stops of {} bins take {} MiB of memory, {} MiB may be used; validate, report, compare and export \
+         --to npy or csv take it by rows",
+        rows.path().display(),
+        rows.grid().stops(),
+        rows.grid().bins(),
+        rows.bytes() >> 20,
+        memory_limit() >> 20
+    ))
+}
+
+/// What a band of stops may take, with what is made of it.
+pub fn band_bytes() -> u64 {
+    memory_limit() / 4
 }
 
 /// The campaign of a table that may have none: an imported one.
@@ -64,6 +111,15 @@ pub fn realisations_path(table: &Path) -> PathBuf {
 
 /// The table's realisations, where they lie beside it.
 pub fn realisations_beside(path: &Path, table: &BrdfTable) -> Result<Option<Realisations>> {
+    beside_of(path, || store::digest(table))
+}
+
+/// The same of a table that is read by rows.
+pub fn realisations_beside_rows(rows: &TableRows) -> Result<Option<Realisations>> {
+    beside_of(rows.path(), || Ok(rows.digest().unwrap_or_default().to_string()))
+}
+
+fn beside_of(path: &Path, digest: impl FnOnce() -> Result<String>) -> Result<Option<Realisations>> {
     let beside = realisations_path(path);
     if !beside.is_file() {
         say(format_args!("note: {} is absent: no pairing over realisations", beside.display()));
@@ -73,7 +129,7 @@ pub fn realisations_beside(path: &Path, table: &BrdfTable) -> Result<Option<Real
     for warning in &file.warnings {
         warn(format_args!("{}: {warning}", beside.display()));
     }
-    if !file.belongs_to(table)? {
+    if !file.is_of(&digest()?) {
         warn(format_args!("{} belongs to another table and is not used", beside.display()));
         return Ok(None);
     }

@@ -7,7 +7,7 @@ use super::output::{say, warn};
 use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files;
-use crate::table::{BrdfTable, store};
+use crate::table::{BrdfTable, TableRows};
 
 /// The output folder, ready to take files: `wanted`, or `out/<name>`.
 pub fn open_folder(wanted: Option<&Path>, campaign: &Campaign) -> Result<PathBuf> {
@@ -102,13 +102,15 @@ impl Target {
             let stray = [&self.summary, &self.realisations].into_iter().find(|path| path.exists());
             return stray.map_or(Ok(false), |path| Err(in_the_way(path, "is there without its table")));
         }
-        let loaded =
-            store::load(&self.table).map_err(|e| in_the_way(&self.table, &format!("is no table ({e})")))?;
-        if loaded.table.campaign != self.campaign {
+        let mut rows = TableRows::open(&self.table)
+            .map_err(|e| in_the_way(&self.table, &format!("is no table ({e})")))?;
+        rows.verify().map_err(|e| in_the_way(&self.table, &format!("is no table ({e})")))?;
+        let heading = rows.heading();
+        if heading.campaign != self.campaign {
             return Err(in_the_way(&self.table, "was measured by another campaign or seed"));
         }
-        if finished && loaded.table.version != env!("CARGO_PKG_VERSION") {
-            warn(format_args!("{} was measured by version {}", self.table.display(), loaded.table.version));
+        if finished && heading.version != env!("CARGO_PKG_VERSION") {
+            warn(format_args!("{} was measured by version {}", self.table.display(), heading.version));
         }
         Ok(finished)
     }

@@ -1,13 +1,15 @@
 //! `gonio validate`: a stored table against the laws and the models.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::output::{Output, say, to_json};
-use super::table_file;
+use super::table_file::{self, Opened};
+use crate::campaign::Campaign;
 use crate::error::{Error, Result};
-use crate::validate;
+use crate::table::BrdfTable;
+use crate::validate::{self, verdict};
 
 /// Hold a table to the laws of energy and reciprocity and to every named model
 #[derive(Args)]
@@ -23,13 +25,19 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let path = &arguments.table;
-    let table = table_file::load(path)?;
-    let parts = table_file::realisations_beside(path, &table)?;
-    let verdict = if table.campaign.is_empty() {
-        say(format_args!("note: {} holds no campaign: held to the laws alone", path.display()));
-        validate::examine_laws(&table, parts.as_ref())
-    } else {
-        validate::examine(&table, &table_file::campaign_of(path, &table)?, parts.as_ref())
+    let verdict = match table_file::open(path, verdict::row_bytes)? {
+        Opened::Whole(table) => {
+            let parts = table_file::realisations_beside(path, &table)?;
+            match campaign_of(path, &table)? {
+                None => validate::examine_laws(&table, parts.as_ref()),
+                Some(campaign) => validate::examine(&table, &campaign, parts.as_ref()),
+            }
+        }
+        Opened::Rows(mut rows) => {
+            let parts = table_file::realisations_beside_rows(&rows)?;
+            let campaign = campaign_of(path, rows.heading())?;
+            validate::examine_rows(&mut rows, campaign.as_ref(), parts.as_ref(), table_file::band_bytes())?
+        }
     };
     let mut out = Output::default();
     if arguments.json {
@@ -38,4 +46,12 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         out.lines(verdict.lines())?;
     }
     if verdict.ok { Ok(0) } else { Err(Error::Disagreement(verdict.failures.join("\nerror: "))) }
+}
+
+/// What a table was measured by, if it says so.
+fn campaign_of(path: &Path, heading: &BrdfTable) -> Result<Option<Campaign>> {
+    if heading.campaign.is_empty() {
+        say(format_args!("note: {} holds no campaign: held to the laws alone", path.display()));
+    }
+    table_file::campaign_if_any(path, heading)
 }

@@ -4,6 +4,7 @@
 //! are settled here. Layout: magic, version and flags, then per part a run of attributes (name, type, size,
 //! value) ended by a zero byte; with several parts one more zero byte ends the list.
 
+use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 
 const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -15,6 +16,9 @@ const MAX_SIDE: i64 = 1 << 24;
 /// Deflate shrinks at most 1032-fold, after PXR24 has dropped a quarter; the other common methods shrink less.
 const MAX_RATIO: u64 = 1400;
 const MAX_CHANNELS: usize = 1024;
+/// The longest header that is read, bytes; and how much of a file is looked at first.
+const MAX_HEADER: u64 = 1 << 26;
+const FIRST_LOOK: u64 = 1 << 16;
 
 /// Whether the bytes start as an EXR file does.
 pub fn is_exr(bytes: &[u8]) -> bool {
@@ -38,7 +42,7 @@ impl Attribute {
 ///
 /// The header keeps its length, so the offsets that follow stay right.
 pub fn sort_attributes(file: &mut [u8]) -> Result<(), String> {
-    for part in parts(file)? {
+    for part in parts(file)?.0 {
         let (Some(first), Some(last)) = (part.first(), part.last()) else { continue };
         let span = first.name.start..last.value.end;
         let mut ranges: Vec<_> = part.iter().collect();
@@ -49,9 +53,38 @@ pub fn sort_attributes(file: &mut [u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Refuses what must not reach the decoder: tiles, deep data, subsampling, and sizes that the file cannot hold.
-pub fn check(file: &[u8]) -> Result<(), String> {
-    let parts = parts(file)?;
+/// The bytes of a file's header, from the magic number to where the table of its blocks begins.
+///
+/// Refused is what must not reach the decoder: tiles, deep data, subsampling, and sizes that the file cannot hold.
+pub fn read(source: &mut (impl Read + Seek)) -> Result<Vec<u8>, String> {
+    let failed = |e: std::io::Error| format!("cannot be read: {e}");
+    let length = source.seek(SeekFrom::End(0)).map_err(failed)?;
+    let mut look = FIRST_LOOK;
+    loop {
+        let mut head = Vec::new();
+        source.rewind().and_then(|()| source.take(look).read_to_end(&mut head)).map_err(failed)?;
+        match parts(&head) {
+            Ok((parts, end)) => {
+                check(&head, &parts, length)?;
+                head.truncate(end);
+                return Ok(head);
+            }
+            // Perhaps the rest of the header comes after what was looked at.
+            Err(_) if is_exr(&head) && look < length.min(MAX_HEADER) => look *= 8,
+            Err(_) if is_exr(&head) && look < length => {
+                return Err(format!("the header is longer than {} MiB, or damaged", MAX_HEADER >> 20));
+            }
+            Err(why) => return Err(why),
+        }
+    }
+}
+
+/// Where the header ends in a file's bytes.
+pub fn end(file: &[u8]) -> Result<usize, String> {
+    parts(file).map(|(_, end)| end)
+}
+
+fn check(file: &[u8], parts: &[Vec<Attribute>], length: u64) -> Result<(), String> {
     let flags = read_u32(file, 4)?;
     if flags & FLAG_TILED != 0 {
         return Err("tiled images are not read; save it as scan lines".into());
@@ -60,21 +93,17 @@ pub fn check(file: &[u8]) -> Result<(), String> {
         return Err("deep images are not read".into());
     }
     let mut pixel_bytes: u64 = 0;
-    for part in &parts {
+    for part in parts {
         pixel_bytes = pixel_bytes.saturating_add(check_part(file, part)?);
     }
-    let most = MAX_RATIO * file.len() as u64;
+    let most = MAX_RATIO.saturating_mul(length);
     if pixel_bytes > most {
         return Err(format!(
-            "the header asks for {pixel_bytes} bytes of pixels, but a file of {} bytes cannot hold more than {most}",
-            file.len()
+            "the header asks for {pixel_bytes} bytes of pixels, but a file of {length} bytes cannot hold more than \
+             {most}"
         ));
     }
-    // The decoder holds the pixels about once over; better an error here than an abort there.
-    let bytes = usize::try_from(pixel_bytes).map_err(|_| "more pixels than this machine can address")?;
-    Vec::<u8>::new()
-        .try_reserve_exact(bytes)
-        .map_err(|_| format!("{bytes} bytes of pixels do not fit into memory"))
+    Ok(())
 }
 
 /// Bytes of the part's pixels.
@@ -137,8 +166,8 @@ fn channel_bytes(list: &[u8]) -> Result<u64, String> {
     if count == 0 { Err("no channels".into()) } else { Ok(sum) }
 }
 
-/// The attributes of each part, in file order.
-fn parts(file: &[u8]) -> Result<Vec<Vec<Attribute>>, String> {
+/// The attributes of each part, in file order, and where the header ends.
+fn parts(file: &[u8]) -> Result<(Vec<Vec<Attribute>>, usize), String> {
     if !is_exr(file) {
         return Err(if file.is_empty() { "the file is empty" } else { "not an EXR file" }.into());
     }
@@ -153,8 +182,11 @@ fn parts(file: &[u8]) -> Result<Vec<Vec<Attribute>>, String> {
         }
         at += 1;
         parts.push(part);
-        if !several || byte(file, at)? == 0 {
-            return Ok(parts);
+        if !several {
+            return Ok((parts, at));
+        }
+        if byte(file, at)? == 0 {
+            return Ok((parts, at + 1));
         }
     }
 }

@@ -3,16 +3,18 @@
 //! Enters and leaves: bytes. The same parts give the same bytes, in every process. The codec never sees a path.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::io::{BufReader, Cursor, Read, Seek};
+use std::path::Path;
 
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds,
-    Layer, LayerAttributes, ReadChannels, ReadLayers, Text, Vec2, WritableImage, f16, read,
+    Layer, LayerAttributes, Text, Vec2, WritableImage, f16,
 };
 use smallvec::SmallVec;
 
 use super::exr_header;
+use super::image_blocks::Blocks;
+use crate::error::{Error, Result as FileResult, one_line};
 
 /// The values of a channel, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +25,20 @@ pub enum Samples {
     F16(Vec<f16>),
     /// UINT.
     U32(Vec<u32>),
+}
+
+impl Samples {
+    /// Adds values of the channel's type, in the machine's order of bytes.
+    pub(crate) fn extend(&mut self, bytes: &[u8]) {
+        let fours = || bytes.as_chunks::<4>().0.iter();
+        match self {
+            Samples::F32(list) => list.extend(fours().map(|four| f32::from_ne_bytes(*four))),
+            Samples::U32(list) => list.extend(fours().map(|four| u32::from_ne_bytes(*four))),
+            Samples::F16(list) => {
+                list.extend(bytes.as_chunks::<2>().0.iter().map(|two| f16::from_ne_bytes(*two)));
+            }
+        }
+    }
 }
 
 /// The value of an attribute.
@@ -121,66 +137,59 @@ pub(super) fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
 
-/// The parts of a file.
+/// The parts of a file, decoded block by block: in memory are the values and one block, never the file.
 ///
-/// Memory is bounded by the file's size: a header that asks for more than the file can hold is refused first.
-/// The codec checks most of what it reads; should a damaged file still trip one of its assertions, that is an
-/// error of the file too.
+/// Held by: `exports_of_a_large_table_stay_below_twice_its_memory` (tests/interchange_arrays.rs).
+pub fn load(path: &Path) -> FileResult<Vec<Part>> {
+    let file = super::open(path)?;
+    read(BufReader::new(file)).map_err(|why| Error::format(path, why))
+}
+
+/// The parts in the bytes of a file.
 pub fn decode(bytes: &[u8]) -> Result<Vec<Part>, String> {
+    read(Cursor::new(bytes))
+}
+
+/// The parts of what `source` holds.
+///
+/// Memory is bounded by the source's size: a header that asks for more than it can hold is refused first.
+pub fn read(source: impl Read + Seek) -> Result<Vec<Part>, String> {
     // Names of a damaged file reach the message: it stays one line.
-    decode_raw(bytes).map_err(|why| why.replace(char::is_control, "?"))
+    read_raw(source).map_err(|why| one_line(&why))
 }
 
-fn decode_raw(bytes: &[u8]) -> Result<Vec<Part>, String> {
-    exr_header::check(bytes)?;
-    let image = catch_unwind(AssertUnwindSafe(|| {
-        read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .all_channels()
-            .all_layers()
-            .all_attributes()
-            .non_parallel()
-            .pedantic()
-            .from_buffered(Cursor::new(bytes))
-    }))
-    .map_err(|_| "damaged: the decoder gave up")?
-    .map_err(|e| format!("damaged or cut off: {e}"))?;
-    image.layer_data.into_iter().map(part).collect()
-}
-
-fn part(layer: Layer<AnyChannels<FlatSamples>>) -> Result<Part, String> {
-    let name_of = |text: &Text| String::from_utf8_lossy(text.as_slice()).into_owned();
-    let mut channels = BTreeMap::new();
-    for channel in layer.channel_data.list {
-        let name = name_of(&channel.name);
-        let samples = match channel.sample_data {
-            FlatSamples::F32(values) => Samples::F32(values),
-            FlatSamples::F16(values) => Samples::F16(values),
-            FlatSamples::U32(values) => Samples::U32(values),
-        };
-        if channels.insert(name.clone(), samples).is_some() {
-            return Err(format!("channel `{name}` is there twice"));
+fn read_raw(source: impl Read + Seek) -> Result<Vec<Part>, String> {
+    let mut blocks = Blocks::open(source)?;
+    let mut parts = blocks.outlines().to_vec();
+    for part in &mut parts {
+        reserve(part)?;
+    }
+    for (index, part) in parts.iter_mut().enumerate() {
+        for number in 0..blocks.count(index) {
+            let block = blocks.read(index, number)?;
+            for (name, _, values) in block.lines() {
+                if let Some(samples) = part.channels.get_mut(name) {
+                    samples.extend(values);
+                }
+            }
         }
     }
-    let mut attributes = BTreeMap::new();
-    for (name, value) in &layer.attributes.other {
-        let value = match value {
-            AttributeValue::Text(text) => Attribute::Text(name_of(text)),
-            AttributeValue::F64(number) => Attribute::Number(*number),
-            AttributeValue::F32(number) => Attribute::Number(f64::from(*number)),
-            AttributeValue::I32(number) => Attribute::Number(f64::from(*number)),
-            _ => continue,
-        };
-        attributes.insert(name_of(name), value);
+    Ok(parts)
+}
+
+/// Room for all values: better an error here than an abort later.
+pub(crate) fn reserve(part: &mut Part) -> Result<(), String> {
+    let values = part.width.checked_mul(part.height).ok_or("more pixels than this machine can address")?;
+    let room = |samples: &mut Samples| match samples {
+        Samples::F32(list) => list.try_reserve_exact(values),
+        Samples::F16(list) => list.try_reserve_exact(values),
+        Samples::U32(list) => list.try_reserve_exact(values),
+    };
+    let channels = part.channels.len();
+    match part.channels.values_mut().try_for_each(room) {
+        Ok(()) => Ok(()),
+        Err(_) => Err(format!("{channels} channels of {values} values do not fit into memory")),
     }
-    Ok(Part {
-        name: layer.attributes.layer_name.as_ref().map(name_of),
-        width: layer.size.width(),
-        height: layer.size.height(),
-        channels,
-        attributes,
-    })
 }
 
 #[cfg(test)]
@@ -231,6 +240,28 @@ mod tests {
         assert_eq!((bytes[at], bytes[at + 1]), (0, b'c'));
         bytes[at] = b'x';
         assert!(decode(&bytes).expect_err("fused").contains("is there twice"));
+    }
+
+    #[test]
+    fn a_header_longer_than_the_first_look_is_read_whole() {
+        let mut part = sample();
+        part.set_text("long", &"µ".repeat(1 << 17));
+        let back = decode(&encode(vec![part.clone()]).expect("encodes")).expect("decodes");
+        assert_eq!(back, vec![part]);
+    }
+
+    #[test]
+    fn rows_in_another_block_s_place_are_refused() {
+        let mut bytes = encode(vec![sample()]).expect("encodes");
+        let table = super::exr_header::read(&mut Cursor::new(&bytes)).expect("a header").len();
+        // 40 rows are three blocks; the first two change places, then both places name the first.
+        let (first, second) = bytes[table..table + 16].split_at_mut(8);
+        first.swap_with_slice(second);
+        let why = decode(&bytes).expect_err("out of order");
+        assert!(why.contains("rows from 16 lie in the place of block 0"), "{why}");
+        bytes.copy_within(table + 8..table + 16, table);
+        let why = decode(&bytes).expect_err("twice");
+        assert!(why.contains("rows from 0 lie in the place of block 1"), "{why}");
     }
 
     #[test]

@@ -5,9 +5,9 @@ use std::io::{BufRead, Cursor, Seek};
 use exr::block::reader::ChunksReader;
 use exr::block::writer::ChunksWriter;
 use exr::block::{self, UncompressedBlock, enumerate_ordered_header_block_indices};
-use exr::meta::BlockDescription;
 use exr::meta::attribute::{ChannelDescription, LineOrder, SampleType};
 use exr::meta::header::Header;
+use exr::meta::{BlockDescription, Headers};
 use exr::prelude::{AttributeValue, Compression, ImageAttributes, IntegerBounds, LayerAttributes, Vec2};
 
 use super::exr_header;
@@ -21,9 +21,7 @@ pub type Row<'a> = (usize, &'a str, usize);
 ///
 /// Held by: `exr_parts_come_back_bit_for_bit` (tests/interchange_points.rs).
 pub fn encode(parts: &[Part], fill: impl Fn(Row, &mut [u8])) -> Result<Vec<u8>, String> {
-    let size = parts.first().map(|part| Vec2(part.width, part.height)).ok_or("no parts")?;
-    let shared = ImageAttributes::new(IntegerBounds::from_dimensions(size));
-    let headers = parts.iter().map(|part| header(part, &shared)).collect();
+    let headers = headers(parts)?;
     let names: Vec<Vec<&String>> = parts.iter().map(|part| part.channels.keys().collect()).collect();
     let mut out = Cursor::new(Vec::new());
     block::write(&mut out, headers, true, |meta, writer| {
@@ -44,6 +42,13 @@ pub fn encode(parts: &[Part], fill: impl Fn(Row, &mut [u8])) -> Result<Vec<u8>, 
     Ok(bytes)
 }
 
+/// The headers of a file with these parts.
+pub(super) fn headers(parts: &[Part]) -> Result<Headers, String> {
+    let size = parts.first().map(|part| Vec2(part.width, part.height)).ok_or("no parts")?;
+    let shared = ImageAttributes::new(IntegerBounds::from_dimensions(size));
+    Ok(parts.iter().map(|part| header(part, &shared)).collect())
+}
+
 fn header(part: &Part, shared: &ImageAttributes) -> Header {
     let channel = |(name, samples): (&String, &Samples)| {
         let kind = match samples {
@@ -54,7 +59,8 @@ fn header(part: &Part, shared: &ImageAttributes) -> Header {
         ChannelDescription::named(text(name), kind)
     };
     let name = text(part.name.as_deref().unwrap_or_default());
-    let mut attributes = LayerAttributes::named(name.clone());
+    let layer_name = part.name.as_ref().map(|_| name.clone());
+    let mut attributes = LayerAttributes { layer_name, ..LayerAttributes::default() };
     for (name, value) in &part.attributes {
         let value = match value {
             Attribute::Text(value) => AttributeValue::Text(text(value)),

@@ -152,6 +152,21 @@ impl Grid {
         (theta[stop / phi.len()], phi[stop % phi.len()])
     }
 
+    /// The same sensor at some of the stops, as a list; regions and directions of a stop stay what they are. Half
+    /// vectors are no stops: their grid is `None`.
+    ///
+    /// Held by: `bands_of_a_table_are_its_rows` (tests/large_tables.rs).
+    pub fn of_stops(&self, stops: impl IntoIterator<Item = usize>) -> Option<Grid> {
+        let listed = |stop: usize| <[f64; 2]>::from(self.stop_deg(stop));
+        let (theta_i_deg, phi_i_deg) = (Vec::new(), Vec::new());
+        (self.kind != GridKind::HalfDifference).then(|| Grid {
+            stops_deg: stops.into_iter().map(listed).collect(),
+            theta_i_deg,
+            phi_i_deg,
+            ..self.clone()
+        })
+    }
+
     /// The arms (wi, wo) of a half vector and a difference: unit vectors, either of which may lie below the horizon.
     ///
     /// wi = R_z(phi_h) R_y(theta_h) d, wo = 2 (wi.h) h - wi. Source: Rusinkiewicz 1998. Held by:

@@ -19,13 +19,23 @@ const MOST_LINES: usize = 1 << 26;
 /// Writes the totals with their errors.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     let mut writer = csv::Writer::from_writer(out);
-    let names = table.colour_names();
+    write_heading(&table.colour_names(), &mut writer)?;
+    write_lines(table, &mut writer)?;
+    Ok(writer.flush()?)
+}
+
+/// The first line.
+pub fn write_heading(names: &[String], writer: &mut csv::Writer<impl Write>) -> Result<(), Fail> {
     let mut heading: Vec<String> = ANGLES.iter().map(|name| name.to_string()).collect();
     heading.push("projected_solid_angle".into());
     heading.extend(names.iter().map(|name| name.to_string()));
     heading.extend(names.iter().map(|name| format!("stderr.{name}")));
     heading.push("hits".into());
-    writer.write_record(&heading).map_err(failed)?;
+    writer.write_record(&heading).map_err(failed)
+}
+
+/// The lines of a table, or of a band of it.
+pub fn write_lines(table: &BrdfTable, writer: &mut csv::Writer<impl Write>) -> Result<(), Fail> {
     let bins = table.grid.bins();
     for stop in 0..table.grid.stops() {
         let (theta_i, phi_i) = table.grid.stop_deg(stop);
@@ -42,7 +52,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
                 .map_err(failed)?;
         }
     }
-    Ok(writer.flush()?)
+    Ok(())
 }
 
 fn failed(error: csv::Error) -> Fail {
@@ -72,19 +82,37 @@ pub fn read_back(file: impl Read, table: &BrdfTable) -> Reason<Option<ReadBack>>
 
 /// Visits the samples of a file, and returns the number of colours.
 fn each_sample(file: impl Read, mut visit: impl FnMut(Sample) -> Reason<()>) -> Reason<usize> {
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
-    let heading = reader.headers().map_err(|e| one_line(&e))?.clone();
-    let column = |name: &str| heading.iter().position(|cell| cell == name);
-    let need = |name: &str| column(name).ok_or_else(|| format!("no column `{name}`"));
-    let mut columns = ANGLES.iter().map(|name| need(name)).collect::<Reason<Vec<usize>>>()?;
-    match (column("Y"), column("R")) {
-        (Some(y), None) => columns.push(y),
-        (None, Some(_)) => {
-            columns.extend(["R", "G", "B"].iter().map(|name| need(name)).collect::<Reason<Vec<_>>>()?)
+    let mut lines = Lines::open(file)?;
+    let colours = lines.columns.len() - ANGLES.len();
+    lines.try_for_each(|sample| visit(sample?))?;
+    Ok(colours)
+}
+
+/// The samples of a file, line by line.
+pub struct Lines<R> {
+    records: csv::StringRecordsIntoIter<R>,
+    columns: Vec<usize>,
+}
+
+impl<R: Read> Lines<R> {
+    /// Reads the heading.
+    pub fn open(file: R) -> Reason<Self> {
+        let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
+        let heading = reader.headers().map_err(|e| one_line(&e))?.clone();
+        let column = |name: &str| heading.iter().position(|cell| cell == name);
+        let need = |name: &str| column(name).ok_or_else(|| format!("no column `{name}`"));
+        let mut columns = ANGLES.iter().map(|name| need(name)).collect::<Reason<Vec<usize>>>()?;
+        match (column("Y"), column("R")) {
+            (Some(y), None) => columns.push(y),
+            (None, Some(_)) => {
+                columns.extend(["R", "G", "B"].iter().map(|name| need(name)).collect::<Reason<Vec<_>>>()?)
+            }
+            _ => return Err("a column `Y` or columns `R`, `G`, `B` needed".into()),
         }
-        _ => return Err("a column `Y` or columns `R`, `G`, `B` needed".into()),
+        Ok(Lines { records: reader.into_records(), columns })
     }
-    for record in reader.records() {
+
+    fn sample(&self, record: csv::Result<csv::StringRecord>) -> Reason<Sample> {
         let record = record.map_err(|e| one_line(&e))?;
         let line = record.position().map_or(0, |at| at.line());
         let number = |&column: &usize| {
@@ -92,14 +120,22 @@ fn each_sample(file: impl Read, mut visit: impl FnMut(Sample) -> Reason<()>) -> 
             let value: f64 = cell.parse().map_err(|_| format!("line {line}: `{cell}` is no number"))?;
             if value.is_finite() { Ok(value) } else { Err(format!("line {line}: {value} is not finite")) }
         };
-        let numbers = columns.iter().map(number).collect::<Reason<Vec<f64>>>()?;
+        let numbers = self.columns.iter().map(number).collect::<Reason<Vec<f64>>>()?;
         // Rounded as a table holds it: what f32 cannot hold is infinite there.
         if let Some(value) = numbers[4..].iter().find(|v| !((**v as f32).is_finite() && **v >= 0.0)) {
             return Err(format!("line {line}: {value} is no BRDF value (not negative, at most 3.4e38)"));
         }
-        visit(Sample::of(&numbers))?;
+        Ok(Sample::of(&numbers))
     }
-    Ok(columns.len() - 4)
+}
+
+impl<R: Read> Iterator for Lines<R> {
+    type Item = Reason<Sample>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let record = self.records.next()?;
+        Some(self.sample(record))
+    }
 }
 
 fn one_line(error: &csv::Error) -> String {

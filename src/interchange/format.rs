@@ -80,6 +80,16 @@ impl Format {
         matches!(self, Format::Zemax | Format::Pabopto)
     }
 
+    /// Whether a table larger than memory is written in it, a band of stops after the other.
+    pub fn goes_by_rows(self) -> bool {
+        matches!(self, Format::Npy | Format::Csv)
+    }
+
+    /// Whether the file holds totals alone: no error bars, no orders.
+    pub fn holds_totals_alone(self) -> bool {
+        !matches!(self, Format::Npz | Format::Csv | Format::ExrParts | Format::Merl)
+    }
+
     /// Whether the file can hold more colours than R, G and B.
     pub fn holds_wavelengths(self) -> bool {
         matches!(self, Format::Npz | Format::Npy)

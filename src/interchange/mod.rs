@@ -6,6 +6,7 @@
 
 pub mod astm;
 mod axis;
+mod by_rows;
 mod colour;
 pub mod csv;
 pub mod export;
@@ -33,6 +34,7 @@ pub mod utia;
 mod warp;
 pub mod zemax;
 
+pub use by_rows::export_rows;
 pub use export::{Export, Exported, export};
 pub use format::{Format, Options};
 pub use import::{Imported, decode, import};

@@ -7,6 +7,7 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 
 use super::Reason;
+use crate::error::one_line;
 
 /// Elements deeper than any such file has.
 const DEEPEST: usize = 32;
@@ -167,7 +168,7 @@ pub fn short(text: &str) -> String {
 }
 
 fn flat(error: &quick_xml::Error) -> String {
-    error.to_string().escape_debug().to_string()
+    one_line(&error.to_string())
 }
 
 impl Document {

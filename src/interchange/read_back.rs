@@ -136,20 +136,52 @@ impl<'a> Listing<'a> {
 
     /// The measures; `None` as for [`read_back`]. Values that are missing, or are there twice, are a reason.
     pub fn finish(self) -> Reason<Option<ReadBack>> {
-        let (bins, wanted) = (self.table.hits.len(), self.table.hits.len() * self.table.colours.len());
-        if self.count != wanted {
-            return Err(format!("{} values, {wanted} needed", self.count));
+        let mut held = Held::default();
+        held.join(self)?;
+        Ok(held.read_back())
+    }
+}
+
+/// What the bands of a table showed, one after the other.
+#[derive(Default)]
+pub struct Held {
+    /// Distance over sum of every stop and colour with light.
+    ratios: Vec<f64>,
+    worst: f64,
+    /// Stop and bin of the worst, degrees.
+    place: [(f64, f64); 2],
+    bins: usize,
+}
+
+impl Held {
+    /// Takes in a band that was read to its end.
+    pub fn join(&mut self, band: Listing) -> Reason<()> {
+        let grid = &band.table.grid;
+        let bins = grid.stops() * grid.bins();
+        let wanted = bins * band.table.colours.len();
+        if band.count != wanted {
+            return Err(format!("{} values, {wanted} needed", band.count));
         }
-        let lit = self.sums.iter().filter(|sums| sums[2] > 0.0);
-        let ratios: Vec<f64> = lit.map(|[_, distance, sum]| distance / sum).collect();
-        let (worst, stop, bin) = self.worst;
-        Ok((!ratios.is_empty()).then(|| ReadBack {
-            l1: ratios.iter().sum::<f64>() / ratios.len() as f64,
-            worst,
-            worst_stop_deg: self.table.grid.stop_deg(stop),
-            worst_bin_deg: middle_deg(&self.table.grid.regions(stop)[bin]),
-            bins,
-        }))
+        let lit = band.sums.iter().filter(|sums| sums[2] > 0.0);
+        self.ratios.extend(lit.map(|[_, distance, sum]| distance / sum));
+        let (worst, stop, bin) = band.worst;
+        if self.bins == 0 || worst > self.worst {
+            self.worst = worst;
+            self.place = [grid.stop_deg(stop), middle_deg(&grid.regions(stop)[bin])];
+        }
+        self.bins += bins;
+        Ok(())
+    }
+
+    /// The measures; `None` as for [`read_back`].
+    pub fn read_back(self) -> Option<ReadBack> {
+        (!self.ratios.is_empty()).then(|| ReadBack {
+            l1: self.ratios.iter().sum::<f64>() / self.ratios.len() as f64,
+            worst: self.worst,
+            worst_stop_deg: self.place[0],
+            worst_bin_deg: self.place[1],
+            bins: self.bins,
+        })
     }
 }
 

@@ -69,6 +69,15 @@ pub fn held_to(
     digits: f64,
     visit: impl FnOnce(&mut dyn FnMut(Sample) -> Reason<()>) -> Reason<()>,
 ) -> Reason<Option<ReadBack>> {
+    listed(table, digits, visit)?.finish()
+}
+
+/// The same as a listing, for tables of which this is a band.
+pub fn listed<'a>(
+    table: &'a BrdfTable,
+    digits: f64,
+    visit: impl FnOnce(&mut dyn FnMut(Sample) -> Reason<()>) -> Reason<()>,
+) -> Reason<Listing<'a>> {
     let (grid, bins) = (&table.grid, table.grid.bins());
     let (mut listing, mut count, mut regions) = (Listing::new(table), 0, Vec::new());
     let mut each = |sample: Sample| {
@@ -97,7 +106,7 @@ pub fn held_to(
         Ok(())
     };
     visit(&mut each)?;
-    listing.finish()
+    Ok(listing)
 }
 
 /// The stops as axes where they are a product.

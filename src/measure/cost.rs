@@ -31,18 +31,20 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Adds what another machine has cost: times and work add up, threads and memory are the most that one had.
-    pub(super) fn add(&mut self, other: &Cost) {
-        self.wall_s += other.wall_s;
-        self.cpu_s += other.cpu_s;
-        self.synthesis_s += other.synthesis_s;
-        self.tracing_s += other.tracing_s;
-        self.tracing_cpu_s += other.tracing_cpu_s;
-        self.threads = self.threads.max(other.threads);
-        self.samples += other.samples;
-        self.rays_traced += other.rays_traced;
-        self.rays_skipped += other.rays_skipped;
-        self.peak_bytes = self.peak_bytes.max(other.peak_bytes);
+    /// This and a run after it, or beside it on another machine.
+    pub fn plus(self, next: Cost) -> Cost {
+        Cost {
+            wall_s: self.wall_s + next.wall_s,
+            cpu_s: self.cpu_s + next.cpu_s,
+            synthesis_s: self.synthesis_s + next.synthesis_s,
+            tracing_s: self.tracing_s + next.tracing_s,
+            tracing_cpu_s: self.tracing_cpu_s + next.tracing_cpu_s,
+            threads: next.threads,
+            samples: self.samples + next.samples,
+            rays_traced: self.rays_traced + next.rays_traced,
+            rays_skipped: self.rays_skipped + next.rays_skipped,
+            peak_bytes: self.peak_bytes.max(next.peak_bytes),
+        }
     }
 }
 

@@ -18,9 +18,10 @@ const NS_PER_FACET: f64 = 2.5;
 const NS_PER_SWEPT_CELL: [f64; 2] = [6.9, 4.5];
 /// Lanes' copy, layout for sweeps and digest of a patch.
 const NS_PER_MOUNTED_CELL: f64 = 30.0;
-/// The index of the facets; and a start on a wanted facet, its rays included.
+/// The index of the facets; a start on a wanted facet, its rays included; the choice of a start by slope.
 const NS_PER_INDEXED_CELL: f64 = 25.0;
 const NS_PER_WANTED_START: f64 = 260.0;
+const NS_PER_START_BY_SLOPE: f64 = 40.0;
 /// A step of the statistical surface's walk.
 const NS_PER_WALK: f64 = 150.0;
 
@@ -36,29 +37,54 @@ const INDEX: u128 = 12;
 /// Sums of turned areas, of a thread without a sweep.
 const SUMS: u128 = 2;
 
+/// What a run takes, bytes.
+pub(super) struct Memory {
+    /// Patches in flight or kept, what is made of them, tallies.
+    pub shared: u128,
+    /// Records and tables of each stop.
+    pub stop: u128,
+    /// What is made of each stop when the table is written: directions and predictions.
+    pub written: u128,
+}
+
+impl Memory {
+    /// All stops at once.
+    pub fn whole(&self, plan: &Plan) -> u128 {
+        self.shared.saturating_add(self.stop.saturating_mul(plan.measured.len() as u128))
+    }
+
+    /// A band of stops at a time.
+    pub fn banded(&self, stops: usize) -> u128 {
+        self.shared.saturating_add((self.stop + self.written).saturating_mul(stops as u128))
+    }
+}
+
 /// Patches in flight or kept, what is made of them, tallies and tables; bytes.
-pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> u128 {
+pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let threads = rayon::current_num_threads() as u128;
     let cells = cells(campaign) as u128;
     let lanes = if campaign.trace.visibility { LANES } else { 0 };
-    let mounted = HEIGHTS + lanes + if plan.indexed { INDEX } else { 0 };
-    let layout = if plan.sweeps && !plan.indexed { LAYOUT } else { 0 };
+    let sorted = plan.indexed || plan.by_slope;
+    let mounted = HEIGHTS + lanes + if sorted { INDEX } else { 0 };
+    let layout = if plan.sweeps && !sorted { LAYOUT } else { 0 };
     let rounds = campaign.stop.relative_error.is_some() || campaign.stop.seconds.is_some();
     // Patches that are looked at again are all kept.
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
     let surface = kept * mounted + threads * synthesis.max(layout + SUMS);
-    let entries = (plan.measured.len() as u128) * (plan.bins as u128);
+    let bins = plan.bins as u128;
     // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
     // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.
     let sums = (1 + plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
     let (realisations, roughnesses) = (u128::from(plan.realisations), campaign.alphas().len() as u128);
-    let records = 2 * entries * realisations * roughnesses * (8 + 16 * sums);
-    let tallies = 4 * threads * plan.bins as u128 * (8 + 16 * sums);
+    let records = 2 * bins * realisations * roughnesses * (8 + 16 * sums);
+    let tallies = 4 * threads * bins * (8 + 16 * sums);
     let kept = if plan.weighing.serves_any_f0() { sums * plan.tables as u128 } else { 0 };
     let colours = (plan.colours as u128) * roughnesses;
-    let files = entries * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);
-    cells * surface + records + tallies + files
+    let files = bins * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);
+    // Projected solid angles; means of each colour with three maskings; the same as bands are examined one by one.
+    let written = bins * 8 * (1 + 3 * colours);
+    Memory { shared: cells * surface + tallies, stop: records + files, written }
 }
 
 /// Cells of a patch; of a measured map at most one for each byte of its file.
@@ -94,7 +120,7 @@ pub(super) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
     if random && !matches!(campaign.surface.kind, SurfaceKind::Beckmann { .. }) {
         patch += NS_PER_SYNTHESISED_CELL;
     }
-    if plan.indexed {
+    if plan.indexed || plan.by_slope {
         patch += NS_PER_INDEXED_CELL;
     }
     0.5e-9 * f64::from(plan.realisations) * (tracing + patch * cells)
@@ -104,7 +130,8 @@ pub(super) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
 fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
     let heights = heights(campaign);
     let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
-    let swept = |&stop: &usize| !plan.indexed && is_swept(campaign, plan, stop, heights, alpha);
+    let swept =
+        |&stop: &usize| !plan.indexed && !plan.by_slope && is_swept(campaign, plan, stop, heights, alpha);
     let together = (0..plan.stops).filter(swept).count() / plan.grid.azimuths();
     let block = |stop: usize| block(campaign, plan, stop, alpha, swept(&stop).then_some(together.max(1)));
     plan.blocks as f64 * plan.measured.iter().copied().map(block).sum::<f64>()
@@ -139,6 +166,7 @@ fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2, toge
             let [shared, own] = NS_PER_SWEPT_CELL;
             path + (cells + cells.sqrt() * run_in) * (shared / stops as f64 + own)
         }
+        None if plan.by_slope => path + starts * (to_light + NS_PER_START_BY_SLOPE),
         None => path + starts * to_light + 2.0 * cells * NS_PER_FACET,
     }
 }

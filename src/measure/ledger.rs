@@ -36,6 +36,8 @@ pub struct Heading {
     pub shard: Option<Shard>,
     /// Blocks per stop and realisation.
     blocks: u64,
+    /// Whether starts go by slope, which follows from how many there are.
+    by_slope: bool,
     pub(super) digests: Vec<Option<[u8; 32]>>,
     cost: Cost,
 }
@@ -76,7 +78,7 @@ impl Ledger {
         for (mine, theirs) in self.digests.iter_mut().zip(other.digests) {
             *mine = mine.or(theirs);
         }
-        self.cost.add(&other.cost);
+        self.cost = std::mem::take(&mut self.cost).plus(other.cost);
         Ok(())
     }
 
@@ -100,6 +102,7 @@ impl Ledger {
             number,
             shard: plan.shard,
             blocks: plan.blocks,
+            by_slope: plan.by_slope,
             digests: self.digests.clone(),
             cost: self.cost.clone(),
         };
@@ -173,7 +176,10 @@ impl Kept {
 
     /// The ledger, for a campaign that it has no faults with; else what is wrong with the sums.
     pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<Ledger, String> {
-        let Kept { heading: Heading { blocks, mut digests, cost, .. }, mut tables } = self;
+        let Kept { heading: Heading { blocks, by_slope, mut digests, cost, .. }, mut tables } = self;
+        if by_slope != plan.by_slope {
+            return Err("so many samples start in another order on the facets than these did".into());
+        }
         if blocks > plan.blocks || digests.len() > plan.realisations as usize {
             return Err("more blocks or patches than were asked for".into());
         }

@@ -9,7 +9,7 @@ const DEFAULT_LIMIT: u64 = 4 << 30;
 /// schedulers and containers set it).
 ///
 /// Held by: row 93 of `tests/bad_inputs.rs`.
-pub(super) fn memory_limit() -> u64 {
+pub fn memory_limit() -> u64 {
     let limits = [available(), address_space_left(), control_group()];
     limits.into_iter().flatten().min().map_or(DEFAULT_LIMIT, |bytes| bytes / 2)
 }

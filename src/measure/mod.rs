@@ -2,6 +2,7 @@
 
 pub mod arms;
 pub mod assemble;
+pub mod bands;
 mod block;
 mod blocks;
 mod checkpoint;
@@ -30,8 +31,9 @@ pub use assemble::{Measured, StopResult};
 pub use checkpoint::{Checkpoint, Found};
 pub use cost::Cost;
 pub use ledger::{Kept, Ledger};
+pub use memory_limit::memory_limit;
 pub use patches::{Patch, Patches, Specimen};
-pub use plan::{Plan, plan, plan_of};
+pub use plan::{Plan, plan, plan_of, plan_within};
 pub use run::{go_on, measure, tables};
 pub use session::Session;
 pub use shards::{Shard, Shards};

@@ -216,25 +216,16 @@ fn agree(first: &(Shard, PathBuf, Kept), other: &(Shard, PathBuf, Kept)) -> Resu
     }
 }
 
-/// The part of a plan that some of its stops are, for tables with these alone.
-pub fn partial(plan: &Plan, stops: &[usize]) -> Plan {
-    let directions: Vec<(f64, f64)> = stops.iter().map(|&stop| plan.grid.stop_deg(stop)).collect();
-    let mut grid = plan.grid.clone();
-    if grid.azimuths() == 1 {
-        grid.phi_i_deg = vec![directions.first().map_or(0.0, |direction| direction.1)];
-        grid.theta_i_deg = directions.iter().map(|direction| direction.0).collect();
-        grid.stops_deg = Vec::new();
-    } else {
-        (grid.theta_i_deg, grid.phi_i_deg) = (Vec::new(), Vec::new());
-        grid.stops_deg = directions.iter().map(|&(theta, phi)| [theta, phi]).collect();
-    }
-    Plan {
-        grid,
+/// The part of a plan that some of its stops are, for tables with these alone; `None` for half vectors.
+pub fn partial(plan: &Plan, stops: &[usize]) -> Option<Plan> {
+    Some(Plan {
+        grid: plan.grid.of_stops(stops.iter().copied())?,
         stops: stops.len(),
+        band_stops: stops.len(),
         folded: stops.iter().map(|&stop| plan.folded[stop]).collect(),
         measured: (0..stops.len()).collect(),
         ..plan.clone()
-    }
+    })
 }
 
 #[cfg(test)]

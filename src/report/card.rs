@@ -4,6 +4,7 @@
 use serde_json::Value;
 
 use crate::error::Result;
+use crate::instrument::Grid;
 use crate::table::{BrdfTable, store};
 
 /// Bins below this share of their stop's peak do not count for the quality, as in `stop.relative_error`.
@@ -24,27 +25,82 @@ pub struct Quality {
 ///
 /// Held by: `quality_is_the_median_error_of_the_bright_bins`.
 pub fn quality(table: &BrdfTable) -> Option<Quality> {
-    let bins = table.grid.bins();
-    let (mut all, mut worst) = (Vec::new(), (0, 0.0));
-    for stop in 0..table.grid.stops() {
-        let mut here = Vec::new();
-        for colour in &table.colours {
-            let values = &colour.total[stop * bins..][..bins];
-            let peak = values.iter().fold(0.0f32, |peak, &value| peak.max(value));
-            for (k, &value) in values.iter().enumerate() {
-                let (value, se) = (f64::from(value), f64::from(colour.stderr[stop * bins + k]));
-                if value > COUNTED_ABOVE * f64::from(peak) && se >= 0.0 {
-                    here.push(se / value);
+    let mut errors = Errors::new(&table.grid, table.colours.len());
+    errors.add(table, 0);
+    errors.quality()
+}
+
+/// Values beyond which their median is that of classes.
+const MOST_VALUES: usize = 1 << 22;
+
+/// Relative errors of the counted bins, stop by stop. Of a large table they are counted in classes a 4096th wide, from
+/// which the median follows to that.
+struct Errors {
+    values: Vec<f64>,
+    classes: Vec<u64>,
+    worst: (usize, f64),
+    bins: (usize, usize),
+}
+
+impl Errors {
+    fn new(grid: &Grid, colours: usize) -> Self {
+        let all = grid.stops() * grid.bins() * colours;
+        let classes = if all > MOST_VALUES { vec![0; 1 << CLASS_BITS] } else { vec![] };
+        Errors { values: Vec::new(), classes, worst: (0, 0.0), bins: (0, all) }
+    }
+
+    fn add(&mut self, band: &BrdfTable, first_stop: usize) {
+        let bins = band.grid.bins();
+        for stop in 0..band.grid.stops() {
+            let mut here = Vec::new();
+            for colour in &band.colours {
+                let values = &colour.total[stop * bins..][..bins];
+                let peak = values.iter().fold(0.0f32, |peak, &value| peak.max(value));
+                for (k, &value) in values.iter().enumerate() {
+                    let (value, se) = (f64::from(value), f64::from(colour.stderr[stop * bins + k]));
+                    if value > COUNTED_ABOVE * f64::from(peak) && se >= 0.0 {
+                        here.push(se / value);
+                    }
                 }
             }
+            if let Some(median) = upper_median(&mut here).filter(|&median| median > self.worst.1) {
+                self.worst = (first_stop + stop, median);
+            }
+            self.bins.0 += here.len();
+            if self.classes.is_empty() {
+                self.values.append(&mut here);
+            } else {
+                here.iter().for_each(|&error| self.classes[class_of(error)] += 1);
+            }
         }
-        if let Some(median) = upper_median(&mut here).filter(|&median| median > worst.1) {
-            worst = (stop, median);
-        }
-        all.append(&mut here);
     }
-    let bins = (all.len(), table.grid.stops() * bins * table.colours.len());
-    upper_median(&mut all).map(|median| Quality { median, worst, bins })
+
+    fn quality(mut self) -> Option<Quality> {
+        let median = if self.classes.is_empty() {
+            upper_median(&mut self.values)
+        } else {
+            let mut below = 0;
+            let middle = self.classes.iter().position(|&count| {
+                below += count;
+                below > self.bins.0 as u64 / 2
+            });
+            middle.map(value_of)
+        };
+        median.map(|median| Quality { median, worst: self.worst, bins: self.bins })
+    }
+}
+
+/// Exponent and first bits of an f32, which order positive numbers: 8 and 12 bits.
+const CLASS_BITS: u32 = 20;
+
+fn class_of(error: f64) -> usize {
+    ((error as f32).to_bits() >> (31 - CLASS_BITS)) as usize
+}
+
+/// The middle of a class.
+fn value_of(class: usize) -> f64 {
+    let bits = (class as u32) << (31 - CLASS_BITS) | 1 << (30 - CLASS_BITS);
+    f64::from(f32::from_bits(bits))
 }
 
 fn upper_median(values: &mut [f64]) -> Option<f64> {
@@ -52,39 +108,71 @@ fn upper_median(values: &mut [f64]) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
+/// What a card says of the values, gathered in bands of stops.
+pub struct Facts {
+    errors: Errors,
+    /// Bins without arrivals, and all.
+    empty: (usize, usize),
+    names: String,
+}
+
+impl Facts {
+    /// Of a table of all stops of `grid`.
+    pub fn new(grid: &Grid, colours: usize) -> Self {
+        Facts { errors: Errors::new(grid, colours), empty: (0, 0), names: String::new() }
+    }
+
+    /// Takes the next stops.
+    pub fn add(&mut self, band: &BrdfTable, first_stop: usize) {
+        self.errors.add(band, first_stop);
+        self.empty.0 += band.hits.iter().filter(|&&hits| hits == 0).count();
+        self.empty.1 += band.hits.len();
+        self.names = band.colour_names().join(" ");
+    }
+}
+
 /// The card of a table; `summary` is its summary document, of which null fields are left out. Errors: those of
 /// encoding the table for its digest.
 pub fn card(table: &BrdfTable, summary: &Value) -> Result<String> {
+    let mut facts = Facts::new(&table.grid, table.colours.len());
+    facts.add(table, 0);
+    Ok(card_of(table, &store::digest(table)?, facts, summary))
+}
+
+/// The card of a table from its heading, its digest, and what was gathered of its values.
+pub fn card_of(heading: &BrdfTable, digest: &str, facts: Facts, summary: &Value) -> String {
     let name = summary["name"].as_str().unwrap_or("table");
     let mut lines = vec![format!("# {name}: a measured BRDF table"), String::new()];
     lines.extend(["| | |".into(), "|---|---|".into()]);
-    let rows = [facts(table)?, summarised(summary), goodness(table, summary)].concat();
+    let (names, empty) = (facts.names.clone(), facts.empty);
+    let quality = facts.errors.quality();
+    let rows =
+        [said_of(heading, digest, &names), summarised(summary), goodness(heading, quality, summary)].concat();
     lines.extend(rows.iter().map(|(what, text)| format!("| {what} | {text} |")));
     lines.extend([String::new(), "## What it is not".into(), String::new()]);
-    lines.extend(limits(table, summary).iter().map(|limit| format!("- {limit}")));
+    lines.extend(limits(empty, summary).iter().map(|limit| format!("- {limit}")));
     lines.extend([String::new(), "## How it was made".into(), String::new()]);
     lines.push("`gonio measure` of this campaign gives the same bytes with the same version:".into());
-    lines.extend([String::new(), "```toml".into(), table.campaign.trim_end().into(), "```".into()]);
-    Ok(lines.join("\n") + "\n")
+    lines.extend([String::new(), "```toml".into(), heading.campaign.trim_end().into(), "```".into()]);
+    lines.join("\n") + "\n"
 }
 
 type Row = (&'static str, String);
 
-fn facts(table: &BrdfTable) -> Result<Vec<Row>> {
+fn said_of(table: &BrdfTable, digest: &str, colours: &str) -> Vec<Row> {
     let (stops, bins) = (table.grid.stops(), table.grid.bins());
-    let colours = table.colour_names().join(" ");
     let mut rows = vec![
         ("what", "BRDF without cosine, 1/sr, mean over each bin, with standard errors and hits".into()),
         ("size", format!("{stops} positions of the light x {bins} bins, channels {colours}")),
         ("convention", store::CONVENTION_TEXT.into()),
         ("program", format!("gonio {}", table.version)),
         ("seed", table.seed.to_string()),
-        ("table SHA-256", format!("`{}` (attribute `gonio.digest`)", store::digest(table)?)),
+        ("table SHA-256", format!("`{digest}` (attribute `gonio.digest`)")),
     ];
     if !table.patch_digest.is_empty() {
         rows.push(("patches SHA-256", format!("`{}`", table.patch_digest)));
     }
-    Ok(rows)
+    rows
 }
 
 /// What only the summary knows: samples, cost.
@@ -108,9 +196,9 @@ fn summarised(summary: &Value) -> Vec<Row> {
     rows
 }
 
-fn goodness(table: &BrdfTable, summary: &Value) -> Vec<Row> {
+fn goodness(table: &BrdfTable, quality: Option<Quality>, summary: &Value) -> Vec<Row> {
     let mut rows = Vec::new();
-    if let Some(Quality { median, worst: (stop, worst), bins: (counted, all) }) = quality(table) {
+    if let Some(Quality { median, worst: (stop, worst), bins: (counted, all) }) = quality {
         rows.push((
             "quality",
             format!(
@@ -138,15 +226,14 @@ fn position(table: &BrdfTable, stop: usize) -> String {
     format!("theta_i {theta}, phi_i {phi}")
 }
 
-fn limits(table: &BrdfTable, summary: &Value) -> Vec<String> {
-    let empty = table.hits.iter().filter(|&&hits| hits == 0).count();
+fn limits((empty, all): (usize, usize), summary: &Value) -> Vec<String> {
     let mut limits = vec![
         "Geometric optics: facets are flat mirrors, without diffraction or interference.".into(),
         "Values are means over bins, not values at their centres; compare them with means.".into(),
         "Error bars come from the spread of independent realisations; they do not hold what the surface's grid does \
          to the steepest slopes (README, limits of validity)."
             .into(),
-        format!("{empty} of {} bins had no arrival: value 0, error the BRDF of 1.5 arrivals.", table.hits.len()),
+        format!("{empty} of {all} bins had no arrival: value 0, error the BRDF of 1.5 arrivals."),
     ];
     if summary["surface"].is_object() {
         let why =
@@ -166,6 +253,21 @@ fn limits(table: &BrdfTable, summary: &Value) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn classes_of_errors_keep_their_order_and_a_4096th() {
+        let mut before = 0;
+        for k in 0..60_000 {
+            let error = 1e-9 * 1.0005f64.powi(k);
+            let class = class_of(error);
+            // Half of a 4096th, and the rounding to f32.
+            assert!(
+                class >= before && (value_of(class) / error - 1.0).abs() < 1.0 / 8192.0 + 1e-7,
+                "{error}"
+            );
+            before = class;
+        }
+    }
     use crate::instrument::Grid;
     use crate::instrument::grid::GridKind;
     use crate::table::ColourChannels;

@@ -14,7 +14,9 @@ pub mod slices;
 pub mod specimen;
 pub mod summary;
 pub mod terminal;
+pub mod thinned;
 
-pub use card::card;
+pub use card::{Facts, card, card_of};
 pub use page::{Page, page};
 pub use slices::Scene;
+pub use thinned::{thinned, thinned_summary};

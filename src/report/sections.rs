@@ -389,7 +389,14 @@ pub fn reduced(page: &Page, inlined: Option<&Inline>) -> String {
             escaped(&notes.join("; "))
         ),
     };
-    format!("{notes}{spots}")
+    let thinned = match page.summary["page_stops"].as_array().map(Vec::as_slice) {
+        Some([kept, all]) => format!(
+            "<p id=\"thinned\">The table is larger than this page can hold: plots, pictures and the figures by position \
+             are of {kept} of its {all} positions of the light. Means over positions are of all of them.</p>"
+        ),
+        _ => String::new(),
+    };
+    format!("{thinned}{notes}{spots}")
 }
 
 /// Version and conventions.

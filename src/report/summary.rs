@@ -45,7 +45,22 @@ pub fn of_table(
     surface: Option<&Surface>,
     verdict: Option<&Verdict>,
 ) -> Value {
-    let stops: Vec<Value> = (0..table.grid.stops()).map(|stop| table_stop(table, stop)).collect();
+    of_stops(name, table, surface, verdict, stops_of(table))
+}
+
+/// The stops of a table, or of a band of it, as its summary has them.
+pub fn stops_of(table: &BrdfTable) -> Vec<Value> {
+    (0..table.grid.stops()).map(|stop| table_stop(table, stop)).collect()
+}
+
+/// The same from the heading of a table and what its stops say.
+pub fn of_stops(
+    name: &str,
+    table: &BrdfTable,
+    surface: Option<&Surface>,
+    verdict: Option<&Verdict>,
+    stops: Vec<Value>,
+) -> Value {
     json!({
         "name": name,
         "seed": table.seed,

@@ -85,6 +85,36 @@ impl BrdfTable {
         self.colours.iter().enumerate().map(name).collect()
     }
 
+    /// The same table on another grid, without its values: what it is called and made of.
+    pub fn heading(&self, grid: &Grid) -> Self {
+        let empty = |colour: &ColourChannels| ColourChannels {
+            orders: vec![Vec::new(); colour.orders.len()],
+            wavelength_nm: colour.wavelength_nm,
+            ..ColourChannels::default()
+        };
+        BrdfTable {
+            grid: grid.clone(),
+            campaign: self.campaign.clone(),
+            version: self.version.clone(),
+            seed: self.seed,
+            patch_digest: self.patch_digest.clone(),
+            colours: self.colours.iter().map(empty).collect(),
+            hits: Vec::new(),
+            schlick: None,
+        }
+    }
+
+    /// The table without everything but totals and hits: what readers of values alone need, a third of the memory or
+    /// less. It cannot be stored.
+    pub fn totals_alone(self) -> Self {
+        let total = |colour: ColourChannels| ColourChannels {
+            total: colour.total,
+            wavelength_nm: colour.wavelength_nm,
+            ..ColourChannels::default()
+        };
+        BrdfTable { colours: self.colours.into_iter().map(total).collect(), schlick: None, ..self }
+    }
+
     /// Whether orders above 1 have channels of their own.
     pub fn is_by_order(&self) -> bool {
         self.colours.iter().any(|colour| !colour.orders.is_empty())
@@ -134,7 +164,32 @@ impl ColourChannels {
     }
 }
 
+impl Realisations {
+    /// Adds the stops of the next band to every part.
+    pub fn append(&mut self, next: Realisations) {
+        if self.parts.is_empty() {
+            *self = next;
+            return;
+        }
+        for (mine, theirs) in self.parts.iter_mut().zip(next.parts) {
+            let lists = mine.total.iter_mut().chain(&mut mine.single);
+            lists.zip(theirs.total.into_iter().chain(theirs.single)).for_each(|(a, b)| a.extend(b));
+            if let (Some(mine), Some(theirs)) = (&mut mine.schlick, theirs.schlick) {
+                mine.append(theirs);
+            }
+        }
+    }
+}
+
 impl SchlickSums {
+    /// Adds the sums of further stops.
+    fn append(&mut self, next: SchlickSums) {
+        self.unit.extend(next.unit);
+        self.first.extend(next.first);
+        let parts = self.further.iter_mut().flatten();
+        parts.zip(next.further.into_iter().flatten()).for_each(|(a, b)| a.extend(b));
+    }
+
     /// The channels that hold the sums: `schlick`, `unit`, and `parts.0`, ... of all orders above 1 together, or
     /// `order2.parts.0`, ... of each.
     pub fn channels(&self, by_order: bool) -> Vec<(String, &Vec<f32>)> {

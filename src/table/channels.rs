@@ -1,13 +1,13 @@
 //! What the table's files have in common: checks of grid and values, channels in and out, the digest.
 
-use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
 
-use crate::files;
 use crate::files::image::{Part, Samples};
 use crate::instrument::Grid;
 use crate::instrument::grid::GridKind;
 
 use super::brdf_table::named_wavelength;
+use super::content_digest::ContentDigest;
 use super::{BrdfTable, SchlickSums};
 
 /// Name of the grid's attribute.
@@ -126,31 +126,93 @@ pub(super) fn read_grid(part: &Part) -> Reason<Grid> {
     Err(format!("{GRID} says {stops} stops and {bins} bins, the image is {width} wide and {height} high"))
 }
 
+/// A table's channel where it lies.
+#[derive(Clone, Copy)]
+pub(super) enum Plane<'a> {
+    /// FLOAT.
+    F32(&'a [f32]),
+    /// UINT.
+    U32(&'a [u32]),
+}
+
+impl Plane<'_> {
+    fn len(&self) -> usize {
+        match self {
+            Plane::F32(values) => values.len(),
+            Plane::U32(values) => values.len(),
+        }
+    }
+
+    /// Without values: the type alone.
+    pub fn kind(&self) -> Samples {
+        match self {
+            Plane::F32(_) => Samples::F32(vec![]),
+            Plane::U32(_) => Samples::U32(vec![]),
+        }
+    }
+
+    /// Adds the bytes of some values, in the machine's order.
+    pub fn bytes(&self, range: std::ops::Range<usize>, out: &mut Vec<u8>) {
+        match self {
+            Plane::F32(values) => out.extend(values[range].iter().flat_map(|value| value.to_ne_bytes())),
+            Plane::U32(values) => out.extend(values[range].iter().flat_map(|value| value.to_ne_bytes())),
+        }
+    }
+}
+
+/// A table's channels by name, the first row being that of `first_stop`; each must fit the grid and be finite.
+pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Reason<BTreeMap<String, Plane<'_>>> {
+    let (stops, bins) = check_grid(&table.grid)?;
+    let mut planes = BTreeMap::new();
+    for (name, colour) in distinct_names(table)?.iter().zip(&table.colours) {
+        planes.insert(name.clone(), Plane::F32(&colour.total));
+        planes.insert(format!("single.{name}"), Plane::F32(&colour.single));
+        planes.insert(format!("multiple.{name}"), Plane::F32(&colour.multiple));
+        planes.insert(format!("stderr.{name}"), Plane::F32(&colour.stderr));
+        planes.insert(format!("stderr.single.{name}"), Plane::F32(&colour.stderr_single));
+        for (order, values) in (2..).zip(&colour.orders) {
+            planes.insert(format!("order{order}.{name}"), Plane::F32(values));
+        }
+    }
+    let sums = table.schlick.iter().flat_map(|sums| sums.channels(table.is_by_order()));
+    planes.extend(sums.map(|(name, values)| (name, Plane::F32(values))));
+    planes.insert("hits".into(), Plane::U32(&table.hits));
+    for (name, plane) in &planes {
+        if plane.len() != stops * bins {
+            return Err(format!("channel `{name}` has {} values, {} needed", plane.len(), stops * bins));
+        }
+        if let Plane::F32(values) = plane {
+            check_finite(name, values, bins, first_stop)?;
+        }
+    }
+    Ok(planes)
+}
+
 /// Adds a FLOAT channel, which must fit the part and be finite.
 pub(super) fn insert(part: &mut Part, name: &str, values: &[f32]) -> Reason<()> {
     let pixels = part.width * part.height;
     if values.len() != pixels {
         return Err(format!("channel `{name}` has {} values, {pixels} needed", values.len()));
     }
-    check_finite(name, values, part.width)?;
+    check_finite(name, values, part.width, 0)?;
     part.channels.insert(name.into(), Samples::F32(values.to_vec()));
     Ok(())
 }
 
-/// Takes a FLOAT channel out of a part; its values must be finite.
-pub(super) fn take(part: &mut Part, name: &str) -> Reason<Vec<f32>> {
+/// Takes a FLOAT channel out of a part, the first row of which is that of `first_stop`; its values must be finite.
+pub(super) fn take(part: &mut Part, name: &str, first_stop: usize) -> Reason<Vec<f32>> {
     match part.channels.remove(name) {
-        Some(Samples::F32(values)) => check_finite(name, &values, part.width).map(|()| values),
+        Some(Samples::F32(values)) => check_finite(name, &values, part.width, first_stop).map(|()| values),
         Some(Samples::F16(_)) => Err(format!("channel `{name}` is HALF, FLOAT needed")),
         Some(Samples::U32(_)) => Err(format!("channel `{name}` is UINT, FLOAT needed")),
         None => Err(format!("channel `{name}` is missing")),
     }
 }
 
-fn check_finite(name: &str, values: &[f32], width: usize) -> Reason<()> {
+fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> Reason<()> {
     match values.iter().position(|value| !value.is_finite()) {
         Some(at) => {
-            let (stop, bin, value) = (at / width, at % width, values[at]);
+            let (stop, bin, value) = (first_stop + at / width, at % width, values[at]);
             Err(format!("channel `{name}`, stop {stop}, bin {bin}: {value} is not a finite number"))
         }
         None => Ok(()),
@@ -195,47 +257,47 @@ pub(super) fn insert_schlick(part: &mut Part, sums: Option<&SchlickSums>, by_ord
 }
 
 /// Takes the sums of Schlick's formula, where they are there.
-pub(super) fn take_schlick(part: &mut Part) -> Reason<Option<SchlickSums>> {
+pub(super) fn take_schlick(part: &mut Part, first_stop: usize) -> Reason<Option<SchlickSums>> {
     SchlickSums::gathered(|name| match part.channels.contains_key(name) {
-        true => take(part, name).map(Some),
+        true => take(part, name, first_stop).map(Some),
         false => Ok(None),
     })
 }
 
-/// SHA-256 over the grid's text, the patches' digest and every channel (name, type, count, little-endian values).
+/// The digest of a content that is at hand.
 pub(super) fn digest(grid: &str, patches: &str, part: &Part) -> String {
-    let mut hash = Sha256::new();
-    hash.update(format!("gonio digest 1\n{grid}\n{patches}\n"));
+    let mut content = ContentDigest::default();
     for (name, samples) in &part.channels {
-        match samples {
-            Samples::F32(values) => {
-                hash.update(format!("{name} FLOAT {}\n", values.len()));
-                values.iter().for_each(|value| hash.update(value.to_le_bytes()));
-            }
-            Samples::U32(values) => {
-                hash.update(format!("{name} UINT {}\n", values.len()));
-                values.iter().for_each(|value| hash.update(value.to_le_bytes()));
-            }
-            Samples::F16(values) => {
-                hash.update(format!("{name} HALF {}\n", values.len()));
-                values.iter().for_each(|value| hash.update(value.to_le_bytes()));
-            }
-        }
+        content.add_samples(name, samples);
     }
-    files::hex(&hash.finalize())
+    content.finish(grid, patches)
 }
 
 /// Compares a part's digest with its content; a missing one is a warning.
 pub(super) fn check_digest(part: &Part, patches: &str, warnings: &mut Vec<String>) -> Reason<()> {
-    let Some(stored) = part.text(DIGEST) else {
-        warnings.push(format!("no {DIGEST} attribute: changes of the content cannot be noticed"));
-        return Ok(());
-    };
-    let found = digest(part.text(GRID).unwrap_or_default(), patches, part);
+    match part.text(DIGEST) {
+        None => {
+            warnings.push(no_digest());
+            Ok(())
+        }
+        Some(stored) => same_digest(stored, &digest(part.text(GRID).unwrap_or_default(), patches, part)),
+    }
+}
+
+/// What is said of a file without digest.
+pub(super) fn no_digest() -> String {
+    format!("no {DIGEST} attribute: changes of the content cannot be noticed")
+}
+
+/// The digest that is stored must be the one that was found.
+pub(super) fn same_digest(stored: &str, found: &str) -> Reason<()> {
     if stored == found {
         return Ok(());
     }
-    Err(format!("{DIGEST} says {stored}, the content gives {found}: the file was changed or damaged"))
+    Err(format!(
+        "{DIGEST} says {stored}, the content gives {found}: the file was changed or damaged, or is older than \
+         digests by channel; measure it again"
+    ))
 }
 
 #[cfg(test)]

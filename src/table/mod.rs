@@ -2,11 +2,16 @@
 
 pub mod brdf_table;
 mod channels;
+mod content_digest;
 pub mod realisations;
 pub mod recolour;
+pub mod rows;
 pub mod store;
 #[cfg(test)]
 mod test_tables;
+pub mod writer;
 
 pub use brdf_table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
 pub use channels::check_grid;
+pub use rows::TableRows;
+pub use writer::TableWriter;

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, one_line};
 use crate::files;
 use crate::files::image::{self, Part};
 use crate::instrument::Grid;
@@ -50,7 +50,12 @@ pub struct RealisationsFile {
 impl RealisationsFile {
     /// Whether these are the realisations of `table`.
     pub fn belongs_to(&self, table: &BrdfTable) -> Result<bool> {
-        Ok(self.table_digest == store::digest(table)?)
+        Ok(self.is_of(&store::digest(table)?))
+    }
+
+    /// Whether these are the realisations of the table with this digest.
+    pub fn is_of(&self, digest: &str) -> bool {
+        self.table_digest == digest
     }
 }
 
@@ -119,10 +124,19 @@ fn mean_values<'a>(all: impl Iterator<Item = &'a Vec<f32>>) -> Vec<f32> {
 
 /// The bytes of the realisations' file; `group_size` realisations went into each part.
 pub fn encode(realisations: &Realisations, table: &BrdfTable, group_size: usize) -> Result<Vec<u8>> {
-    let table_digest = store::digest(table)?;
+    encode_of(realisations, table, &store::digest(table)?, group_size)
+}
+
+/// The same for a table that is not at hand: its digest, and a table with its grid and colours.
+pub fn encode_of(
+    realisations: &Realisations,
+    table: &BrdfTable,
+    table_digest: &str,
+    group_size: usize,
+) -> Result<Vec<u8>> {
     let parts = (0..)
         .zip(&realisations.parts)
-        .map(|(index, part)| to_part(index, part, table, &table_digest, group_size))
+        .map(|(index, part)| to_part(index, part, table, table_digest, group_size))
         .collect::<Reason<Vec<_>>>()
         .map_err(|why| Error::Refused(format!("the realisations cannot be stored: {why}")))?;
     image::encode(parts).map_err(|why| Error::Internal(format!("encoding the realisations: {why}")))
@@ -145,13 +159,13 @@ pub fn save(path: &Path, realisations: &Realisations, table: &BrdfTable, limit: 
 
 /// Reads a realisations' file.
 pub fn load(path: &Path) -> Result<RealisationsFile> {
-    decode(path, &files::read(path)?)
+    from_parts(image::load(path)?).map_err(|why| Error::format(path, one_line(&why)))
 }
 
 /// The realisations in the bytes of a file; `path` is for messages only.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<RealisationsFile> {
     let parts = image::decode(bytes).map_err(|why| Error::format(path, why))?;
-    from_parts(parts).map_err(|why| Error::format(path, why))
+    from_parts(parts).map_err(|why| Error::format(path, one_line(&why)))
 }
 
 fn part_name(index: usize) -> String {
@@ -215,10 +229,11 @@ fn from_parts(parts: Vec<Part>) -> Reason<RealisationsFile> {
 }
 
 fn take_part(part: &mut Part, names: &[ColourName]) -> Reason<RealisationPart> {
-    let mut values = RealisationPart { schlick: channels::take_schlick(part)?, ..RealisationPart::default() };
+    let mut values =
+        RealisationPart { schlick: channels::take_schlick(part, 0)?, ..RealisationPart::default() };
     for (name, _) in names {
-        values.total.push(channels::take(part, name)?);
-        values.single.push(channels::take(part, &format!("single.{name}"))?);
+        values.total.push(channels::take(part, name, 0)?);
+        values.single.push(channels::take(part, &format!("single.{name}"), 0)?);
     }
     Ok(values)
 }

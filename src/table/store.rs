@@ -2,14 +2,17 @@
 //!
 //! Enters: a [`BrdfTable`]. Leaves: the same bytes from every run, and the same table from the bytes.
 
+use std::collections::BTreeMap;
+use std::io::Cursor;
 use std::path::Path;
 
-use crate::error::{Error, Result};
-use crate::files;
+use crate::error::{Error, Result, one_line};
 use crate::files::image::{self, Part, Samples};
+use crate::instrument::Grid;
 
-use super::channels::{self, ColourName, DIGEST, GRID, Reason};
-use super::{BrdfTable, ColourChannels};
+use super::channels::{self, ColourName, DIGEST, GRID, Plane, Reason};
+use super::content_digest::ContentDigest;
+use super::{BrdfTable, ColourChannels, TableWriter};
 
 const VERSION: &str = "gonio.version";
 const CAMPAIGN: &str = "gonio.campaign";
@@ -38,72 +41,83 @@ pub struct Loaded {
 ///
 /// NaN and infinite values are refused. Held by: `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
 pub fn encode(table: &BrdfTable) -> Result<Vec<u8>> {
-    let part = to_part(table).map_err(|why| Error::Refused(format!("the table cannot be stored: {why}")))?;
-    image::encode(vec![part]).map_err(|why| Error::Internal(format!("encoding the table: {why}")))
+    let mut writer = TableWriter::new(Cursor::new(Vec::new()), Path::new("memory"), table, &table.grid)?;
+    writer.append(table)?;
+    Ok(writer.finish()?.0.into_inner())
 }
 
 /// Writes the table's file, whole or not at all.
 pub fn save(path: &Path, table: &BrdfTable) -> Result<()> {
-    files::write_atomically(path, &encode(table)?)
+    let mut writer = TableWriter::create(path, table, &table.grid)?;
+    writer.append(table)?;
+    writer.finish()?.0.commit()
 }
 
 /// The digest that the table's file carries.
 pub fn digest(table: &BrdfTable) -> Result<String> {
-    let part = to_part(table).map_err(|why| Error::Refused(format!("the table has no digest: {why}")))?;
-    Ok(part.text(DIGEST).unwrap_or_default().to_string())
+    let no = |why: String| Error::Refused(format!("the table has no digest: {why}"));
+    let mut content = ContentDigest::default();
+    let planes = channels::planes(table, 0).map_err(no)?;
+    let bins = table.grid.bins();
+    let mut bytes = Vec::new();
+    for (name, plane) in &planes {
+        for stop in 0..table.grid.stops() {
+            bytes.clear();
+            plane.bytes(stop * bins..(stop + 1) * bins, &mut bytes);
+            content.add(name, &plane.kind(), &bytes);
+        }
+    }
+    let grid = channels::grid_text(&table.grid).map_err(no)?;
+    Ok(content.finish(&grid, &table.patch_digest))
 }
 
-/// Reads a table's file.
+/// Reads a table's file, block by block.
 pub fn load(path: &Path) -> Result<Loaded> {
-    decode(path, &files::read(path)?)
+    from_parts(path, image::load(path)?)
 }
 
 /// The table in the bytes of a file; `path` is for messages only.
 ///
 /// A wrong digest is an error, a missing one a warning. Held by: `damaged_tables_are_errors_and_never_panic`.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Loaded> {
-    let parts = image::decode(bytes).map_err(|why| Error::format(path, why))?;
+    from_parts(path, image::decode(bytes).map_err(|why| Error::format(path, why))?)
+}
+
+fn from_parts(path: &Path, parts: Vec<Part>) -> Result<Loaded> {
     let count = parts.len();
     match <[Part; 1]>::try_from(parts) {
-        Ok([part]) => from_part(part).map_err(|why| Error::format(path, why)),
-        Err(_) => Err(Error::format(path, format!("a table has one part, this file has {count}"))),
+        Ok([part]) => from_part(part).map_err(|why| Error::format(path, one_line(&why))),
+        Err(_) => Err(several(path, count)),
     }
 }
 
-fn to_part(table: &BrdfTable) -> Reason<Part> {
-    let (height, width) = channels::check_grid(&table.grid)?;
-    let names = channels::distinct_names(table)?;
-    let mut part = Part { width, height, ..Part::default() };
-    for (name, colour) in names.iter().zip(&table.colours) {
-        channels::insert(&mut part, name, &colour.total)?;
-        channels::insert(&mut part, &format!("single.{name}"), &colour.single)?;
-        channels::insert(&mut part, &format!("multiple.{name}"), &colour.multiple)?;
-        channels::insert(&mut part, &format!("stderr.{name}"), &colour.stderr)?;
-        channels::insert(&mut part, &format!("stderr.single.{name}"), &colour.stderr_single)?;
-        for (order, values) in (2..).zip(&colour.orders) {
-            channels::insert(&mut part, &format!("order{order}.{name}"), values)?;
-        }
-    }
-    channels::insert_schlick(&mut part, table.schlick.as_ref(), table.is_by_order())?;
-    if table.hits.len() != width * height {
-        return Err(format!("channel `hits` has {} values, {} needed", table.hits.len(), width * height));
-    }
-    part.channels.insert("hits".into(), Samples::U32(table.hits.clone()));
-    let grid = channels::grid_text(&table.grid)?;
-    part.set_text(DIGEST, &channels::digest(&grid, &table.patch_digest, &part));
-    part.set_text(GRID, &grid);
-    part.set_text(VERSION, &table.version);
-    part.set_text(CAMPAIGN, &table.campaign);
-    part.set_text(CONVENTION, CONVENTION_TEXT);
-    part.set_text(SEED, &table.seed.to_string());
-    part.set_text(PATCH_DIGEST, &table.patch_digest);
-    Ok(part)
+/// The error of a file with more parts than a table has.
+pub(super) fn several(path: &Path, parts: usize) -> Error {
+    Error::format(path, format!("a table has one part, this file has {parts}"))
 }
 
 fn from_part(mut part: Part) -> Reason<Loaded> {
+    let Heading { empty, names, mut warnings } = heading(&mut part)?;
+    channels::check_digest(&part, &empty.patch_digest, &mut warnings)?;
+    let table = filled(empty, &mut part, &names, 0)?;
+    Ok(Loaded { table, warnings })
+}
+
+/// What a part says besides its values.
+pub(super) struct Heading {
+    /// The table without its channels.
+    pub empty: BrdfTable,
+    /// Its colours.
+    pub names: Vec<ColourName>,
+    /// As [`Loaded::warnings`].
+    pub warnings: Vec<String>,
+}
+
+/// Reads what a part says besides its values; channels that are none of a table's are taken out of it.
+pub(super) fn heading(part: &mut Part) -> Reason<Heading> {
     let mut warnings = Vec::new();
-    let grid = channels::read_grid(&part)?;
-    let seed = read_seed(&part, &mut warnings)?;
+    let grid = channels::read_grid(part)?;
+    let seed = read_seed(part, &mut warnings)?;
     let mut attribute = |name: &str| {
         let text = part.text(name);
         if text.is_none() {
@@ -116,18 +130,44 @@ fn from_part(mut part: Part) -> Reason<Loaded> {
         warnings.push(format!("{CONVENTION} is not this program's: its angles may mean something else"));
     }
     let patch_digest = part.text(PATCH_DIGEST).unwrap_or_default().to_string();
-    let names = channels::colour_names(&part)?;
-    drop_unknown(&mut part, &names, &mut warnings);
-    channels::check_digest(&part, &patch_digest, &mut warnings)?;
-    let colours = names.iter().map(|name| take_colour(&mut part, name)).collect::<Reason<_>>()?;
+    let names = channels::colour_names(part)?;
+    drop_unknown(part, &names, &mut warnings);
+    let (colours, hits, schlick) = (Vec::new(), Vec::new(), None);
+    let empty = BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick };
+    Ok(Heading { empty, names, warnings })
+}
+
+/// The table with the channels of `part`, the first row of which is that of `first_stop`.
+pub(super) fn filled(
+    empty: BrdfTable,
+    part: &mut Part,
+    names: &[ColourName],
+    first_stop: usize,
+) -> Reason<BrdfTable> {
+    let mut colour = |name| take_colour(part, name, first_stop);
+    let colours = names.iter().map(&mut colour).collect::<Reason<_>>()?;
     let hits = match part.channels.remove("hits") {
         Some(Samples::U32(hits)) => hits,
         Some(_) => return Err("channel `hits` is not UINT".into()),
         None => return Err("channel `hits` is missing".into()),
     };
-    let schlick = channels::take_schlick(&mut part)?;
-    let table = BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick };
-    Ok(Loaded { table, warnings })
+    let schlick = channels::take_schlick(part, first_stop)?;
+    Ok(BrdfTable { colours, hits, schlick, ..empty })
+}
+
+/// The heading of a table's file: all but the values, the digest yet to be filled in.
+pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, Plane>) -> Reason<Part> {
+    let (height, width) = channels::check_grid(grid)?;
+    let mut part = Part { width, height, ..Part::default() };
+    part.channels = planes.iter().map(|(name, plane)| (name.clone(), plane.kind())).collect();
+    part.set_text(DIGEST, &"0".repeat(64));
+    part.set_text(GRID, &channels::grid_text(grid)?);
+    part.set_text(VERSION, &table.version);
+    part.set_text(CAMPAIGN, &table.campaign);
+    part.set_text(CONVENTION, CONVENTION_TEXT);
+    part.set_text(SEED, &table.seed.to_string());
+    part.set_text(PATCH_DIGEST, &table.patch_digest);
+    Ok(part)
 }
 
 fn read_seed(part: &Part, warnings: &mut Vec<String>) -> Reason<u64> {
@@ -138,21 +178,21 @@ fn read_seed(part: &Part, warnings: &mut Vec<String>) -> Reason<u64> {
     text.parse().map_err(|_| format!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))
 }
 
-fn take_colour(part: &mut Part, (name, wavelength_nm): &ColourName) -> Reason<ColourChannels> {
+fn take_colour(part: &mut Part, (name, wavelength_nm): &ColourName, first: usize) -> Reason<ColourChannels> {
     let mut orders = Vec::new();
     for order in 2.. {
         let channel = format!("order{order}.{name}");
         if !part.channels.contains_key(&channel) {
             break;
         }
-        orders.push(channels::take(part, &channel)?);
+        orders.push(channels::take(part, &channel, first)?);
     }
     Ok(ColourChannels {
-        total: channels::take(part, name)?,
-        single: channels::take(part, &format!("single.{name}"))?,
-        multiple: channels::take(part, &format!("multiple.{name}"))?,
-        stderr: channels::take(part, &format!("stderr.{name}"))?,
-        stderr_single: channels::take(part, &format!("stderr.single.{name}"))?,
+        total: channels::take(part, name, first)?,
+        single: channels::take(part, &format!("single.{name}"), first)?,
+        multiple: channels::take(part, &format!("multiple.{name}"), first)?,
+        stderr: channels::take(part, &format!("stderr.{name}"), first)?,
+        stderr_single: channels::take(part, &format!("stderr.single.{name}"), first)?,
         orders,
         wavelength_nm: *wavelength_nm,
     })
@@ -185,6 +225,10 @@ fn drop_unknown(part: &mut Part, colours: &[ColourName], warnings: &mut Vec<Stri
 mod tests {
     use super::super::test_tables::{colour, table};
     use super::*;
+
+    fn to_part(table: &BrdfTable) -> Reason<Part> {
+        image::decode(&encode(table).map_err(|e| e.to_string())?).map(|mut parts| parts.remove(0))
+    }
 
     fn reason(part: Part) -> String {
         from_part(part).expect_err("must be refused").clone()

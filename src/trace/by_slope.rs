@@ -28,6 +28,8 @@ struct Bin {
     bin: usize,
     /// No facet of it turns more of a cell's area to the light.
     most: f64,
+    /// Nor less.
+    least: f64,
     /// Running sum of the area up to its end.
     end: f64,
 }
@@ -45,7 +47,7 @@ impl<'a> BySlope<'a> {
             if count == 0 || most <= 0.0 {
                 continue;
             }
-            let least = light.z - (across * low).max(across * high).element_sum();
+            let least = 0.5 * (light.z - (across * low).max(across * high).element_sum());
             let area = if least >= 0.0 {
                 0.5 * (count as f64 * light.z - across.dot(index.slope_sum(bin)))
             } else {
@@ -53,7 +55,7 @@ impl<'a> BySlope<'a> {
             };
             if area > 0.0 {
                 let end = starts.total() + area;
-                starts.bins.push(Bin { bin, most, end });
+                starts.bins.push(Bin { bin, most, least, end });
             }
         }
         starts
@@ -75,38 +77,50 @@ impl<'a> BySlope<'a> {
         self.total() / (self.light.z * cells as f64 * count as f64)
     }
 
-    /// Calls `visit` with `count` start points of equal flux. How many of them a bin gets follows from equal steps;
-    /// which of its facets, from their areas, by rejection.
+    /// Calls `visit` with `count` start points of equal flux, in the order of the places. How many of them a bin gets
+    /// follows from equal steps; which of its facets, from their areas, by rejection.
     pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) {
-        let step = self.total() / count as f64;
-        let offset = rng::uniform(rng);
-        let (mut next, mut begin) = (0, 0.0);
-        for (k, bin) in self.bins.iter().enumerate() {
-            // Rounding may leave a step beyond the sum: it belongs to the last bin.
-            let last = k + 1 == self.bins.len();
-            while next < count {
-                let position = (next as f64 + offset) * step;
-                if position >= bin.end && !last {
-                    break;
-                }
-                next += 1;
-                let facet = self.facet(bin, (position - begin) / (bin.end - begin), rng);
-                let (u, v) = point_in(facet.upper, rng);
-                visit(Place::on(self.field, facet, u, v));
-            }
-            begin = bin.end;
+        let mut facets = self.facets(count, rng);
+        // Rays from neighbours look at the same heights.
+        radsort::sort(&mut facets);
+        for facet in facets {
+            let facet = self.index.at(facet);
+            let (u, v) = point_in(facet.upper, rng);
+            visit(Place::on(self.field, facet, u, v));
         }
     }
 
+    /// The facets of `count` starts, by slope.
+    fn facets(&self, count: u64, rng: &mut Pcg64Dxsm) -> Vec<u32> {
+        let step = self.total() / count as f64;
+        let offset = rng::uniform(rng);
+        let mut facets = Vec::with_capacity(count as usize);
+        let mut begin = 0.0;
+        for (k, bin) in self.bins.iter().enumerate() {
+            // Rounding may leave a step beyond the sum: it belongs to the last bin.
+            let last = k + 1 == self.bins.len();
+            while (facets.len() as u64) < count {
+                let position = (facets.len() as f64 + offset) * step;
+                if position >= bin.end && !last {
+                    break;
+                }
+                facets.push(self.facet(bin, (position - begin) / (bin.end - begin), rng));
+            }
+            begin = bin.end;
+        }
+        facets
+    }
+
     /// A facet of a bin with a chance in proportion to its area; `share` in [0, 1) chooses the first candidate.
-    fn facet(&self, bin: &Bin, share: f64, rng: &mut Pcg64Dxsm) -> Facet {
+    fn facet(&self, bin: &Bin, share: f64, rng: &mut Pcg64Dxsm) -> u32 {
         let count = self.index.count(bin.bin);
         let mut share = share;
         loop {
-            let candidate = ((share * count as f64) as usize).min(count - 1);
-            let facet = self.index.facet(bin.bin, candidate);
-            if rng::uniform(rng) * bin.most < self.turned(&facet) {
-                return facet;
+            let candidate = self.index.number(bin.bin, ((share * count as f64) as usize).min(count - 1));
+            let wanted = rng::uniform(rng) * bin.most;
+            // Most are taken unseen.
+            if wanted < bin.least || wanted < self.turned(&self.index.at(candidate)) {
+                return candidate;
             }
             share = rng::uniform(rng);
         }

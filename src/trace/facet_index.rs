@@ -96,9 +96,20 @@ impl FacetIndex {
     /// Facet `k` of a bin.
     #[inline]
     pub fn facet(&self, bin: usize, k: usize) -> Facet {
-        let facet = self.facets[self.first[bin] as usize + k] as usize;
-        let cell = facet / 2;
-        Facet { x: cell % self.cells_x, y: cell / self.cells_x, upper: facet % 2 == 1 }
+        self.at(self.number(bin, k))
+    }
+
+    /// The number of facet `k` of a bin: facets are numbered row by row.
+    #[inline]
+    pub fn number(&self, bin: usize, k: usize) -> u32 {
+        self.facets[self.first[bin] as usize + k]
+    }
+
+    /// The facet of a number.
+    #[inline]
+    pub fn at(&self, number: u32) -> Facet {
+        let cell = number as usize / 2;
+        Facet { x: cell % self.cells_x, y: cell / self.cells_x, upper: number % 2 == 1 }
     }
 
     /// Sum of the slopes of a bin's facets.

@@ -3,8 +3,8 @@
 use serde::Serialize;
 
 use super::model::StopMeans;
-use crate::instrument::{Grid, GridKind, Region, Sensor};
-use crate::sphere;
+use super::pairs::PairValues;
+use crate::instrument::{GridKind, Region};
 use crate::stats;
 use crate::table::{BrdfTable, Realisations};
 
@@ -42,10 +42,45 @@ pub struct Reciprocity {
     pub l1: Option<f64>,
 }
 
+/// The realisations of a table or of some of its stops.
+#[derive(Clone, Copy)]
+pub struct Parts<'a> {
+    /// Those of the table.
+    pub all: &'a Realisations,
+    /// Which of their stops is the first of the table at hand.
+    pub first_stop: usize,
+}
+
+impl<'a> Parts<'a> {
+    /// Those of a whole table.
+    pub fn of(all: Option<&'a Realisations>) -> Option<Self> {
+        all.map(|all| Parts { all, first_stop: 0 })
+    }
+}
+
 impl Energy {
     /// The law for a hemisphere table; arms see too little to judge.
     pub fn of(table: &BrdfTable, realisations: Option<&Realisations>, visibility: bool) -> Self {
-        let none = Energy { skipped: None, largest_albedo: None, largest_albedo_se: None, violations: 0 };
+        Self::of_band(table, Parts::of(realisations), visibility)
+    }
+
+    /// No stop yet.
+    pub fn none() -> Self {
+        Energy { skipped: None, largest_albedo: None, largest_albedo_se: None, violations: 0 }
+    }
+
+    /// Takes further stops in.
+    pub fn join(&mut self, other: Energy) {
+        self.skipped = other.skipped;
+        self.violations += other.violations;
+        if other.largest_albedo > self.largest_albedo {
+            (self.largest_albedo, self.largest_albedo_se) = (other.largest_albedo, other.largest_albedo_se);
+        }
+    }
+
+    /// The law for some stops of a table.
+    pub fn of_band(table: &BrdfTable, realisations: Option<Parts>, visibility: bool) -> Self {
+        let none = Energy::none();
         if !visibility {
             return Energy { skipped: Some("visibility is switched off".into()), ..none };
         }
@@ -73,33 +108,22 @@ impl Energy {
 /// Without them, with that of the number of arrivals n: all starts of a stop carry one flux, and what a torus shows
 /// the light has no noise of its own, so se = flux sqrt(2/n); the 2 stands for arrivals that count on both sides of
 /// a folded stop. Held by: `few_arrivals_of_one_realisation_break_no_law` (tests/grazing_stability.rs).
-fn albedo(
-    table: &BrdfTable,
-    realisations: Option<&Realisations>,
-    stop: usize,
-    colour: usize,
-) -> (f64, Option<f64>) {
+fn albedo(table: &BrdfTable, realisations: Option<Parts>, stop: usize, colour: usize) -> (f64, Option<f64>) {
     let sizes: Vec<f64> = table.grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
     let bins = sizes.len();
-    let flux = |values: &[f32]| {
+    let flux = |values: &[f32], stop: usize| {
         values[stop * bins..][..bins].iter().zip(&sizes).map(|(&f, w)| f64::from(f) * w).sum::<f64>()
     };
     match realisations {
-        Some(r) if r.parts.len() > 1 => {
-            stats::mean_and_se(r.parts.iter().map(|part| flux(&part.total[colour])))
+        Some(Parts { all, first_stop }) if all.parts.len() > 1 => {
+            stats::mean_and_se(all.parts.iter().map(|part| flux(&part.total[colour], first_stop + stop)))
         }
         _ => {
-            let flux = flux(&table.colours[colour].total);
+            let flux = flux(&table.colours[colour].total, stop);
             let arrivals: u64 = table.hits[stop * bins..][..bins].iter().map(|&hits| u64::from(hits)).sum();
             (flux, (arrivals > 0).then(|| flux * (2.0 / arrivals as f64).sqrt()))
         }
     }
-}
-
-/// A pair of measurements that should agree: (stop, bin) with the arms one way and the other way round.
-struct Pair {
-    there: (usize, usize),
-    back: (usize, usize),
 }
 
 impl Reciprocity {
@@ -111,48 +135,29 @@ impl Reciprocity {
         exact: bool,
         means: Option<&[StopMeans]>,
     ) -> Option<Self> {
-        let pairs = pairs(&table.grid);
-        let (bins, single) = (table.grid.bins(), &table.colours[0].single);
-        let at = |(stop, bin): (usize, usize)| stop * bins + bin;
-        let ratio = |pair: &Pair| match means {
-            Some(means) if !exact => {
-                let model = |(stop, bin): (usize, usize)| means[stop].values[0][0][bin];
-                model(pair.there) / model(pair.back)
-            }
-            _ => 1.0,
-        };
-        let usable = |pair: &&Pair| {
-            table.hits[at(pair.there)] > 0 && table.hits[at(pair.back)] > 0 && ratio(pair).is_finite()
-        };
-        let pairs: Vec<&Pair> = pairs.iter().filter(usable).collect();
-        if pairs.is_empty() || (!exact && means.is_none()) {
+        let mut values = PairValues::new(&table.grid, exact);
+        values.add(table, 0, Parts::of(realisations), means);
+        Self::of_pairs(&values)
+    }
+
+    /// The same of what was gathered stop by stop.
+    pub fn of_pairs(values: &PairValues) -> Option<Self> {
+        let usable: Vec<usize> = (0..values.len()).filter(|&pair| values.is_usable(pair)).collect();
+        if usable.is_empty() {
             return None;
         }
         let (mut t, mut distance, mut sum) = (Vec::new(), 0.0, 0.0);
-        for pair in &pairs {
-            let (there, back, ratio) = (at(pair.there), at(pair.back), ratio(pair));
-            let difference = |values: &[f32]| f64::from(values[there]) - ratio * f64::from(values[back]);
-            distance += difference(single).abs();
-            sum += f64::from(single[there]);
-            let (mean, se) = match realisations {
-                Some(r) if r.parts.len() > 1 => {
-                    stats::mean_and_se(r.parts.iter().map(|part| difference(&part.single[0])))
-                }
-                _ => {
-                    let se = |entry: usize| {
-                        Some(f64::from(table.colours[0].stderr_single[entry])).filter(|&se| se > 0.0)
-                    };
-                    let both = se(there).zip(se(back)).map(|(a, b)| a.hypot(ratio * b));
-                    (difference(single), both)
-                }
-            };
+        for &pair in &usable {
+            distance += values.difference(pair).abs();
+            sum += values.there(pair);
+            let (mean, se) = values.mean_difference(pair);
             t.extend(se.filter(|&se| se > 0.0).map(|se| mean / se));
         }
-        let dof = realisations.map_or(0, |r| r.parts.len().saturating_sub(1));
+        let dof = values.realisations().saturating_sub(1);
         let known = dof > 2 && !t.is_empty();
         Some(Reciprocity {
-            kind: if exact { "exact" } else { "bin_means" }.into(),
-            pairs: pairs.len(),
+            kind: if values.exact { "exact" } else { "bin_means" }.into(),
+            pairs: usable.len(),
             max_t: t.iter().map(|t| t.abs()).reduce(f64::max),
             limit: known.then(|| stats::student_limit(stats::sidak(LEVEL, t.len()), dof)),
             mean_t2: known.then(|| {
@@ -162,53 +167,4 @@ impl Reciprocity {
             l1: (sum > 0.0).then(|| distance / sum),
         })
     }
-}
-
-/// Pairs of stops whose directions the sensor sees from each other. In a 3-D table every column is such a pair.
-fn pairs(grid: &Grid) -> Vec<Pair> {
-    let sensor = Sensor::new(grid);
-    let stops = grid.stops();
-    let mut pairs = Vec::new();
-    for a in 0..stops {
-        for b in a + 1..stops {
-            let relative_3d = grid.phi_r_relative && grid.phi_i_deg.len() == 1;
-            if relative_3d && grid.kind == GridKind::Hemisphere {
-                let columns = grid.phi_r_edges_deg.len() - 1;
-                let (row_a, row_b) = (row_of(grid, a), row_of(grid, b));
-                // Columns beyond half a turn repeat the others mirrored.
-                pairs.extend((0..=columns / 2).map(|column| Pair {
-                    there: (a, row_b * columns + column),
-                    back: (b, row_a * columns + column),
-                }));
-            } else if let (Some(there), Some(back)) =
-                (bin_of(grid, &sensor, a, b), bin_of(grid, &sensor, b, a))
-            {
-                pairs.push(Pair { there: (a, there), back: (b, back) });
-            }
-        }
-    }
-    pairs
-}
-
-/// The row of bins that holds the polar angle of a stop.
-fn row_of(grid: &Grid, stop: usize) -> usize {
-    let theta = grid.stop_deg(stop).0;
-    grid.theta_r_edges_deg.partition_point(|&edge| edge <= theta) - 1
-}
-
-/// The bin at stop `from` that looks along the direction of stop `to`; of an arm, only a position that is there.
-fn bin_of(grid: &Grid, sensor: &Sensor, from: usize, to: usize) -> Option<usize> {
-    let back = if grid.phi_r_relative { -grid.stop_deg(from).1 } else { 0.0 };
-    let wo = sphere::turned(grid.wi(to), sphere::sin_cos_deg(back));
-    let mut found = None;
-    sensor.each_bin(wo, |bin| {
-        let same = match grid.regions(from)[bin] {
-            Region::Cap { axis, .. } => axis.distance(grid.wi(to)) < 1e-9,
-            Region::Rectangle { .. } => true,
-        };
-        if same {
-            found = Some(bin);
-        }
-    });
-    found
 }

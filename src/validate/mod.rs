@@ -8,10 +8,12 @@ pub mod gauss_legendre;
 pub mod laws;
 mod lines;
 pub mod model;
+pub mod pairs;
 pub mod quadrature;
 pub mod schlick_error;
 pub mod two_tables;
 pub mod verdict;
 
 pub use bin_mean::{BinMean, BinMeans, albedo, source_nodes};
-pub use verdict::{Prediction, Verdict, examine, examine_against, examine_laws};
+pub use laws::Parts;
+pub use verdict::{Examination, Prediction, Verdict, examine, examine_against, examine_laws, examine_rows};

@@ -66,6 +66,13 @@ impl SchlickError {
     }
 }
 
+impl SchlickError {
+    /// Takes the stops of the next band of a table.
+    pub fn join(&mut self, next: SchlickError) {
+        self.stops.extend(next.stops);
+    }
+}
+
 /// Fresnel's equations for the colours of a material, in their order.
 fn index_of(optics: &Optics) -> Option<Vec<Fresnel>> {
     match optics {

@@ -4,14 +4,17 @@
 //! with A as f and B as m: l1 = sum |a-b| w / sum b w, l1_noise = sqrt(2/pi) sum se w/c4 / sum b w with
 //! se^2 = se_a^2 + se_b^2. Tables of the very same patches are paired: se is that of the differences by realisation.
 
+use std::path::Path;
+
 use serde::Serialize;
 
 use super::verdict::counted_bins;
 use crate::campaign::Campaign;
+use crate::error::Error;
 use crate::instrument::{Grid, Region};
 use crate::measure::plan::folded_stops;
 use crate::stats;
-use crate::table::{BrdfTable, Realisations};
+use crate::table::{BrdfTable, Realisations, TableRows};
 
 /// Level of the t limit, shared by all bins.
 const LEVEL: f64 = 0.01;
@@ -81,24 +84,71 @@ pub struct StopDifference {
 /// - Held by: `equal_laws_differ_by_their_noise_alone`, `the_measures_follow_their_definitions` (tests/compare.rs).
 pub fn difference(a: Side, b: Side) -> Result<Difference, String> {
     fits(a.table, b.table)?;
-    let pair = Pair::new(a, b);
-    let stops = a.table.grid.stops();
-    let sums: Vec<Sums> = (0..stops).map(|stop| pair.stop(stop)).collect();
-    let whole = sums.iter().fold(Sums::default(), |all, stop| all.merged(stop));
-    let row = |(stop, sums): (usize, &Sums)| {
-        let (theta_i_deg, phi_i_deg) = a.table.grid.stop_deg(stop);
-        StopDifference { theta_i_deg, phi_i_deg, figures: sums.figures() }
-    };
-    let figures = whole.figures();
-    let judged = (whole.bins > 0).then_some(whole.bins);
-    Ok(Difference {
-        scope: "total",
-        bins: whole.bins,
-        paired: pair.paired.is_some(),
-        t_limit: judged.map(|bins| stats::student_limit(stats::sidak(LEVEL, bins), pair.most_dof())),
-        figures: mean_of_stops(figures, &sums),
-        stops: sums.iter().enumerate().map(row).collect(),
-    })
+    let mut found = Differences::default();
+    found.add(a, b, 0);
+    Ok(found.finish())
+}
+
+/// The same of two stored tables, a band of stops after the other: both bands together hold `bytes` at most.
+///
+/// The sides give campaigns and realisations; their tables are not looked at. Held by:
+/// `tables_compared_by_rows_differ_as_whole_ones` (tests/large_tables.rs).
+pub fn difference_of_rows(
+    (a, b): (&mut TableRows, &mut TableRows),
+    campaigns: [Option<&Campaign>; 2],
+    parts: [Option<&Realisations>; 2],
+    bytes: u64,
+) -> crate::error::Result<Difference> {
+    let wrong = |path: &Path, why: String| Error::format(path, why);
+    fits(a.heading(), b.heading()).map_err(|why| wrong(b.path(), why))?;
+    a.verify()?;
+    b.verify()?;
+    let mut found = Differences::default();
+    for stops in a.bands(bytes, a.row_bytes() + b.row_bytes()) {
+        let first_stop = stops.start;
+        let stops: Vec<usize> = stops.collect();
+        let tables = [a.take(&stops)?, b.take(&stops)?];
+        fits(&tables[0], &tables[1]).map_err(|why| wrong(b.path(), why))?;
+        let [a, b] = [0, 1].map(|k| Side { table: &tables[k], campaign: campaigns[k], parts: parts[k] });
+        found.add(a, b, first_stop);
+    }
+    Ok(found.finish())
+}
+
+/// A comparison under way: the stops come in their order, in bands.
+#[derive(Default)]
+struct Differences {
+    stops: Vec<((f64, f64), Sums)>,
+    paired: bool,
+    most_dof: usize,
+}
+
+impl Differences {
+    fn add(&mut self, a: Side, b: Side, first_stop: usize) {
+        let pair = Pair::new(a, b, first_stop);
+        let grid = &a.table.grid;
+        self.stops.extend((0..grid.stops()).map(|stop| (grid.stop_deg(stop), pair.stop(stop))));
+        (self.paired, self.most_dof) = (pair.paired.is_some(), pair.most_dof());
+    }
+
+    fn finish(self) -> Difference {
+        let sums: Vec<Sums> = self.stops.iter().map(|(_, sums)| *sums).collect();
+        let whole = sums.iter().fold(Sums::default(), |all, stop| all.merged(stop));
+        let row = |((theta_i_deg, phi_i_deg), sums): &((f64, f64), Sums)| StopDifference {
+            theta_i_deg: *theta_i_deg,
+            phi_i_deg: *phi_i_deg,
+            figures: sums.figures(),
+        };
+        let judged = (whole.bins > 0).then_some(whole.bins);
+        Difference {
+            scope: "total",
+            bins: whole.bins,
+            paired: self.paired,
+            t_limit: judged.map(|bins| stats::student_limit(stats::sidak(LEVEL, bins), self.most_dof)),
+            figures: mean_of_stops(whole.figures(), &sums),
+            stops: self.stops.iter().map(row).collect(),
+        }
+    }
 }
 
 /// l1 and its noise as means over the stops that have light; t's over all bins.
@@ -155,6 +205,8 @@ pub(super) fn paired<'a>(a: &Side<'a>, b: &Side<'a>) -> Option<(&'a Realisations
 struct Pair<'a> {
     a: Side<'a>,
     b: Side<'a>,
+    /// Which stop of the realisations is the tables' first.
+    first_stop: usize,
     /// The realisations of both, where they can be paired.
     paired: Option<(&'a Realisations, &'a Realisations)>,
     realisations: [usize; 2],
@@ -164,7 +216,7 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    fn new(a: Side<'a>, b: Side<'a>) -> Self {
+    fn new(a: Side<'a>, b: Side<'a>, first_stop: usize) -> Self {
         let paired = paired(&a, &b);
         let count = |side: &Side| {
             side.campaign.map_or(MANY, |campaign| campaign.surface.realisations as usize).min(MANY)
@@ -179,7 +231,7 @@ impl<'a> Pair<'a> {
         let none = || vec![false; a.table.grid.stops()];
         let (in_a, in_b) = (folds(&a).unwrap_or_else(none), folds(&b).unwrap_or_else(none));
         let folded = in_a.iter().zip(in_b).map(|(&a, b)| a && b).collect();
-        Pair { a, b, paired, realisations, limits, folded }
+        Pair { a, b, first_stop, paired, realisations, limits, folded }
     }
 
     fn most_dof(&self) -> usize {
@@ -227,6 +279,7 @@ impl<'a> Pair<'a> {
     /// table has there, whatever its 1.5 hits allow for.
     fn error(&self, Entry { at, colour }: Entry, hit: bool, larger: f64) -> Option<(f64, usize)> {
         if let Some((a, b)) = self.paired {
+            let at = self.first_stop * self.a.table.grid.bins() + at;
             let value = |parts: &Realisations, k: usize| f64::from(parts.parts[k].total[colour][at]);
             let (_, se) = stats::mean_and_se((0..a.parts.len()).map(|k| value(a, k) - value(b, k)));
             return se.map(|se| (se, a.parts.len() - 1));

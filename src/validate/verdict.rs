@@ -5,13 +5,15 @@ use serde::Serialize;
 
 use super::compare::{ColourFigures, Comparison, Figures, StopComparison, StopData};
 use super::expect::{self, Bar};
-use super::laws::{Energy, Reciprocity};
+use super::laws::{Energy, Parts, Reciprocity};
 use super::model::{Model, StopMeans};
+use super::pairs::PairValues;
 use crate::campaign::Campaign;
+use crate::error::Result;
 use crate::instrument::{Grid, GridKind, Region};
 use crate::measure::plan::folded_stops;
 use crate::stats;
-use crate::table::{BrdfTable, Realisations};
+use crate::table::{BrdfTable, Realisations, TableRows};
 
 /// Why a table of random heights without shadowing and masking misses its bar, and where to look.
 const OWN_SLOPES: &str = "; without shadowing and masking only the patches' own slopes differ from the model's: \
@@ -65,52 +67,136 @@ pub fn examine_against(
     realisations: Option<&Realisations>,
     prediction: Option<&Prediction>,
 ) -> Verdict {
-    let means = prediction.map(|prediction| &prediction.means[..]);
-    let comparisons = prediction
-        .map_or(Vec::new(), |prediction| compare(table, campaign, &prediction.model, &prediction.means));
-    let energy = Energy::of(table, realisations, campaign.trace.visibility);
-    let exact =
-        table.grid.kind == GridKind::Arm && table.grid.aperture_deg == Some(campaign.light.aperture_deg);
-    let reciprocity =
-        if campaign.trace.visibility { Reciprocity::of(table, realisations, exact, means) } else { None };
-    let bar = expect::bar(campaign, &table.grid);
-    let mut failures = Vec::new();
-    failures.extend(energy_failure(&energy));
-    failures.extend(reciprocity.as_ref().and_then(reciprocity_failure));
-    let cause =
-        if campaign.trace.visibility || !campaign.surface.kind.is_random_heights() { "" } else { OWN_SLOPES };
-    failures.extend(bar.and_then(|bar| bar_failure(bar, &comparisons)).map(|failure| failure + cause));
-    Verdict {
-        ok: failures.is_empty(),
-        failures,
-        nearest_masking: nearest(&comparisons, |comparison| comparison.figures.l1),
-        comparisons,
-        energy,
-        reciprocity,
-        bar,
-    }
+    let mut examination = Examination::new(Some(campaign), &table.grid);
+    examination.add(table, 0, Parts::of(realisations), prediction);
+    examination.verdict()
 }
 
 /// Holds a table without a campaign, as an imported one, to the laws alone.
 ///
 /// Held by: `an_imported_table_is_held_to_the_laws` (tests/cli.rs).
 pub fn examine_laws(table: &BrdfTable, realisations: Option<&Realisations>) -> Verdict {
-    let energy = Energy::of(table, realisations, true);
-    // Values at directions are the same thing both ways round; means over bins of different shape are not.
-    let exact = table.grid.kind == GridKind::Points || table.grid.aperture_deg == Some(0.0);
-    let reciprocity = Reciprocity::of(table, realisations, exact, None);
-    let failures: Vec<String> = energy_failure(&energy)
-        .into_iter()
-        .chain(reciprocity.as_ref().and_then(reciprocity_failure))
-        .collect();
-    Verdict {
-        ok: failures.is_empty(),
-        failures,
-        comparisons: vec![],
-        energy,
-        reciprocity,
-        nearest_masking: None,
-        bar: None,
+    let mut examination = Examination::new(None, &table.grid);
+    examination.add(table, 0, Parts::of(realisations), None);
+    examination.verdict()
+}
+
+/// Holds a stored table to the same, a band of stops after the other: none is larger than `bytes` with its prediction.
+///
+/// The figures are those of the whole table. Held by: `a_table_examined_by_rows_has_the_verdict_of_the_whole`
+/// (tests/large_tables.rs).
+pub fn examine_rows(
+    rows: &mut TableRows,
+    campaign: Option<&Campaign>,
+    realisations: Option<&Realisations>,
+    bytes: u64,
+) -> Result<Verdict> {
+    rows.verify()?;
+    let mut examination = Examination::new(campaign, &rows.grid().clone());
+    for stops in rows.bands(bytes, row_bytes(rows)) {
+        let first_stop = stops.start;
+        let band = rows.take(&stops.collect::<Vec<_>>())?;
+        let prediction = campaign.and_then(|campaign| Prediction::of(campaign, &band.grid));
+        let parts = realisations.map(|all| Parts { all, first_stop });
+        examination.add(&band, first_stop, parts, prediction.as_ref());
+    }
+    Ok(examination.verdict())
+}
+
+/// Bytes of a stop and of what theory predicts for it: f64 means of each colour with each of three maskings.
+pub fn row_bytes(rows: &TableRows) -> u64 {
+    rows.row_bytes() + predicted_bytes(rows.grid().bins(), rows.colours())
+}
+
+/// Bytes of the prediction for a stop.
+pub fn predicted_bytes(bins: usize, colours: usize) -> u64 {
+    8 * 3 * (bins * colours) as u64
+}
+
+/// An examination under way: the stops come in their order, in bands.
+pub struct Examination {
+    campaign: Option<Campaign>,
+    grid: Grid,
+    /// Name of the model, and for each masking its name and the stops so far.
+    model: String,
+    compared: Vec<(String, Vec<StopComparison>)>,
+    energy: Energy,
+    pairs: Option<PairValues>,
+}
+
+impl Examination {
+    /// Of a table of all stops of `grid`; without a campaign it is held to the laws alone.
+    pub fn new(campaign: Option<&Campaign>, grid: &Grid) -> Self {
+        let visibility = campaign.is_none_or(|campaign| campaign.trace.visibility);
+        let exact = match campaign {
+            Some(campaign) => {
+                grid.kind == GridKind::Arm && grid.aperture_deg == Some(campaign.light.aperture_deg)
+            }
+            // Values at directions are the same thing both ways round; means over bins of different shape are not.
+            None => grid.kind == GridKind::Points || grid.aperture_deg == Some(0.0),
+        };
+        Examination {
+            campaign: campaign.cloned(),
+            grid: grid.clone(),
+            model: String::new(),
+            compared: Vec::new(),
+            energy: Energy::none(),
+            pairs: visibility.then(|| PairValues::new(grid, exact)),
+        }
+    }
+
+    /// Takes the next stops; `realisations` and `prediction` are theirs.
+    pub fn add(
+        &mut self,
+        band: &BrdfTable,
+        first_stop: usize,
+        realisations: Option<Parts>,
+        prediction: Option<&Prediction>,
+    ) {
+        let visibility = self.campaign.as_ref().is_none_or(|campaign| campaign.trace.visibility);
+        self.energy.join(Energy::of_band(band, realisations, visibility));
+        if let Some(pairs) = &mut self.pairs {
+            pairs.add(band, first_stop, realisations, prediction.map(|prediction| &prediction.means[..]));
+        }
+        let (Some(campaign), Some(prediction)) = (&self.campaign, prediction) else { return };
+        self.model = prediction.model.name().into();
+        for comparison in compare(band, campaign, &prediction.model, &prediction.means) {
+            match self.compared.iter_mut().find(|(masking, _)| *masking == comparison.masking) {
+                Some((_, stops)) => stops.extend(comparison.stops),
+                None => self.compared.push((comparison.masking, comparison.stops)),
+            }
+        }
+    }
+
+    /// What all stops together show.
+    pub fn verdict(self) -> Verdict {
+        let comparison = |(masking, stops): (String, Vec<StopComparison>)| Comparison {
+            model: self.model.clone(),
+            masking,
+            scope: "single".into(),
+            figures: Figures::mean(stops.iter().map(|stop| &stop.figures)),
+            stops,
+        };
+        let comparisons: Vec<Comparison> = self.compared.into_iter().map(comparison).collect();
+        let reciprocity = self.pairs.as_ref().and_then(Reciprocity::of_pairs);
+        let bar = self.campaign.as_ref().and_then(|campaign| expect::bar(campaign, &self.grid));
+        let mut failures = Vec::new();
+        failures.extend(energy_failure(&self.energy));
+        failures.extend(reciprocity.as_ref().and_then(reciprocity_failure));
+        let own_slopes = self
+            .campaign
+            .is_some_and(|campaign| !campaign.trace.visibility && campaign.surface.kind.is_random_heights());
+        let cause = if own_slopes { OWN_SLOPES } else { "" };
+        failures.extend(bar.and_then(|bar| bar_failure(bar, &comparisons)).map(|failure| failure + cause));
+        Verdict {
+            ok: failures.is_empty(),
+            failures,
+            nearest_masking: nearest(&comparisons, |comparison| comparison.figures.l1),
+            comparisons,
+            energy: self.energy,
+            reciprocity,
+            bar,
+        }
     }
 }
 

@@ -1,0 +1,38 @@
+//! What every target asks of a reader: an answer or a reason, never a panic; a reason is one line for a terminal.
+
+use std::path::Path;
+
+use gonio::error::Error;
+
+/// A reader's reason.
+pub fn reason<T>(answer: Result<T, String>) {
+    if let Err(why) = answer {
+        line(&why);
+    }
+}
+
+/// A verb's error about the file at hand: that of a wrong content.
+pub fn format<T>(answer: Result<T, Error>) -> Option<T> {
+    match answer {
+        Ok(value) => Some(value),
+        Err(Error::Format { what, .. }) => {
+            line(&what);
+            None
+        }
+        Err(other) => panic!("not an error of the file: {other}"),
+    }
+}
+
+fn line(why: &str) {
+    assert!(!why.is_empty() && !why.contains('\n') && why.len() < 1000, "{why:?}");
+}
+
+/// The path that messages name.
+pub fn path() -> &'static Path {
+    Path::new("fuzzed")
+}
+
+/// A file of `length` bytes that begins as `bytes` do and goes on with them over and over: for formats of one size.
+pub fn filled(bytes: &[u8], length: usize) -> Vec<u8> {
+    bytes.iter().copied().cycle().take(length).collect()
+}

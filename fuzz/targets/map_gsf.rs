@@ -1,0 +1,7 @@
+#![no_main]
+//! Gwyddion simple fields.
+
+use libfuzzer_sys::fuzz_target;
+use gonio::surface::map_file;
+
+fuzz_target!(|bytes: &[u8]| gonio_fuzz::reason(map_file::read(&[b"Gwyddion Simple Field 1.0\n", bytes].concat())));

@@ -1,0 +1,91 @@
+//! A file under way: written beside its place, taking its name when it is whole.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use super::{check_target, clean_up, folder_of, sync_folder, temporary_path};
+use crate::error::{Error, Result};
+
+/// An open temporary file `name.tmp.<pid>` in the folder of its place. Dropped before [`NewFile::commit`], it is
+/// removed, and what lay in its place stays.
+pub struct NewFile {
+    place: PathBuf,
+    temporary: PathBuf,
+    out: BufWriter<File>,
+    done: bool,
+}
+
+impl NewFile {
+    /// Opens it. Folders, devices and pipes are not replaced.
+    pub fn create(place: &Path) -> Result<Self> {
+        let open = || {
+            check_target(place)?;
+            let temporary = temporary_path(place)?;
+            let out = BufWriter::new(File::create(&temporary)?);
+            Ok(NewFile { place: place.into(), temporary, out, done: false })
+        };
+        open().map_err(|e| Error::io(place, e))
+    }
+
+    /// Puts the file in its place, when its bytes have reached the disk.
+    ///
+    /// Held by: `a_file_under_way_leaves_the_old_one_whole`.
+    pub fn commit(mut self) -> Result<()> {
+        let written = self.out.flush().and_then(|()| self.out.get_ref().sync_all());
+        let placed = written.and_then(|()| fs::rename(&self.temporary, &self.place));
+        self.done = true;
+        match placed {
+            Ok(()) => sync_folder(folder_of(&self.place)).map_err(|e| Error::io(&self.place, e)),
+            Err(cause) => Err(Error::io(&self.place, clean_up(&self.temporary, cause))),
+        }
+    }
+}
+
+impl Write for NewFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+impl Seek for NewFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.out.seek(to)
+    }
+}
+
+impl Drop for NewFile {
+    fn drop(&mut self) {
+        if !self.done && fs::remove_file(&self.temporary).is_err() {
+            // Nothing is lost by what stays behind: the next run in this folder removes it.
+            self.done = true;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_under_way_leaves_the_old_one_whole() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("table.exr");
+        fs::write(&path, b"old").expect("first");
+        let mut file = NewFile::create(&path).expect("opened");
+        file.write_all(b"half of it").expect("written");
+        drop(file);
+        assert_eq!(fs::read(&path).expect("there"), b"old");
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+        let mut file = NewFile::create(&path).expect("opened");
+        file.write_all(b"new").expect("written");
+        file.rewind().and_then(|()| file.write_all(b"N")).expect("patched");
+        file.commit().expect("placed");
+        assert_eq!(fs::read(&path).expect("there"), b"New");
+        assert!(matches!(NewFile::create(folder.path()), Err(Error::Io { .. })));
+    }
+}

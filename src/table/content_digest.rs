@@ -1,0 +1,98 @@
+//! The digest of a table's content, taken row by row: what the file's `gonio.digest` says.
+//!
+//! SHA-256 over the grid's text, the patches' digest and, for every channel by name, its name, type, number of values
+//! and the SHA-256 of its little-endian values. One sum runs for each channel, so that rows can come and go.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use sha2::{Digest, Sha256};
+
+use crate::files;
+use crate::files::image::Samples;
+
+/// A digest under way.
+#[derive(Default)]
+pub(super) struct ContentDigest {
+    channels: BTreeMap<String, Channel>,
+}
+
+struct Channel {
+    kind: &'static str,
+    count: u64,
+    sum: Sha256,
+}
+
+impl ContentDigest {
+    /// Adds further values of a channel: their type, and their bytes in the machine's order.
+    pub fn add(&mut self, name: &str, kind: &Samples, bytes: &[u8]) {
+        let (kind, size) = match kind {
+            Samples::F32(_) => ("FLOAT", 4),
+            Samples::U32(_) => ("UINT", 4),
+            Samples::F16(_) => ("HALF", 2),
+        };
+        if !self.channels.contains_key(name) {
+            self.channels.insert(name.into(), Channel { kind, count: 0, sum: Sha256::new() });
+        }
+        if let Some(channel) = self.channels.get_mut(name) {
+            channel.count += (bytes.len() / size) as u64;
+            channel.sum.update(little_endian(bytes, size));
+        }
+    }
+
+    /// Adds all values of a channel.
+    pub fn add_samples(&mut self, name: &str, samples: &Samples) {
+        const SOME: usize = 1 << 14;
+        // A channel without values has a name all the same.
+        self.add(name, samples, &[]);
+        match samples {
+            Samples::F32(values) => values.chunks(SOME).for_each(|values| {
+                self.add(name, samples, &values.iter().flat_map(|v| v.to_ne_bytes()).collect::<Vec<_>>());
+            }),
+            Samples::U32(values) => values.chunks(SOME).for_each(|values| {
+                self.add(name, samples, &values.iter().flat_map(|v| v.to_ne_bytes()).collect::<Vec<_>>());
+            }),
+            Samples::F16(values) => values.chunks(SOME).for_each(|values| {
+                self.add(name, samples, &values.iter().flat_map(|v| v.to_ne_bytes()).collect::<Vec<_>>());
+            }),
+        }
+    }
+
+    /// 64 hex digits.
+    pub fn finish(self, grid: &str, patches: &str) -> String {
+        let mut all = Sha256::new();
+        all.update(format!("gonio digest 2\n{grid}\n{patches}\n"));
+        for (name, Channel { kind, count, sum }) in self.channels {
+            all.update(format!("{name} {kind} {count} {}\n", files::hex(&sum.finalize())));
+        }
+        files::hex(&all.finalize())
+    }
+}
+
+fn little_endian(bytes: &[u8], size: usize) -> Cow<'_, [u8]> {
+    if cfg!(target_endian = "little") {
+        return Cow::Borrowed(bytes);
+    }
+    bytes.chunks(size).flat_map(|value| value.iter().rev().copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_digest_follows_its_definition_and_not_the_pieces() {
+        let values = [0.5f32, -1.0, 3.25];
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        let channel = files::sha256_hex(&bytes);
+        let wanted = files::sha256_hex(format!("gonio digest 2\ng\np\nY FLOAT 3 {channel}\n").as_bytes());
+        let mut whole = ContentDigest::default();
+        whole.add_samples("Y", &Samples::F32(values.to_vec()));
+        assert_eq!(whole.finish("g", "p"), wanted);
+        let mut pieces = ContentDigest::default();
+        for value in values {
+            pieces.add("Y", &Samples::F32(vec![]), &value.to_ne_bytes());
+        }
+        assert_eq!(pieces.finish("g", "p"), wanted);
+    }
+}

@@ -1,0 +1,146 @@
+//! A stored table read by rows: its heading first, then the stops that are asked for, from a file of any size.
+//!
+//! Enters: a table's file. Leaves: bands of it, each a table of its own with a list of stops.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result, one_line};
+use crate::files;
+use crate::files::image::{self, Part};
+use crate::files::image_blocks::Blocks;
+use crate::instrument::Grid;
+
+use super::channels::{self, ColourName, DIGEST, GRID};
+use super::content_digest::ContentDigest;
+use super::{BrdfTable, store};
+
+/// An open table.
+pub struct TableRows {
+    path: PathBuf,
+    blocks: Blocks<BufReader<File>>,
+    /// Channels that are a table's, without values.
+    outline: Part,
+    empty: BrdfTable,
+    names: Vec<ColourName>,
+    warnings: Vec<String>,
+}
+
+impl TableRows {
+    /// Reads the heading of a table's file.
+    pub fn open(path: &Path) -> Result<Self> {
+        let wrong = |why: String| Error::format(path, one_line(&why));
+        let blocks = Blocks::open(BufReader::new(files::open(path)?)).map_err(wrong)?;
+        let [outline] = blocks.outlines() else {
+            return Err(store::several(path, blocks.outlines().len()));
+        };
+        let mut outline = outline.clone();
+        let store::Heading { empty, names, mut warnings } = store::heading(&mut outline).map_err(wrong)?;
+        if outline.text(DIGEST).is_none() {
+            warnings.push(channels::no_digest());
+        }
+        Ok(TableRows { path: path.into(), blocks, outline, empty, names, warnings })
+    }
+
+    /// The table without its values.
+    pub fn heading(&self) -> &BrdfTable {
+        &self.empty
+    }
+
+    /// Its geometry.
+    pub fn grid(&self) -> &Grid {
+        &self.empty.grid
+    }
+
+    /// How many colours it has.
+    pub fn colours(&self) -> usize {
+        self.names.len()
+    }
+
+    /// The digest that the file carries.
+    pub fn digest(&self) -> Option<&str> {
+        self.outline.text(DIGEST)
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What is missing or odd, without being wrong.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Bytes of all values, as they are in memory.
+    pub fn bytes(&self) -> u64 {
+        self.row_bytes() * self.outline.height as u64
+    }
+
+    /// Bytes of one stop's values.
+    pub fn row_bytes(&self) -> u64 {
+        4 * (self.outline.channels.len() * self.outline.width) as u64
+    }
+
+    /// Bands of whole blocks, as many stops each as `bytes` hold when a stop takes `row_bytes`, at least one block.
+    ///
+    /// Whole blocks: each is decoded once.
+    pub fn bands(&self, bytes: u64, row_bytes: u64) -> Vec<Range<usize>> {
+        bands(self.outline.height, self.blocks.rows(0), bytes, row_bytes)
+    }
+
+    /// Holds the content to the file's digest, block by block. Without digest there is nothing to hold it to.
+    pub fn verify(&mut self) -> Result<()> {
+        let Some(stored) = self.outline.text(DIGEST).map(str::to_string) else { return Ok(()) };
+        let mut content = ContentDigest::default();
+        for number in 0..self.blocks.count(0) {
+            let block =
+                self.blocks.read(0, number).map_err(|why| Error::format(&self.path, one_line(&why)))?;
+            for (name, _, values) in block.lines() {
+                if let Some(kind) = self.outline.channels.get(name) {
+                    content.add(name, kind, values);
+                }
+            }
+        }
+        let grid = self.outline.text(GRID).unwrap_or_default();
+        let found = content.finish(grid, &self.empty.patch_digest);
+        channels::same_digest(&stored, &found).map_err(|why| Error::format(&self.path, one_line(&why)))
+    }
+
+    /// The rows of some stops, in increasing order, as a table of these stops.
+    ///
+    /// Held by: `bands_of_a_table_are_its_rows` (tests/large_tables.rs).
+    pub fn take(&mut self, stops: &[usize]) -> Result<BrdfTable> {
+        let path = self.path.clone();
+        self.rows_of(stops).map_err(|why| Error::format(&path, one_line(&why)))
+    }
+
+    fn rows_of(&mut self, stops: &[usize]) -> std::result::Result<BrdfTable, String> {
+        let whole = stops.len() == self.outline.height;
+        let grid =
+            if whole { Some(self.grid().clone()) } else { self.grid().of_stops(stops.iter().copied()) };
+        let grid = grid.ok_or("half/difference angles are not read by rows")?;
+        let mut part = Part { height: stops.len(), ..self.outline.clone() };
+        image::reserve(&mut part)?;
+        let rows = self.blocks.rows(0);
+        for wanted in stops.chunk_by(|a, b| a / rows == b / rows) {
+            let block = self.blocks.read(0, wanted[0] / rows)?;
+            for (name, row, values) in block.lines() {
+                if let (true, Some(samples)) = (wanted.contains(&row), part.channels.get_mut(name)) {
+                    samples.extend(values);
+                }
+            }
+        }
+        let first = stops.first().copied().unwrap_or(0);
+        store::filled(BrdfTable { grid, ..self.empty.clone() }, &mut part, &self.names, first)
+    }
+}
+
+/// Ranges of `stops` that hold `bytes` when a stop takes `row_bytes`, in multiples of `together`.
+pub fn bands(stops: usize, together: usize, bytes: u64, row_bytes: u64) -> Vec<Range<usize>> {
+    let fit = usize::try_from(bytes / row_bytes.max(1)).unwrap_or(usize::MAX);
+    let step = (fit / together * together).max(together);
+    (0..stops).step_by(step).map(|first| first..first.saturating_add(step).min(stops)).collect()
+}

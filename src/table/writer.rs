@@ -1,0 +1,79 @@
+//! A table written by rows: bands of stops one after the other, never more than a band in memory.
+//!
+//! Enters: bands, in the order of the stops. Leaves: the very file of the whole table.
+
+use std::io::{Seek, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::files::NewFile;
+use crate::files::row_writer::RowWriter;
+use crate::instrument::Grid;
+
+use super::channels::{self, DIGEST};
+use super::content_digest::ContentDigest;
+use super::{BrdfTable, store};
+
+/// A table's file under way.
+pub struct TableWriter<W> {
+    rows: RowWriter<W>,
+    content: ContentDigest,
+    grid: String,
+    patch_digest: String,
+    /// Stops taken so far.
+    stops: usize,
+    path: PathBuf,
+}
+
+impl TableWriter<NewFile> {
+    /// Begins the file at `path`: it takes its name when the file that [`TableWriter::finish`] hands back is committed.
+    pub fn create(path: &Path, like: &BrdfTable, grid: &Grid) -> Result<Self> {
+        Self::new(NewFile::create(path)?, path, like, grid)
+    }
+}
+
+impl<W: Write + Seek> TableWriter<W> {
+    /// Begins a table of all stops of `grid`, with the channels and texts of `like`; `path` is for messages.
+    pub fn new(out: W, path: &Path, like: &BrdfTable, grid: &Grid) -> Result<Self> {
+        let begin = || {
+            let outline = store::outline(like, grid, &channels::planes(like, 0)?)?;
+            Ok((outline, channels::grid_text(grid)?))
+        };
+        let (outline, text) = begin().map_err(refused)?;
+        let rows = RowWriter::new(out, outline).map_err(|e| Error::io(path, e))?;
+        let (content, patch_digest) = (ContentDigest::default(), like.patch_digest.clone());
+        Ok(TableWriter { rows, content, grid: text, patch_digest, stops: 0, path: path.into() })
+    }
+
+    /// Adds the rows of the next stops. NaN and infinite values are refused.
+    pub fn append(&mut self, band: &BrdfTable) -> Result<()> {
+        let planes = channels::planes(band, self.stops).map_err(refused)?;
+        if band.patch_digest != self.patch_digest {
+            return Err(Error::Internal("bands of different patches do not make a table".into()));
+        }
+        let bins = band.grid.bins();
+        for stop in 0..band.grid.stops() {
+            let content = &mut self.content;
+            let fill = |name: &str, out: &mut Vec<u8>| {
+                let Some(plane) = planes.get(name) else { return };
+                let before = out.len();
+                plane.bytes(stop * bins..(stop + 1) * bins, out);
+                content.add(name, &plane.kind(), &out[before..]);
+            };
+            self.rows.row(fill).map_err(|e| Error::io(&self.path, e))?;
+        }
+        self.stops += band.grid.stops();
+        Ok(())
+    }
+
+    /// Completes the header, and hands back the file and the table's digest.
+    pub fn finish(self) -> Result<(W, String)> {
+        let digest = self.content.finish(&self.grid, &self.patch_digest);
+        let out = self.rows.finish(DIGEST, &digest).map_err(|e| Error::io(&self.path, e))?;
+        Ok((out, digest))
+    }
+}
+
+fn refused(why: String) -> Error {
+    Error::Refused(format!("the table cannot be stored: {why}"))
+}

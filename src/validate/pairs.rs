@@ -1,0 +1,197 @@
+//! Pairs of directions with the arms exchanged, and what a table says of them, gathered stop by stop.
+//!
+//! A pair lies in two stops, far apart in a large table: its values are kept as the stops come by. A table with more
+//! pairs than `MOST` is judged by as many at most, evenly spread.
+
+use super::laws::Parts;
+use super::model::StopMeans;
+use crate::instrument::{Grid, GridKind, Region, Sensor};
+use crate::sphere;
+use crate::stats;
+use crate::table::BrdfTable;
+
+/// Pairs at most: a megabyte for each value of both ways.
+const MOST: usize = 1 << 20;
+
+/// (stop, bin) with the arms one way and the other way round.
+struct Pair {
+    there: (usize, usize),
+    back: (usize, usize),
+}
+
+/// Order 1 of the first colour in the bins of all pairs: entry 2k is one way of pair k, 2k + 1 the other.
+pub struct PairValues {
+    /// Whether both ways are the same thing: equal apertures, or single directions.
+    pub exact: bool,
+    /// (stop, bin, entry) in the order of the stops.
+    places: Vec<(usize, usize, usize)>,
+    value: Vec<f32>,
+    stderr: Vec<f32>,
+    seen: Vec<bool>,
+    /// A model's bin means; empty where there is none.
+    mean: Vec<f64>,
+    /// The value in each realisation; none where they are not known.
+    parts: Vec<Vec<f32>>,
+}
+
+impl PairValues {
+    /// The pairs of a table of all stops of `grid`.
+    pub fn new(grid: &Grid, exact: bool) -> Self {
+        let pairs = pairs(grid);
+        let both = |(k, pair): (usize, &Pair)| {
+            [(pair.there.0, pair.there.1, 2 * k), (pair.back.0, pair.back.1, 2 * k + 1)]
+        };
+        let mut places: Vec<_> = pairs.iter().enumerate().flat_map(both).collect();
+        places.sort_unstable();
+        let entries = places.len();
+        let (value, stderr, seen) = (vec![0.0; entries], vec![-1.0; entries], vec![false; entries]);
+        PairValues { exact, places, value, stderr, seen, mean: Vec::new(), parts: Vec::new() }
+    }
+
+    /// Takes the values of some stops; `means` are a model's bin means at them.
+    pub fn add(
+        &mut self,
+        band: &BrdfTable,
+        first_stop: usize,
+        realisations: Option<Parts>,
+        means: Option<&[StopMeans]>,
+    ) {
+        let (bins, stops) = (band.grid.bins(), band.grid.stops());
+        let entries = self.places.len();
+        if means.is_some() && self.mean.is_empty() {
+            self.mean = vec![f64::NAN; entries];
+        }
+        let known = realisations.filter(|parts| parts.all.parts.len() > 1);
+        if let (Some(parts), true) = (known, self.parts.is_empty()) {
+            self.parts = vec![vec![0.0; entries]; parts.all.parts.len()];
+        }
+        let from = self.places.partition_point(|place| place.0 < first_stop);
+        let colour = &band.colours[0];
+        for &(stop, bin, entry) in self.places[from..].iter().take_while(|place| place.0 < first_stop + stops)
+        {
+            let here = stop - first_stop;
+            let at = here * bins + bin;
+            self.value[entry] = colour.single[at];
+            self.stderr[entry] = colour.stderr_single[at];
+            self.seen[entry] = band.hits[at] > 0;
+            if let Some(means) = means {
+                self.mean[entry] = means[here].values[0][0][bin];
+            }
+            if let Some(Parts { all, first_stop }) = known {
+                let at = (first_stop + here) * bins + bin;
+                for (mine, part) in self.parts.iter_mut().zip(&all.parts) {
+                    mine[entry] = part.single[0][at];
+                }
+            }
+        }
+    }
+
+    /// Number of pairs.
+    pub fn len(&self) -> usize {
+        self.value.len() / 2
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.value.is_empty()
+    }
+
+    /// Realisations whose values are known.
+    pub fn realisations(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Whether light arrived both ways, and the two can be compared.
+    pub fn is_usable(&self, pair: usize) -> bool {
+        let comparable = self.exact || !self.mean.is_empty();
+        comparable && self.seen[2 * pair] && self.seen[2 * pair + 1] && self.ratio(pair).is_finite()
+    }
+
+    /// What the model says of one way over the other; 1 where both are the same thing.
+    fn ratio(&self, pair: usize) -> f64 {
+        if self.exact || self.mean.is_empty() { 1.0 } else { self.mean[2 * pair] / self.mean[2 * pair + 1] }
+    }
+
+    /// The value one way.
+    pub fn there(&self, pair: usize) -> f64 {
+        f64::from(self.value[2 * pair])
+    }
+
+    /// One way minus the other.
+    pub fn difference(&self, pair: usize) -> f64 {
+        self.difference_in(&self.value, pair)
+    }
+
+    fn difference_in(&self, values: &[f32], pair: usize) -> f64 {
+        f64::from(values[2 * pair]) - self.ratio(pair) * f64::from(values[2 * pair + 1])
+    }
+
+    /// The difference and its standard error: over the realisations, or of both errors as independent ones.
+    pub fn mean_difference(&self, pair: usize) -> (f64, Option<f64>) {
+        if !self.parts.is_empty() {
+            return stats::mean_and_se(self.parts.iter().map(|part| self.difference_in(part, pair)));
+        }
+        let se = |entry: usize| Some(f64::from(self.stderr[entry])).filter(|&se| se > 0.0);
+        let both = se(2 * pair).zip(se(2 * pair + 1)).map(|(a, b)| a.hypot(self.ratio(pair) * b));
+        (self.difference(pair), both)
+    }
+}
+
+/// Pairs of stops whose directions the sensor sees from each other. In a 3-D table every column is such a pair.
+fn pairs(grid: &Grid) -> Vec<Pair> {
+    let stops = grid.stops();
+    let relative_3d = grid.phi_r_relative && grid.phi_i_deg.len() == 1 && grid.kind == GridKind::Hemisphere;
+    // Columns beyond half a turn repeat the others mirrored.
+    let each = if relative_3d { (grid.phi_r_edges_deg.len() - 1) / 2 + 1 } else { 1 };
+    let all = (stops as u64).saturating_mul((stops as u64).saturating_sub(1)) / 2 * each as u64;
+    let step = all.div_ceil(MOST as u64).max(1);
+    let sensor = Sensor::new(grid);
+    let (mut pairs, mut number) = (Vec::new(), 0);
+    for a in 0..stops {
+        for b in a + 1..stops {
+            for column in 0..each {
+                number += 1;
+                if (number - 1) % step != 0 {
+                    continue;
+                }
+                if relative_3d {
+                    let columns = grid.phi_r_edges_deg.len() - 1;
+                    let (row_a, row_b) = (row_of(grid, a), row_of(grid, b));
+                    let (there, back) = ((a, row_b * columns + column), (b, row_a * columns + column));
+                    pairs.push(Pair { there, back });
+                } else if let (Some(there), Some(back)) =
+                    (bin_of(grid, &sensor, a, b), bin_of(grid, &sensor, b, a))
+                {
+                    pairs.push(Pair { there: (a, there), back: (b, back) });
+                }
+            }
+        }
+    }
+    pairs
+}
+
+/// The row of bins that holds the polar angle of a stop.
+fn row_of(grid: &Grid, stop: usize) -> usize {
+    let theta = grid.stop_deg(stop).0;
+    grid.theta_r_edges_deg.partition_point(|&edge| edge <= theta) - 1
+}
+
+/// The bin at stop `from` that looks along the direction of stop `to`; of an arm, only a position that is there.
+fn bin_of(grid: &Grid, sensor: &Sensor, from: usize, to: usize) -> Option<usize> {
+    let back = if grid.phi_r_relative { -grid.stop_deg(from).1 } else { 0.0 };
+    let wo = sphere::turned(grid.wi(to), sphere::sin_cos_deg(back));
+    // Bins between edges hold what falls into them: their regions need not be made.
+    let apertures = matches!(grid.kind, GridKind::Arm | GridKind::Points);
+    let regions = if apertures { grid.regions(from) } else { vec![] };
+    let mut found = None;
+    sensor.each_bin(wo, |bin| {
+        let same = match regions.get(bin) {
+            Some(Region::Cap { axis, .. }) => axis.distance(grid.wi(to)) < 1e-9,
+            _ => true,
+        };
+        if same {
+            found = Some(bin);
+        }
+    });
+    found
+}
