@@ -79,6 +79,9 @@ pub enum Error {
     /// The job ran, and its result breaks a law or an expectation.
     #[error("{0}")]
     Disagreement(String),
+    /// The user, or the system, asked for the end. What was measured is kept.
+    #[error("interrupted {0}")]
+    Interrupted(String),
     /// A broken invariant of the program itself.
     #[error("internal error: {0}")]
     Internal(String),
@@ -94,6 +97,7 @@ impl Error {
             Error::Io { .. } | Error::Format { .. } => 3,
             Error::Refused(_) => 4,
             Error::Internal(_) => 70,
+            Error::Interrupted(_) => 130,
         }
     }
 

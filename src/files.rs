@@ -4,9 +4,11 @@ pub mod exr_header;
 pub mod image;
 pub mod image_blocks;
 pub mod image_rows;
+pub mod lock;
 mod new_file;
 pub mod npy;
 pub mod row_writer;
+pub mod sealed;
 
 pub use new_file::NewFile;
 
@@ -83,6 +85,14 @@ pub fn create_folder(path: &Path) -> Result<()> {
     fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
     let probe = path.join(format!("probe.tmp.{}", std::process::id()));
     File::create(&probe).and_then(|_| fs::remove_file(&probe)).map_err(|e| Error::io(path, e))
+}
+
+/// Removes a file if it is there.
+pub fn remove(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(Error::io(path, e)),
+        _ => Ok(()),
+    }
 }
 
 /// Removes the temporary files that dead processes left in `folder`, and returns their paths.

@@ -13,6 +13,7 @@ mod arms;
 mod artist;
 mod bounds;
 mod check;
+mod difference;
 mod index_file;
 pub mod materials;
 mod optics;
@@ -26,6 +27,7 @@ pub mod schema;
 mod surface;
 mod warnings;
 
+pub use difference::{Difference, differences};
 pub use preset::Preset;
 pub use resolved::to_toml;
 pub use schema::*;

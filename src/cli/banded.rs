@@ -1,11 +1,11 @@
 //! `gonio measure` of a table that does not fit the memory: bands of stops are measured, examined and written one after
 //! the other. Table, realisations, card and figures are those of a run that had the memory.
 
-use super::measure::{cost_lines, files_written, lobes, report};
 use super::output::{self, Output, json_text, warn};
 use super::progress::Progress;
 use super::report::{Sources, page_of};
-use super::{optics_text, targets, targets::Target};
+use super::results::{cost_lines, files_written, lobes, report};
+use super::{optics_text, targets::Target};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files::{self, NewFile};
@@ -137,7 +137,7 @@ impl Sheet {
         let mut document = summary(&measured, job.plan, cost, &verdict);
         document["fresnel"] = output::to_json(&schlick)?;
         // Without its summary a table counts as unfinished, whatever happens from here on.
-        targets::remove(&target.summary)?;
+        files::remove(&target.summary)?;
         let (file, digest) = writer.finish()?;
         file.commit()?;
         write_realisations(&measured, target, &digest, (kept, job.plan))?;
@@ -172,7 +172,7 @@ fn write_realisations(
     let group_size = match kept {
         Kept::All => 1,
         Kept::Groups => plan.realisations as usize / GROUPS,
-        Kept::Nothing => return targets::remove(&target.realisations),
+        Kept::Nothing => return files::remove(&target.realisations),
     };
     // Names and axes are those of the table; its values are not needed.
     let bytes = realisations::encode_of(&measured.realisations, &measured.table, digest, group_size)?;

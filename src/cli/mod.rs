@@ -19,7 +19,9 @@ mod compare;
 mod export;
 mod fit;
 mod import;
+mod kept;
 mod measure;
+mod merge;
 mod optics_text;
 mod output;
 mod plan_text;
@@ -27,6 +29,7 @@ mod progress;
 mod recolour;
 mod report;
 mod resolution_text;
+mod results;
 mod scene;
 mod study;
 mod surface;
@@ -46,7 +49,7 @@ const THREADS_PER_CORE: usize = 4;
 #[command(name = "gonio", version, color = ColorChoice::Never, arg_required_else_help = true, max_term_width = 100)]
 #[command(after_help = "Example: gonio measure configs/quickstart.toml\n\
     Exit codes: 0 done, 1 ran and disagrees, 2 command line or campaign, 3 files, 4 refused,\n\
-    70 internal error.")]
+    70 internal error, 130 interrupted.")]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
@@ -57,6 +60,7 @@ enum Verb {
     Check(check::Arguments),
     Surface(surface::Arguments),
     Measure(measure::Arguments),
+    Merge(merge::Arguments),
     Validate(validate::Arguments),
     Compare(compare::Arguments),
     Fit(fit::Arguments),
@@ -77,7 +81,7 @@ impl Verb {
             Verb::Bench(arguments) => arguments.threads,
             Verb::Study(arguments) => arguments.threads,
             Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) | Verb::Report(_) => 0,
-            Verb::Export(_) | Verb::Import(_) | Verb::Recolour(_) => 0,
+            Verb::Export(_) | Verb::Import(_) | Verb::Recolour(_) | Verb::Merge(_) => 0,
         }
     }
 
@@ -86,6 +90,7 @@ impl Verb {
             Verb::Check(arguments) => check::run(arguments),
             Verb::Surface(arguments) => surface::run(arguments),
             Verb::Measure(arguments) => measure::run(arguments),
+            Verb::Merge(arguments) => merge::run(arguments),
             Verb::Validate(arguments) => validate::run(arguments),
             Verb::Compare(arguments) => compare::run(arguments),
             Verb::Fit(arguments) => fit::run(arguments),

@@ -64,8 +64,11 @@ pub fn warn(text: impl Display) {
     say(format_args!("warning: {text}"));
 }
 
-/// Prints an error on stderr, with the number of faults where a campaign has some.
+/// Prints an error on stderr, with the number of faults where a campaign has some. An interruption is none.
 pub fn print_error(error: &Error) {
+    if let Error::Interrupted(_) = error {
+        return say(error);
+    }
     say(format_args!("error: {error}"));
     if let Error::Campaign(faults) = error {
         let file = faults.first().map_or("the campaign", |fault| &fault.path);

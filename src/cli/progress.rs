@@ -15,6 +15,8 @@ const LINE_INTERVAL: u64 = 60;
 pub struct Progress {
     total: u64,
     unit: &'static str,
+    /// Done by an earlier run.
+    before: u64,
     done: AtomicU64,
     begin: Instant,
     next_line: AtomicU64,
@@ -24,13 +26,19 @@ pub struct Progress {
 impl Progress {
     /// Starts counting to `total` of `unit` (a plural).
     pub fn new(total: u64, unit: &'static str) -> Self {
+        Self::after(0, total, unit)
+    }
+
+    /// Goes on counting to `total` of `unit` from `before` that an earlier run did.
+    pub fn after(before: u64, total: u64, unit: &'static str) -> Self {
         Progress {
             total,
             unit,
-            done: AtomicU64::new(0),
+            before,
+            done: AtomicU64::new(before),
             begin: Instant::now(),
             next_line: AtomicU64::new(LINE_INTERVAL),
-            bar: stderr().is_terminal().then(|| bar(total, unit)),
+            bar: stderr().is_terminal().then(|| bar(before, total, unit)),
         }
     }
 
@@ -48,7 +56,7 @@ impl Progress {
         if elapsed.as_secs() >= due
             && self.next_line.compare_exchange(due, next, Ordering::Relaxed, Ordering::Relaxed).is_ok()
         {
-            output::say(line(done, self.total, self.unit, elapsed.as_secs_f64()));
+            output::say(line(self.before, done, self.total, self.unit, elapsed.as_secs_f64()));
         }
     }
 
@@ -66,7 +74,7 @@ impl Drop for Progress {
     }
 }
 
-fn bar(total: u64, unit: &'static str) -> ProgressBar {
+fn bar(before: u64, total: u64, unit: &'static str) -> ProgressBar {
     const TEMPLATE: &str = "{percent:>3} % [{wide_bar}] {rate}, {eta} left";
     let rate = move |state: &ProgressState, out: &mut dyn std::fmt::Write| {
         // A line that cannot be formatted is a line less.
@@ -76,13 +84,16 @@ fn bar(total: u64, unit: &'static str) -> ProgressBar {
     if let Ok(style) = ProgressStyle::with_template(TEMPLATE) {
         bar.set_style(style.with_key("rate", rate).progress_chars("=> "));
     }
+    bar.set_position(before);
+    // What was there before says nothing of this run's rate.
+    bar.reset_eta();
     bar.enable_steady_tick(Duration::from_secs(1));
     bar
 }
 
 /// One line of progress.
-fn line(done: u64, total: u64, unit: &str, seconds: f64) -> String {
-    let rate = done as f64 / seconds.max(1e-9);
+fn line(before: u64, done: u64, total: u64, unit: &str, seconds: f64) -> String {
+    let rate = (done - before) as f64 / seconds.max(1e-9);
     let left = output::duration(total.saturating_sub(done) as f64 / rate.max(1e-9));
     let percent = 100.0 * done as f64 / total.max(1) as f64;
     format!("{percent:.1} %, {} {unit}/s, about {left} left", short(rate))
@@ -103,12 +114,15 @@ mod tests {
 
     #[test]
     fn a_line_says_share_rate_and_time_left() {
-        let text = line(30_000_000, 120_000_000, "samples", 60.0);
+        let text = line(0, 30_000_000, 120_000_000, "samples", 60.0);
         assert_eq!(text, "25.0 %, 500.0 k samples/s, about 3.0 min left");
+        // What an earlier run did counts as done, and not for the rate.
+        let text = line(30_000_000, 60_000_000, 120_000_000, "samples", 60.0);
+        assert_eq!(text, "50.0 %, 500.0 k samples/s, about 2.0 min left");
     }
 
     #[test]
     fn nothing_done_is_no_division_by_zero() {
-        assert!(line(0, 0, "patches", 0.0).starts_with("0.0 %, 0.00 patches/s"));
+        assert!(line(0, 0, 0, "patches", 0.0).starts_with("0.0 %, 0.00 patches/s"));
     }
 }

@@ -7,9 +7,10 @@ use serde_json::{Value, json};
 
 use super::export::check_output;
 use super::output::{Output, columns, say, with_error};
-use super::{table_file, targets};
+use super::table_file;
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
+use crate::files;
 use crate::instrument::GridKind;
 use crate::stats;
 use crate::table::recolour::recolour;
@@ -65,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     store::save(output, &new)?;
     match &parts {
         Some(parts) => drop(realisations::save(&beside, parts, &new, realisations::SIZE_LIMIT)?),
-        None => targets::remove(&beside)?,
+        None => files::remove(&beside)?,
     }
     let mut out = Output::default();
     let rows = albedos(&new, parts.as_ref());

@@ -167,12 +167,12 @@ impl<'a> Job<'a> {
             }
             return self.check_certificate();
         }
-        targets::remove(&self.certificate())?;
+        files::remove(&self.certificate())?;
         for (_, path) in self.patches_there()? {
             // Only patches that are not about to be replaced: what is left is of one run.
             if !outputs.contains(&path) {
                 targets::spare_inputs(&[&path], file, self.campaign)?;
-                targets::remove(&path)?;
+                files::remove(&path)?;
             }
         }
         Ok(())

@@ -1,7 +1,6 @@
 //! Where results go: the folder, the files of each table, and what lies there already.
 
 use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::output::{say, warn};
@@ -39,14 +38,6 @@ pub fn spare(output: &Path, inputs: impl IntoIterator<Item = impl AsRef<Path>>, 
         return Err(Error::format(output, what));
     }
     Ok(())
-}
-
-/// Removes a file if it is there.
-pub fn remove(path: &Path) -> Result<()> {
-    match fs::remove_file(path) {
-        Err(e) if e.kind() != ErrorKind::NotFound => Err(Error::io(path, e)),
-        _ => Ok(()),
-    }
 }
 
 /// The files of one table. The summary is written last: where it is, the table is finished.

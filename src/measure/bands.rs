@@ -38,6 +38,7 @@ impl Plan {
         Some(Plan {
             grid: self.grid.of_stops(stops.clone())?,
             stops: stops.len(),
+            measured: (0..stops.len()).collect(),
             band_stops: stops.len(),
             total_samples: share(self.total_samples),
             folded: self.folded[stops.clone()].to_vec(),

@@ -1,10 +1,12 @@
 //! What a run costs: time and memory, as the system tells them. Nothing of it enters a table.
 
+use std::time::Instant;
+
 use rustix::time::{ClockId, clock_gettime};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a run cost.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Cost {
     /// Wall time.
     pub wall_s: f64,
@@ -29,7 +31,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// This and a run after it.
+    /// This and a run after it, or beside it on another machine.
     pub fn plus(self, next: Cost) -> Cost {
         Cost {
             wall_s: self.wall_s + next.wall_s,
@@ -42,6 +44,62 @@ impl Cost {
             rays_traced: self.rays_traced + next.rays_traced,
             rays_skipped: self.rays_skipped + next.rays_skipped,
             peak_bytes: self.peak_bytes.max(next.peak_bytes),
+        }
+    }
+}
+
+/// The clocks of a run, which goes on from what an earlier part of it has cost.
+pub(super) struct Clocks {
+    begin: Instant,
+    cpu: f64,
+    /// Costs of all phases that are over.
+    so_far: Cost,
+    threads: usize,
+    /// When tracing began, and the processor time then, while it lasts.
+    tracing: Option<(Instant, f64)>,
+}
+
+impl Clocks {
+    pub fn new(earlier: Cost) -> Self {
+        Clocks {
+            begin: Instant::now(),
+            cpu: cpu_seconds(),
+            so_far: earlier,
+            threads: rayon::current_num_threads(),
+            tracing: None,
+        }
+    }
+
+    /// Patches were made in `wall_s` since, and laid out for tracing in `cpu_s`.
+    pub fn made_patches(&mut self, wall_s: f64, cpu_s: f64) {
+        self.so_far.synthesis_s += wall_s;
+        self.so_far.tracing_cpu_s += cpu_s;
+    }
+
+    pub fn tracing_begins(&mut self) {
+        self.tracing = Some((Instant::now(), cpu_seconds()));
+    }
+
+    pub fn tracing_ends(&mut self) {
+        let Cost { tracing_s, tracing_cpu_s, .. } = self.cost();
+        (self.so_far.tracing_s, self.so_far.tracing_cpu_s) = (tracing_s, tracing_cpu_s);
+        self.tracing = None;
+    }
+
+    /// Times up to now, and memory; other figures are as they were in the earlier part.
+    pub fn cost(&self) -> Cost {
+        let (wall_s, cpu_s) = self
+            .tracing
+            .map_or((0.0, 0.0), |(wall, cpu)| (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu));
+        let earlier = &self.so_far;
+        Cost {
+            wall_s: earlier.wall_s + self.begin.elapsed().as_secs_f64(),
+            cpu_s: earlier.cpu_s + cpu_seconds() - self.cpu,
+            tracing_s: earlier.tracing_s + wall_s,
+            tracing_cpu_s: earlier.tracing_cpu_s + cpu_s,
+            threads: self.threads,
+            peak_bytes: peak_bytes().max(earlier.peak_bytes),
+            ..earlier.clone()
         }
     }
 }

@@ -50,7 +50,7 @@ pub(super) struct Memory {
 impl Memory {
     /// All stops at once.
     pub fn whole(&self, plan: &Plan) -> u128 {
-        self.shared.saturating_add(self.stop.saturating_mul(plan.stops as u128))
+        self.shared.saturating_add(self.stop.saturating_mul(plan.measured.len() as u128))
     }
 
     /// A band of stops at a time.
@@ -73,12 +73,12 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
     let surface = kept * mounted + threads * synthesis.max(layout + SUMS);
     let bins = plan.bins as u128;
-    // Fixed-point sums of 16 bytes while a stop is measured; f64 records of every realisation; f32 tables and
-    // realisations' files, with the sums of Schlick's formula in each.
-    let sums = (2 + plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
+    // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
+    // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.
+    let sums = (1 + plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
     let (realisations, roughnesses) = (u128::from(plan.realisations), campaign.alphas().len() as u128);
-    let records = bins * realisations * roughnesses * 8 * sums;
-    let tallies = 4 * threads * bins * 16 * sums;
+    let records = 2 * bins * realisations * roughnesses * (8 + 16 * sums);
+    let tallies = 4 * threads * bins * (8 + 16 * sums);
     let kept = if plan.weighing.serves_any_f0() { sums * plan.tables as u128 } else { 0 };
     let colours = (plan.colours as u128) * roughnesses;
     let files = bins * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);
@@ -134,7 +134,7 @@ fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
         |&stop: &usize| !plan.indexed && !plan.by_slope && is_swept(campaign, plan, stop, heights, alpha);
     let together = (0..plan.stops).filter(swept).count() / plan.grid.azimuths();
     let block = |stop: usize| block(campaign, plan, stop, alpha, swept(&stop).then_some(together.max(1)));
-    plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
+    plan.blocks as f64 * plan.measured.iter().copied().map(block).sum::<f64>()
 }
 
 /// One block of a stop, which shares its sweep with others (`together`, itself included), ns.

@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::bands;
 use super::estimate::{memory, seconds};
 use super::memory_limit::memory_limit;
+use super::shards::Shard;
 use super::skips::{Skip, skips};
 use super::weighing::Weighing;
 use crate::campaign::{Azimuth, Campaign, SurfaceKind};
@@ -31,6 +32,12 @@ pub struct Plan {
     pub grid: Grid,
     /// Light stops.
     pub stops: usize,
+    /// Which of them are measured: all, or those of a shard, increasing.
+    #[serde(skip)]
+    pub measured: Vec<usize>,
+    /// The shard that they are, if they are not all.
+    #[serde(skip)]
+    pub shard: Option<Shard>,
     /// Sensor bins at each stop.
     pub bins: usize,
     /// Tables (one for each roughness and material).
@@ -84,14 +91,24 @@ pub struct Plan {
     pub estimated_s: f64,
 }
 
-/// Decides how a campaign is measured. Errors: `Refused` where it would not fit the memory.
+/// Decides how a campaign is measured. Errors: `Refused` where it would not fit the memory, or take too long.
 pub fn plan(campaign: &Campaign) -> Result<Plan> {
-    plan_within(campaign, memory_limit())
+    plan_of(campaign, None, memory_limit())
 }
 
 /// The same with so many bytes of memory. A table that exceeds them is measured in bands of stops.
 pub fn plan_within(campaign: &Campaign, limit: u64) -> Result<Plan> {
+    plan_of(campaign, None, limit)
+}
+
+/// The same for one shard of it, which is not measured in bands. Errors: as [`plan`]; `Usage` where the stops do not
+/// suffice for so many shards, or where the clock would end each of them elsewhere.
+pub fn plan_of(campaign: &Campaign, shard: Option<Shard>, limit: u64) -> Result<Plan> {
     let grid = grid_of(campaign);
+    let measured = match shard {
+        Some(shard) => dealt(campaign, &grid, shard)?,
+        None => (0..grid.stops()).collect(),
+    };
     let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
     let roughnesses = campaign.alphas().len();
@@ -103,11 +120,14 @@ pub fn plan_within(campaign: &Campaign, limit: u64) -> Result<Plan> {
     let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
     let apertures_only = grid.kind == GridKind::Arm && campaign.trace.bounces == 1 && explicit;
     let total =
-        [grid.stops() as u128, u128::from(realisations), u128::from(blocks * BLOCK), roughnesses as u128];
+        [measured.len() as u128, u128::from(realisations), u128::from(blocks * BLOCK), roughnesses as u128];
     let indexed = apertures_only && random && few_apertures(&grid, &folded);
+    // Of all stops, also in a shard: starts must not depend on how the stops are dealt.
     let starts_of_a_patch = (roughnesses * grid.stops()) as f64 * (blocks * BLOCK) as f64;
     let mut plan = Plan {
         stops: grid.stops(),
+        measured,
+        shard,
         bins: grid.bins(),
         tables: roughnesses * campaign.optics.each().len(),
         realisations,
@@ -136,6 +156,7 @@ pub fn plan_within(campaign: &Campaign, limit: u64) -> Result<Plan> {
     let memory = memory(campaign, &plan);
     plan.memory_bytes = saturated(memory.whole(&plan));
     if plan.memory_bytes > limit
+        && shard.is_none()
         && let Some(stops) = bands::stops_within(campaign, &plan, &memory, limit)
     {
         plan.band_stops = stops;
@@ -159,6 +180,23 @@ pub fn plan_within(campaign: &Campaign, limit: u64) -> Result<Plan> {
         )));
     }
     Ok(plan)
+}
+
+/// The stops of a shard.
+fn dealt(campaign: &Campaign, grid: &Grid, shard: Shard) -> Result<Vec<usize>> {
+    if let Some(seconds) = campaign.stop.seconds {
+        let why = "no budget of time with --shard: each shard would end somewhere else";
+        return Err(Error::Usage(format!("{}: stop.seconds = {seconds}: {why}", campaign.name)));
+    }
+    let stops = shard.stops(grid);
+    if stops.is_empty() || shard.of as usize > grid.stops() {
+        let most = grid.stops();
+        return Err(Error::Usage(format!(
+            "--shard {shard}: {} has {most} stops, and no more shards",
+            campaign.name
+        )));
+    }
+    Ok(stops)
 }
 
 /// A count as it is reported: what exceeds 64 bits is refused or takes for ever in any case.

@@ -1,4 +1,4 @@
-//! The sums of one stop and realisation as numbers: what rounds add up, and what colours are made of.
+//! The sums of one stop and realisation as numbers: what colours are made of.
 
 use super::slopes::SeenBySlope;
 use super::tally::{Tally, from_units};
@@ -42,12 +42,13 @@ pub struct OrderRecord {
 }
 
 impl StopRecord {
-    /// The record of a finished tally.
-    pub fn new(tally: &Tally) -> Self {
-        let flux = |sums: &Vec<u128>| sums.iter().map(|&units| from_units(units)).collect::<Vec<_>>();
+    /// The record of a tally of so many blocks.
+    pub fn new(tally: &Tally, blocks: f64) -> Self {
+        let share = |units: u128| from_units(units) / blocks;
+        let flux = |sums: &Vec<u128>| sums.iter().map(|&units| share(units)).collect::<Vec<_>>();
         let order = |order: &super::tally::Order| OrderRecord {
             count: order.count,
-            unit: from_units(order.flux),
+            unit: share(order.flux),
             weighted: flux(&order.weighted),
         };
         StopRecord {
@@ -56,48 +57,12 @@ impl StopRecord {
             multiple: tally.multiple.iter().map(flux).collect(),
             hits: tally.hits.clone(),
             orders: tally.orders.iter().map(order).collect(),
-            cut: (tally.cut.count, from_units(tally.cut.flux)),
+            cut: (tally.cut.count, share(tally.cut.flux)),
             hidden: tally.hidden.count,
             left_map: tally.left_map.count,
-            outside: (tally.outside.count, from_units(tally.outside.flux)),
+            outside: (tally.outside.count, share(tally.outside.flux)),
             seen: SeenBySlope::of(tally),
         }
-    }
-
-    /// This and further blocks of the same stop and realisation.
-    pub fn plus(mut self, other: &Self) -> Self {
-        let add = |mine: &mut [f64], theirs: &[f64]| mine.iter_mut().zip(theirs).for_each(|(a, b)| *a += b);
-        add(&mut self.single, &other.single);
-        let planes = self.first.iter_mut().zip(&other.first);
-        planes.chain(self.multiple.iter_mut().zip(&other.multiple)).for_each(|(a, b)| add(a, b));
-        self.hits.iter_mut().zip(&other.hits).for_each(|(mine, theirs)| *mine += theirs);
-        for (mine, theirs) in self.orders.iter_mut().zip(&other.orders) {
-            mine.count += theirs.count;
-            mine.unit += theirs.unit;
-            add(&mut mine.weighted, &theirs.weighted);
-        }
-        self.cut = (self.cut.0 + other.cut.0, self.cut.1 + other.cut.1);
-        self.hidden += other.hidden;
-        self.left_map += other.left_map;
-        self.outside = (self.outside.0 + other.outside.0, self.outside.1 + other.outside.1);
-        self.seen.merge(&other.seen);
-        self
-    }
-
-    /// All flux times `factor`; counts stay.
-    pub fn scaled(mut self, factor: f64) -> Self {
-        if factor == 1.0 {
-            return self;
-        }
-        let planes = self.first.iter_mut().chain(&mut self.multiple).flatten();
-        self.single.iter_mut().chain(planes).for_each(|flux| *flux *= factor);
-        for order in &mut self.orders {
-            order.unit *= factor;
-            order.weighted.iter_mut().for_each(|flux| *flux *= factor);
-        }
-        self.cut.1 *= factor;
-        self.outside.1 *= factor;
-        self
     }
 
     /// Flux of order 1 in one colour. Schlick: F0 times the whole plus (1 - F0) times the (1-c)^5 part.

@@ -1,21 +1,48 @@
 //! The tables under way: what every stop has so far, and which stops go on.
 
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use super::blocks::Blocks;
 use super::plan::Plan;
 use super::record::StopRecord;
-use super::stopping::{Progress, StoppedBy, relative_error};
+use super::stopping::{self, Progress, StoppedBy, relative_error};
+use super::tally::Tally;
 use crate::campaign::{Alpha, Campaign};
+use crate::error::Error;
 
 /// One table for each roughness.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Tables {
     tables: Vec<Table>,
+    /// Blocks of every realisation after the last round that is over.
+    judged: u64,
+    /// Finished blocks of all stops, realisations and tables.
+    #[serde(skip)]
+    done: u64,
 }
 
 /// The table of one roughness.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Table {
+    /// Known from the campaign.
+    #[serde(skip)]
     pub alpha: Option<Alpha>,
-    /// [realisation][stop], `None` before the first round.
-    records: Vec<Vec<Option<StopRecord>>>,
+    /// [realisation][stop].
+    sums: Vec<Vec<Sum>>,
     stops: Vec<Progress>,
+    /// The stops that are measured here: all of them, but in a shard. Known from the plan.
+    #[serde(skip)]
+    measured: Vec<usize>,
+}
+
+/// What one stop and realisation has.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+struct Sum {
+    done: Blocks,
+    /// The sums of these blocks; `None` before the first.
+    tally: Option<Box<Tally>>,
 }
 
 /// A table that goes no further.
@@ -31,23 +58,72 @@ impl Tables {
     pub fn new(campaign: &Campaign, plan: &Plan) -> Self {
         let table = |alpha| Table {
             alpha,
-            records: vec![vec![None; plan.stops]; plan.realisations as usize],
+            sums: vec![vec![Sum::default(); plan.stops]; plan.realisations as usize],
             stops: vec![Progress::default(); plan.stops],
+            measured: plan.measured.clone(),
         };
-        Tables { tables: campaign.alphas().into_iter().map(table).collect() }
+        Tables { tables: campaign.alphas().into_iter().map(table).collect(), judged: 0, done: 0 }
     }
 
-    pub fn each_mut(&mut self) -> impl Iterator<Item = &mut Table> {
-        self.tables.iter_mut()
+    /// The table number `index`.
+    pub fn table(&self, index: usize) -> &Table {
+        &self.tables[index]
+    }
+
+    /// How many tables there are.
+    pub fn count(&self) -> usize {
+        self.tables.len()
+    }
+
+    /// Adds finished blocks of some stops, integers in any order.
+    ///
+    /// Errors: `Internal` where a start is lost or missing.
+    pub fn add(
+        &mut self,
+        (table, realisation): (usize, u64),
+        blocks: &[u64],
+        tallies: impl IntoIterator<Item = (usize, Tally)>,
+        plan: &Plan,
+    ) -> Result<(), Error> {
+        for (stop, tally) in tallies {
+            let (wanted, starts) = (blocks.len() as u64 * plan.block_starts, tally.starts());
+            if tally.lost > 0 || starts != wanted {
+                let lost = tally.lost;
+                return Err(Error::Internal(format!(
+                    "realisation {realisation}, stop {stop}, blocks {blocks:?}: {lost} rays lost, {starts} of {wanted} \
+                     starts counted"
+                )));
+            }
+            let sum = &mut self.tables[table].sums[realisation as usize][stop];
+            blocks.iter().for_each(|&block| sum.done.insert(block));
+            self.done += blocks.len() as u64;
+            match &mut sum.tally {
+                Some(before) => before.merge(&tally),
+                none => *none = Some(Box::new(tally)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a realisation misses any of these blocks at a stop that goes on.
+    pub fn misses(&self, realisation: u64, blocks: &Range<u64>) -> bool {
+        let misses = |table: &Table| {
+            table.open_stops().any(|stop| !table.missing(realisation, stop, blocks).is_empty())
+        };
+        self.tables.iter().any(misses)
+    }
+
+    /// Whether the round that ends after so many blocks is over.
+    pub fn is_judged(&self, blocks: u64) -> bool {
+        blocks <= self.judged
     }
 
     /// After all realisations have `blocks` blocks: which stops have enough.
     pub fn judge(&mut self, campaign: &Campaign, plan: &Plan, blocks: u64) {
         let wanted = campaign.stop.relative_error;
-        // Only here, whatever rounds the clock asks for.
-        let looked_at = blocks.is_power_of_two() || blocks == plan.blocks;
+        let looked_at = stopping::is_looked_at(blocks, plan.blocks);
         for table in &mut self.tables {
-            for stop in table.open_stops() {
+            for stop in table.open_stops().collect::<Vec<_>>() {
                 match wanted {
                     Some(wanted) if looked_at => {
                         let error = table.relative_error(plan, stop);
@@ -62,6 +138,7 @@ impl Tables {
                 }
             }
         }
+        self.judged = blocks;
     }
 
     /// Ends what is open: the time is over.
@@ -72,50 +149,159 @@ impl Tables {
     }
 
     pub fn all_ended(&self) -> bool {
-        self.tables.iter().flat_map(|table| &table.stops).all(|stop| stop.by.is_some())
+        self.tables.iter().all(|table| table.open_stops().next().is_none())
     }
 
     /// Starts so far, of all tables, stops and realisations.
     pub fn starts(&self, plan: &Plan) -> u64 {
-        let blocks: u64 = self.tables.iter().flat_map(|table| &table.stops).map(|stop| stop.blocks).sum();
-        blocks * plan.block_starts * u64::from(plan.realisations)
+        self.done * plan.block_starts
     }
 
-    /// Every table. Flux is a share of what fell in all planned blocks: a stop that ended earlier is scaled to those
-    /// that it had.
-    pub fn finished(self, plan: &Plan) -> Vec<Finished> {
+    /// Goes on from a run of `planned` blocks, or of fewer realisations, towards the whole plan: as if every stop had
+    /// only been looked at where this plan looks.
+    ///
+    /// Held by: `more_samples_give_the_bytes_of_a_fresh_run` in `tests/kills_and_resume.rs`.
+    pub fn extend(&mut self, campaign: &Campaign, plan: &Plan, planned: u64) {
+        let realisations = plan.realisations as usize;
+        let more_realisations = self.tables.iter().any(|table| table.sums.len() < realisations);
+        if planned == plan.blocks && !more_realisations {
+            return;
+        }
+        let ends = stopping::rounds(&campaign.stop, plan.blocks).map(|round| round.end);
+        let last = ends.take_while(|&end| end <= self.judged).last();
+        self.judged = if more_realisations { 0 } else { last.unwrap_or(0) };
+        for table in &mut self.tables {
+            table.sums.resize_with(realisations, || vec![Sum::default(); plan.stops]);
+            for stop in &mut table.stops {
+                if stop.blocks > self.judged || stop.by == Some(StoppedBy::Samples) {
+                    stop.rewind(self.judged);
+                }
+            }
+        }
+    }
+
+    /// Whether errors or the clock have been looked at, which depends on how many realisations there are.
+    pub fn has_looked(&self, campaign: &Campaign) -> bool {
+        self.judged > 0 && (campaign.stop.relative_error.is_some() || campaign.stop.seconds.is_some())
+    }
+
+    /// Whether these tables, read from a file, can be those of a run of `planned` blocks under this plan, with as
+    /// many realisations or fewer; else what is wrong.
+    pub fn check(&self, campaign: &Campaign, plan: &Plan, planned: u64) -> Result<(), String> {
+        let wrong =
+            |what: &str, found: usize, wanted: usize| Err(format!("{found} {what}, {wanted} expected"));
+        let roughnesses = campaign.alphas().len();
+        if self.tables.len() != roughnesses {
+            return wrong("roughnesses", self.tables.len(), roughnesses);
+        }
+        let shape = Tally::new(plan.bins, &plan.weighing);
+        for table in &self.tables {
+            if table.sums.is_empty() || table.sums.len() > plan.realisations as usize {
+                return wrong("realisations", table.sums.len(), plan.realisations as usize);
+            }
+            let rows = table.sums.iter().map(Vec::len);
+            if let Some(stops) = rows.chain([table.stops.len()]).find(|&stops| stops != plan.stops) {
+                return wrong("stops", stops, plan.stops);
+            }
+            let sound = table.sums.iter().flatten().all(|sum| sum.is_sound(&shape, plan, planned))
+                && table.stops.iter().all(|stop| stop.blocks <= planned);
+            if !sound || self.judged > planned {
+                return Err("sums that no run has".into());
+            }
+        }
+        Ok(())
+    }
+
+    /// Fills in what files do not repeat: the roughnesses, the stops, and how many blocks there are.
+    pub fn complete(&mut self, campaign: &Campaign, plan: &Plan) {
+        let sums = self.tables.iter().flat_map(|table| table.sums.iter().flatten());
+        self.done = sums.map(|sum| sum.done.count()).sum();
+        for (table, alpha) in self.tables.iter_mut().zip(campaign.alphas()) {
+            table.alpha = alpha;
+            table.measured.clone_from(&plan.measured);
+        }
+    }
+
+    /// Takes over these `stops` of other tables of the same shape, which must be at their end, or says what is wrong.
+    pub fn take(&mut self, other: Tables, stops: &[usize]) -> Result<(), String> {
+        for (mine, mut theirs) in self.tables.iter_mut().zip(other.tables) {
+            for &stop in stops {
+                let Progress { blocks, by, .. } = theirs.stops[stop];
+                let ended = by.is_some() && theirs.sums.iter().all(|sums| sums[stop].done.count() == blocks);
+                if !ended || blocks == 0 || mine.sums.len() != theirs.sums.len() {
+                    return Err(format!("stop {stop} is not measured to its end"));
+                }
+                for (mine, theirs) in mine.sums.iter_mut().zip(&mut theirs.sums) {
+                    mine[stop] = std::mem::take(&mut theirs[stop]);
+                    self.done += blocks;
+                }
+                mine.stops[stop] = std::mem::take(&mut theirs.stops[stop]);
+            }
+        }
+        Ok(())
+    }
+
+    /// Leaves these `stops` alone, in their order.
+    pub fn keep(&mut self, stops: &[usize]) {
+        for table in &mut self.tables {
+            for sums in &mut table.sums {
+                *sums = stops.iter().map(|&stop| std::mem::take(&mut sums[stop])).collect();
+            }
+            table.stops = stops.iter().map(|&stop| std::mem::take(&mut table.stops[stop])).collect();
+            table.measured = (0..stops.len()).collect();
+        }
+    }
+
+    /// About as many bytes as the sums take in a file: a sum of 2^-90 has 12 digits of base 128 where it is not near 0.
+    pub fn bytes(&self) -> usize {
+        let sums = self.tables.iter().flat_map(|table| table.sums.iter().flatten());
+        sums.filter_map(|sum| sum.tally.as_ref()).map(|tally| 14 * tally.sums() + 512).sum()
+    }
+
+    /// Every table. Flux is a share of what fell in the blocks that the stop had.
+    pub fn finished(self) -> Vec<Finished> {
+        let record = |sum: Sum| {
+            let blocks = sum.done.count() as f64;
+            sum.tally.map(|tally| StopRecord::new(&tally, blocks))
+        };
         let finished = |table: Table| {
-            let scaled = |(record, stop): (Option<StopRecord>, &Progress)| {
-                record.map(|record| record.scaled(plan.blocks as f64 / stop.blocks as f64))
-            };
-            let of_realisation = |records: Vec<_>| records.into_iter().zip(&table.stops).filter_map(scaled);
-            let records = table.records.into_iter().map(|records| of_realisation(records).collect());
-            Finished { alpha: table.alpha, records: records.collect(), stops: table.stops.clone() }
+            let of_realisation = |sums: Vec<Sum>| sums.into_iter().filter_map(record).collect();
+            let records = table.sums.into_iter().map(of_realisation).collect();
+            Finished { alpha: table.alpha, records, stops: table.stops }
         };
         self.tables.into_iter().map(finished).collect()
     }
 }
 
+impl Sum {
+    /// Whether this may have come about: every start of the finished blocks has its fate, and no sum is near its end.
+    fn is_sound(&self, shape: &Tally, plan: &Plan, planned: u64) -> bool {
+        let starts = self.done.is_sound(planned).then(|| self.done.count() * plan.block_starts);
+        match (&self.tally, starts) {
+            (Some(tally), Some(starts)) => tally.has_shape_of(shape) && tally.is_sound(starts),
+            (None, starts) => starts == Some(0),
+            (Some(_), None) => false,
+        }
+    }
+}
+
 impl Table {
     /// The stops that go on.
-    pub fn open_stops(&self) -> Vec<usize> {
-        (0..self.stops.len()).filter(|&stop| self.stops[stop].by.is_none()).collect()
+    pub fn open_stops(&self) -> impl Iterator<Item = usize> {
+        self.measured.iter().copied().filter(|&stop| self.stops[stop].by.is_none())
     }
 
-    /// Adds what a round measured of some stops of a realisation. Rounds come in their order, so that sums of
-    /// floats are the same for any number of threads.
-    pub fn add(&mut self, realisation: usize, records: Vec<(usize, StopRecord)>) {
-        for (stop, record) in records {
-            let sum = &mut self.records[realisation][stop];
-            *sum = Some(match sum.take() {
-                Some(before) => before.plus(&record),
-                None => record,
-            });
-        }
+    /// What a stop of a realisation misses of `blocks`.
+    pub fn missing(&self, realisation: u64, stop: usize, blocks: &Range<u64>) -> Vec<Range<u64>> {
+        self.sums[realisation as usize][stop].done.missing(blocks)
     }
 
     fn relative_error(&self, plan: &Plan, stop: usize) -> Option<f64> {
-        let records: Vec<&StopRecord> = self.records.iter().filter_map(|r| r[stop].as_ref()).collect();
+        let record = |sums: &Vec<Sum>| {
+            let Sum { done, tally } = &sums[stop];
+            tally.as_ref().map(|tally| StopRecord::new(tally, done.count() as f64))
+        };
+        let records: Vec<StopRecord> = self.sums.iter().filter_map(record).collect();
         let regions = plan.grid.regions(stop);
         let sizes: Vec<f64> = regions.iter().map(|region| region.projected_solid_angle()).collect();
         relative_error(&records, &sizes, &plan.weighing)

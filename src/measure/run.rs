@@ -1,22 +1,24 @@
 //! The measurement itself: realisations, stops and blocks in parallel, integer sums in any order, round by round.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc;
+use std::thread;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use super::assemble::{Measured, assemble};
-use super::cost::{Cost, cpu_seconds, peak_bytes};
+use super::cost::{Clocks, Cost, cpu_seconds};
+use super::ledger::Ledger;
 use super::patches::{Patches, Specimen};
 use super::plan::Plan;
-use super::record::StopRecord;
-use super::rounds::Tables;
+use super::session::{Keeper, Session, locked};
 use super::stage::Mounted;
 use super::stopping;
-use super::tally::Tally;
-use super::ways::Work;
-use crate::campaign::{Alpha, Campaign};
+use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::Sensor;
@@ -26,9 +28,11 @@ use crate::trace::Kernel;
 pub(super) struct Context<'a> {
     pub campaign: &'a Campaign,
     pub plan: &'a Plan,
+    pub session: &'a Session<'a>,
     pub sensor: Sensor,
-    pub progress: &'a (dyn Fn(u64) + Sync),
-    kernel: Kernel,
+    pub kernel: Kernel,
+    pub ledger: Mutex<Ledger>,
+    clocks: Mutex<Clocks>,
     rays: AtomicU64,
     skipped: AtomicU64,
 }
@@ -42,174 +46,181 @@ pub fn measure(
     patches: &Patches,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<(Vec<Measured>, Cost)> {
-    let (begin, cpu) = (Instant::now(), cpu_seconds());
+    let ledger = Ledger::new(campaign, plan);
+    let ledger = go_on(campaign, plan, patches, ledger, &Session::plain(progress))?;
+    Ok(tables(campaign, plan, ledger))
+}
+
+/// Measures what is missing in `ledger`, and keeps what is finished as the session asks.
+///
+/// Errors: as [`measure`]; `Interrupted`; `Io` where the last checkpoint could not be written; `Format` where a patch
+/// is not the one that the ledger's sums are of.
+pub fn go_on(
+    campaign: &Campaign,
+    plan: &Plan,
+    patches: &Patches,
+    ledger: Ledger,
+    session: &Session,
+) -> Result<Ledger> {
     let context = Context {
         campaign,
         plan,
+        session,
         sensor: Sensor::new(&plan.grid),
-        progress,
         kernel: Kernel::widest(),
-        rays: AtomicU64::new(0),
-        skipped: AtomicU64::new(0),
+        clocks: Mutex::new(Clocks::new(ledger.cost.clone())),
+        rays: AtomicU64::new(ledger.cost.rays_traced),
+        skipped: AtomicU64::new(ledger.cost.rays_skipped),
+        ledger: Mutex::new(ledger),
     };
-    let mut run = Run::new(&context, patches);
-    for round in stopping::rounds(&campaign.stop, plan.blocks) {
-        let clock = Instant::now();
-        // Patches that are looked at again are kept.
-        run.round(round.clone(), round.end < plan.blocks)?;
-        run.tables.judge(campaign, plan, round.end);
-        let over = campaign.stop.seconds.is_some_and(|budget| {
-            // A further round would take about as long as this one.
-            (begin.elapsed() + clock.elapsed()).as_secs_f64() > budget
-        });
-        if over {
-            run.tables.time_is_over();
-        }
-        if run.tables.all_ended() {
-            break;
-        }
+    let cost = || context.cost();
+    let keeper = Keeper { session, campaign, plan, ledger: &context.ledger, cost: &cost };
+    let mut run = Run { context: &context, patches, mounted: BTreeMap::new() };
+    let (measured, kept) = thread::scope(|scope| {
+        let (others, end) = mpsc::channel();
+        let keeper = scope.spawn(move || keeper.run(end));
+        let measured = run.rounds();
+        drop(others);
+        (measured, keeper.join().unwrap_or_else(|_| Err(Error::Internal("a checkpoint".into()))))
+    });
+    let cost = context.cost();
+    let mut ledger = context.ledger.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    ledger.cost = cost;
+    measured?;
+    if session.is_over() {
+        kept?;
+        return Err(Error::Interrupted(format!("after {:.1} % of the samples", ledger.percent(plan))));
     }
-    let patch_digest = if run.digests.is_empty() { String::new() } else { files::sha256_hex(&run.digests) };
-    let Run { synthesis_s, tracing_s, tracing_cpu_s, .. } = run;
-    let samples = run.tables.starts(plan);
-    let finished = run.tables.finished(plan).into_iter();
-    let results = finished.flat_map(|table| assemble(campaign, plan, table, &patch_digest)).collect();
-    let cost = Cost {
-        wall_s: begin.elapsed().as_secs_f64(),
-        cpu_s: cpu_seconds() - cpu,
-        synthesis_s,
-        tracing_s,
-        tracing_cpu_s,
-        threads: rayon::current_num_threads(),
-        samples,
-        rays_traced: context.rays.into_inner(),
-        rays_skipped: context.skipped.into_inner(),
-        peak_bytes: peak_bytes(),
-    };
-    Ok((results, cost))
+    // Whoever writes the tables next has the same full disk before him, and says so.
+    Ok(ledger)
+}
+
+/// The tables of a ledger in which nothing is missing.
+pub fn tables(campaign: &Campaign, plan: &Plan, ledger: Ledger) -> (Vec<Measured>, Cost) {
+    let cost = ledger.cost(plan);
+    let Ledger { tables, digests, .. } = ledger;
+    let digests: Vec<u8> = digests.into_iter().flatten().flatten().collect();
+    let patch_digest = if digests.is_empty() { String::new() } else { files::sha256_hex(&digests) };
+    let finished = tables.finished().into_iter();
+    (finished.flat_map(|table| assemble(campaign, plan, table, &patch_digest)).collect(), cost)
 }
 
 /// A measurement under way.
 struct Run<'a> {
     context: &'a Context<'a>,
     patches: &'a Patches,
-    /// Patches kept from the first round.
-    kept: Vec<Mounted>,
-    digests: Vec<u8>,
-    tables: Tables,
-    synthesis_s: f64,
-    tracing_s: f64,
-    tracing_cpu_s: f64,
+    /// Patches that are looked at again in a further round, by realisation.
+    mounted: BTreeMap<u64, Mounted>,
 }
 
-impl<'a> Run<'a> {
-    fn new(context: &'a Context<'a>, patches: &'a Patches) -> Self {
-        let tables = Tables::new(context.campaign, context.plan);
-        let (synthesis_s, tracing_s, tracing_cpu_s) = (0.0, 0.0, 0.0);
-        let (kept, digests) = (Vec::new(), Vec::new());
-        Run { context, patches, kept, digests, tables, synthesis_s, tracing_s, tracing_cpu_s }
+impl Run<'_> {
+    /// All rounds that are not over yet.
+    fn rounds(&mut self) -> Result<()> {
+        let Context { campaign, plan, session, ledger, .. } = self.context;
+        for round in stopping::rounds(&campaign.stop, plan.blocks) {
+            if locked(ledger).tables.all_ended() {
+                break;
+            }
+            if locked(ledger).tables.is_judged(round.end) {
+                continue;
+            }
+            let clock = Instant::now();
+            self.round(&round)?;
+            if session.is_over() {
+                break;
+            }
+            let mut ledger = locked(ledger);
+            ledger.tables.judge(campaign, plan, round.end);
+            // A further round would take about as long as this one.
+            let spent = self.context.cost().wall_s + clock.elapsed().as_secs_f64();
+            if campaign.stop.seconds.is_some_and(|budget| spent > budget) {
+                ledger.tables.time_is_over();
+            }
+        }
+        Ok(())
     }
 
     /// The blocks of one round, for all open stops of all realisations.
-    fn round(&mut self, blocks: Range<u64>, keep: bool) -> Result<()> {
-        let all: Vec<u64> = (0..u64::from(self.context.plan.realisations)).collect();
+    fn round(&mut self, blocks: &Range<u64>) -> Result<()> {
+        let Context { plan, session, ledger, .. } = self.context;
+        let wanted: Vec<u64> = {
+            let ledger = locked(ledger);
+            (0..u64::from(plan.realisations)).filter(|&k| ledger.tables.misses(k, blocks)).collect()
+        };
         // As many patches in memory as there are threads to make them.
-        for group in all.chunks(rayon::current_num_threads()) {
-            if blocks.start > 0 {
-                let kept = std::mem::take(&mut self.kept);
-                self.trace(group, &kept[group[0] as usize..][..group.len()], &blocks)?;
-                self.kept = kept;
-                continue;
+        for group in wanted.chunks(rayon::current_num_threads()) {
+            if session.is_over() {
+                break;
             }
-            let made = self.mount(group)?;
-            self.trace(group, &made, &blocks)?;
-            if keep {
-                self.kept.extend(made);
+            let missing: Vec<u64> = group.iter().copied().filter(|k| !self.mounted.contains_key(k)).collect();
+            self.mount(&missing)?;
+            self.trace(group, blocks)?;
+            if blocks.end == plan.blocks {
+                group.iter().for_each(|k| drop(self.mounted.remove(k)));
             }
         }
         Ok(())
     }
 
-    fn mount(&mut self, realisations: &[u64]) -> Result<Vec<Mounted>> {
+    /// Makes patches and lays them out.
+    fn mount(&mut self, realisations: &[u64]) -> Result<()> {
         let clock = Instant::now();
         let made = realisations.par_iter().map(|&k| self.patches.realisation(k));
         let made = made.collect::<Result<Vec<Specimen>>>()?;
-        let digests: Vec<_> = made.par_iter().filter_map(|made| made.digest().map(Vec::from)).collect();
-        self.digests.extend(digests.concat());
+        let digests: Vec<_> = made.par_iter().map(Specimen::digest).collect();
+        for (&k, digest) in realisations.iter().zip(digests) {
+            self.context.note_digest(k, digest)?;
+        }
         let cpu = cpu_seconds();
         let mount = |made: Specimen| Mounted::new(made, self.context.campaign, self.context.plan);
-        let mounted = made.into_par_iter().map(mount).collect();
-        self.tracing_cpu_s += cpu_seconds() - cpu;
-        self.synthesis_s += clock.elapsed().as_secs_f64();
-        Ok(mounted)
+        let mounted: Vec<Mounted> = made.into_par_iter().map(mount).collect();
+        self.mounted.extend(realisations.iter().copied().zip(mounted));
+        let (wall_s, cpu_s) = (clock.elapsed().as_secs_f64(), cpu_seconds() - cpu);
+        locked(&self.context.clocks).made_patches(wall_s, cpu_s);
+        Ok(())
     }
 
-    fn trace(&mut self, realisations: &[u64], mounted: &[Mounted], blocks: &Range<u64>) -> Result<()> {
-        let (clock, cpu) = (Instant::now(), cpu_seconds());
-        for table in self.tables.each_mut() {
-            let open = table.open_stops();
-            let measured = realisations.par_iter().zip(mounted).map(|(&realisation, mounted)| {
-                self.context.realisation(mounted, table.alpha, realisation, &open, blocks)
-            });
-            for (&realisation, records) in realisations.iter().zip(measured.collect::<Result<Vec<_>>>()?) {
-                table.add(realisation as usize, records);
-            }
-        }
-        self.tracing_s += clock.elapsed().as_secs_f64();
-        self.tracing_cpu_s += cpu_seconds() - cpu;
-        Ok(())
+    fn trace(&self, realisations: &[u64], blocks: &Range<u64>) -> Result<()> {
+        let context = self.context;
+        locked(&context.clocks).tracing_begins();
+        let tables = locked(&context.ledger).tables.count();
+        let on_stage: Vec<_> = realisations.iter().filter_map(|k| Some((*k, self.mounted.get(k)?))).collect();
+        let traced = (0..tables).try_for_each(|table| {
+            on_stage.par_iter().try_for_each(|&(k, mounted)| context.pass(mounted, (table, k), blocks))
+        });
+        locked(&context.clocks).tracing_ends();
+        traced
     }
 }
 
 impl Context<'_> {
-    /// Some blocks of the `open` stops of one realisation, in any order of the stops.
-    fn realisation(
-        &self,
-        mounted: &Mounted,
-        alpha: Option<Alpha>,
-        realisation: u64,
-        open: &[usize],
-        blocks: &Range<u64>,
-    ) -> Result<Vec<(usize, StopRecord)>> {
-        let stage = mounted.stage(alpha, self.kernel, self.campaign);
-        let groups = stage.groups(open, self.campaign, self.plan, realisation);
-        let measured = groups.par_iter().map(|group| {
-            let empty = || vec![Tally::new(self.plan.bins, &self.plan.weighing); group.stops.len()];
-            let tallies = blocks
-                .clone()
-                .into_par_iter()
-                .fold(empty, |mut tallies, block| {
-                    self.block(&Work { stage: &stage, group, realisation, block }, &mut tallies);
-                    tallies
-                })
-                .reduce(empty, |a, b| a.into_iter().zip(b).map(|(a, b)| a.merge(b)).collect());
-            let records = group.stops.iter().zip(&tallies);
-            records.map(|(&stop, tally)| Ok((stop, self.record(realisation, stop, tally, blocks)?))).collect()
-        });
-        Ok(measured.collect::<Result<Vec<Vec<_>>>>()?.concat())
-    }
-
-    /// The record of a tally in which no start may be missing.
-    fn record(
-        &self,
-        realisation: u64,
-        stop: usize,
-        tally: &Tally,
-        blocks: &Range<u64>,
-    ) -> Result<StopRecord> {
-        let wanted = (blocks.end - blocks.start) * self.plan.block_starts;
-        if tally.lost == 0 && tally.starts() == wanted {
-            return Ok(StopRecord::new(tally));
+    /// Keeps the digest of a patch; where there is one already, it must be the same.
+    fn note_digest(&self, realisation: u64, digest: Option<[u8; 32]>) -> Result<()> {
+        let mut ledger = locked(&self.ledger);
+        let kept = &mut ledger.digests[realisation as usize];
+        if kept.is_some() && *kept != digest {
+            let [here, there] = [digest, *kept].map(|digest| files::hex(&digest.unwrap_or_default()));
+            return Err(Error::Refused(format!(
+                "patch {realisation} has the digest {here}, blocks of {there} are kept: made on another processor, or by \
+                 other --patches; --force starts again"
+            )));
         }
-        let (lost, starts) = (tally.lost, tally.starts());
-        Err(Error::Internal(format!(
-            "realisation {realisation}, stop {stop}: {lost} rays lost, {starts} of {wanted} starts counted"
-        )))
+        *kept = digest;
+        Ok(())
     }
 
     /// Adds to the rays of the cost report.
     pub(super) fn add_rays(&self, traced: u64, skipped: u64) {
         self.rays.fetch_add(traced, Ordering::Relaxed);
         self.skipped.fetch_add(skipped, Ordering::Relaxed);
+    }
+
+    /// What the run has cost up to now.
+    fn cost(&self) -> Cost {
+        Cost {
+            rays_traced: self.rays.load(Ordering::Relaxed),
+            rays_skipped: self.skipped.load(Ordering::Relaxed),
+            ..locked(&self.clocks).cost()
+        }
     }
 }

@@ -49,6 +49,11 @@ impl SeenBySlope {
         self.seen.iter_mut().zip(&other.seen).for_each(|(mine, theirs)| *mine += theirs);
     }
 
+    /// Whether no class has more than so many starts, nor sees more than it has.
+    pub fn is_sound(&self, starts: u64) -> bool {
+        self.starts.iter().zip(&self.seen).all(|(here, seen)| here <= &starts && seen <= here)
+    }
+
     /// Those of a tally; none where paths leave an open map, of which nobody knows what the light would have met.
     pub fn of(tally: &Tally) -> Self {
         if tally.left_map.count > 0 { Self::default() } else { tally.seen.clone() }

@@ -17,7 +17,7 @@ use crate::stats;
 const COUNTED_ABOVE: f64 = 0.01;
 
 /// What ended a stop, or a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StoppedBy {
     /// `stop.samples` are measured.
@@ -44,13 +44,18 @@ pub fn rounds(stop: &Stop, blocks: u64) -> impl Iterator<Item = Range<u64>> + us
     std::iter::successors(Some(0..end_after(0)), next)
 }
 
+/// Whether errors are looked at after so many blocks of `planned`, whatever rounds the clock asks for.
+pub fn is_looked_at(blocks: u64, planned: u64) -> bool {
+    blocks.is_power_of_two() || blocks == planned
+}
+
 /// Median over bins and colours of the relative standard error of the mean over the realisations; bins below 1 % of
 /// the colour's peak are left out. `None` with one realisation or without light.
 ///
 /// `sizes` are the bins' projected solid angles. Several materials count together: the pass ends when all have enough
 /// light.
 /// Held by: `the_relative_error_is_that_of_the_bright_bins`.
-pub fn relative_error(records: &[&StopRecord], sizes: &[f64], weighing: &Weighing) -> Option<f64> {
+pub fn relative_error(records: &[StopRecord], sizes: &[f64], weighing: &Weighing) -> Option<f64> {
     let mut errors = Vec::new();
     for colour in weighing.all_colours() {
         let of = |bin: usize, size: f64| {
@@ -69,7 +74,7 @@ pub fn relative_error(records: &[&StopRecord], sizes: &[f64], weighing: &Weighin
 }
 
 /// One stop on its way to the end.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// Blocks measured in each realisation.
     pub blocks: u64,
@@ -117,6 +122,17 @@ impl Progress {
                 self.realisations_needed = Some(needed.ceil() as u64);
             }
         }
+    }
+}
+
+impl Progress {
+    /// Takes back what was decided after more than `blocks` blocks, or because they were all.
+    pub(super) fn rewind(&mut self, blocks: u64) {
+        self.looks.retain(|look| look.blocks <= blocks);
+        let last = self.looks.last();
+        (self.looked_at, self.relative_error) =
+            last.map_or((0, None), |look| (look.blocks, Some(look.relative_error)));
+        (self.blocks, self.by, self.realisations_needed) = (blocks, None, None);
     }
 }
 

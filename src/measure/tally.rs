@@ -1,12 +1,15 @@
 //! Integer sums: the same bytes in whatever order paths are added.
 //!
-//! Flux is counted in units of 2^-90 of the flux that falls on the patch. A start's share is rounded to a unit
-//! once, so that sums of any length, in any order, are exact.
+//! Flux is counted in units of 2^-90 of the flux that falls on the patch in one block. A start's share is rounded to a
+//! unit once, so that sums of any length, in any order, are exact: blocks may be measured on several machines, or on
+//! several days, and be added up.
+
+use serde::{Deserialize, Serialize};
 
 use super::slopes::SeenBySlope;
 use super::weighing::Weighing;
 
-/// One unit of flux is 2^-90: a share of 1e-15 still has 40 bits, and 2^38 times the whole flux still fits.
+/// One unit of flux is 2^-90: a share of 1e-15 still has 40 bits, and 2^38 blocks still fit.
 const UNITS: f64 = (1u128 << 90) as f64;
 
 /// Flux in units.
@@ -20,7 +23,7 @@ pub fn from_units(units: u128) -> f64 {
 }
 
 /// The sums of one stop and realisation.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     /// Order 1 with F = 1, by bin.
     pub single: Vec<u128>,
@@ -47,7 +50,7 @@ pub struct Tally {
 }
 
 /// Paths that end in one way.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Fate {
     /// Their number.
     pub count: u64,
@@ -56,7 +59,7 @@ pub struct Fate {
 }
 
 /// Paths that leave after one number of bounces.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Order {
     /// Their number.
     pub count: u64,
@@ -88,7 +91,7 @@ impl Tally {
     }
 
     /// Adds another tally of the same shape.
-    pub fn merge(mut self, other: Self) -> Self {
+    pub fn merge(&mut self, other: &Self) {
         add(&mut self.single, &other.single);
         let planes = self.first.iter_mut().zip(&other.first);
         for (mine, theirs) in planes.chain(self.multiple.iter_mut().zip(&other.multiple)) {
@@ -108,7 +111,37 @@ impl Tally {
         self.outside.merge(other.outside);
         self.seen.merge(&other.seen);
         self.lost += other.lost;
-        self
+    }
+
+    /// Whether another tally has sums for the same things.
+    pub fn has_shape_of(&self, other: &Self) -> bool {
+        let planes = |sums: &[Vec<u128>]| sums.iter().map(Vec::len).collect::<Vec<_>>();
+        let orders = |orders: &[Order]| orders.iter().map(|order| order.weighted.len()).collect::<Vec<_>>();
+        self.single.len() == other.single.len()
+            && self.hits.len() == other.hits.len()
+            && planes(&self.first) == planes(&other.first)
+            && planes(&self.multiple) == planes(&other.multiple)
+            && orders(&self.orders) == orders(&other.orders)
+    }
+
+    /// Whether these may be the sums of so many starts: each has one fate, and no sum can overflow by what is added.
+    pub fn is_sound(&self, starts: u64) -> bool {
+        let planes = self.first.iter().chain(&self.multiple).chain([&self.single]);
+        let fates = [self.cut, self.hidden, self.left_map, self.outside];
+        let fluxes = fates.iter().map(|fate| &fate.flux).chain(self.orders.iter().map(|order| &order.flux));
+        let weighted = self.orders.iter().flat_map(|order| &order.weighted);
+        let counts = fates.iter().map(|fate| fate.count).chain(self.orders.iter().map(|order| order.count));
+        // A path arrives in a bin once, its mirror image once more.
+        self.hits.iter().all(|&hits| hits <= 2 * starts)
+            && self.seen.is_sound(starts)
+            && self.lost == 0
+            && counts.map(u128::from).sum::<u128>() == u128::from(starts)
+            && planes.flatten().chain(fluxes).chain(weighted).all(|&units| units <= u128::MAX / 4)
+    }
+
+    /// How many sums by bin there are, hits not among them.
+    pub fn sums(&self) -> usize {
+        self.single.len() * (1 + self.first.len() + self.multiple.len())
     }
 
     /// All starts that were counted.

@@ -26,7 +26,7 @@ impl Context<'_> {
             },
             Stage::Statistical(walk) => self.walked_block(work, walk, &mut tallies[0]),
         }
-        (self.progress)(self.plan.block_starts * work.group.stops.len() as u64);
+        (self.session.progress)(self.plan.block_starts * work.group.stops.len() as u64);
     }
 
     /// Paths through a law.
@@ -34,7 +34,7 @@ impl Context<'_> {
         let stop = work.group.stops[0];
         let arms = self.arms(work, stop);
         let mut rng = rng::stream(self.starts_stream(work, stop));
-        let flux = 1.0 / (self.plan.block_starts as f64 * self.plan.blocks as f64);
+        let flux = 1.0 / self.plan.block_starts as f64;
         let mut block = Block::new(self, arms, stop, flux, false, tally);
         for _ in 0..self.plan.block_starts {
             let mut light = Light::new(self.plan.weighing.needs_angles());
@@ -51,7 +51,7 @@ impl Context<'_> {
         let sample = heights.sample(&arms);
         let light = sample.to_field(arms.wi);
         let starts = Starts::new(&heights.patch.field, heights.patch.window, light);
-        let flux = starts.share(plan.block_starts) / plan.blocks as f64;
+        let flux = starts.share(plan.block_starts);
         let mut block = Block::new(self, arms, stop, flux, false, tally);
         follow_all(&mut block, heights, &sample, light, |visit| {
             starts.each(plan.block_starts, &mut rng, visit);
@@ -69,7 +69,7 @@ impl Context<'_> {
         let sample = heights.sample(&arms);
         let light = sample.to_field(arms.wi);
         let starts = BySlope::new(index, &heights.patch.field, light);
-        let flux = starts.share(plan.block_starts) / plan.blocks as f64;
+        let flux = starts.share(plan.block_starts);
         let mut block = Block::new(self, arms, stop, flux, false, tally);
         follow_all(&mut block, heights, &sample, light, |visit| {
             starts.each(plan.block_starts, &mut rng, visit);
@@ -100,7 +100,7 @@ impl Context<'_> {
             return self.ray_block(work, heights, tally);
         }
         let mut rng = rng::stream(self.starts_stream(work, stop));
-        let mut block = Block::new(self, arms, stop, share / plan.blocks as f64, false, tally);
+        let mut block = Block::new(self, arms, stop, share, false, tally);
         follow_all(&mut block, heights, &sample, light, |visit| selection.each(step, &mut rng, visit));
         block.leave_out_up_to(plan.block_starts);
     }
@@ -119,7 +119,7 @@ impl Context<'_> {
         let offset = |&stop: &usize| rng::uniform(&mut rng::stream(self.starts_stream(work, stop)));
         let offsets: Vec<f64> = stops.iter().map(offset).collect();
         let of_stop = |(k, tally): (usize, _)| {
-            let flux = sweep.share(k, plan.block_starts) / plan.blocks as f64;
+            let flux = sweep.share(k, plan.block_starts);
             Block::new(self, arms[k], stops[k], flux, true, tally)
         };
         let mut blocks: Vec<Block> = tallies.iter_mut().enumerate().map(of_stop).collect();
@@ -145,7 +145,7 @@ impl Context<'_> {
         let mut rng = rng::stream(self.starts_stream(work, stop));
         let sample = heights.sample(&arms);
         let beam = FromAbove::new(over, sample.to_field(arms.wi));
-        let flux = 1.0 / (plan.block_starts as f64 * plan.blocks as f64);
+        let flux = 1.0 / plan.block_starts as f64;
         let mut block = Block::new(self, arms, stop, flux, true, tally);
         let (rays, lost) = with_waves(1, |waves| {
             let sent = beam.each(plan.block_starts, &mut rng, |start| {

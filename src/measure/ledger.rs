@@ -1,0 +1,192 @@
+//! What a run has so far, and the bytes that keep it: sums of finished blocks, digests of patches, costs.
+//!
+//! The sums are integers and blocks are told by their numbers, so that a run that goes on from here ends with the
+//! bytes of one that never stopped.
+
+use serde::{Deserialize, Serialize};
+
+use super::cost::Cost;
+use super::plan::Plan;
+use super::rounds::Tables;
+use super::shards::Shard;
+use crate::campaign::{self, Campaign};
+use crate::error::{Error, Fault};
+use crate::files::sealed;
+
+/// A run so far.
+#[derive(Debug, Clone)]
+pub struct Ledger {
+    pub(super) tables: Tables,
+    /// SHA-256 of the patch of each realisation, where it has been made and has heights.
+    pub(super) digests: Vec<Option<[u8; 32]>>,
+    /// What the run has cost, in all its parts.
+    pub(super) cost: Cost,
+}
+
+/// What the bytes of a ledger say of it before its sums.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Heading {
+    /// Version of the program that wrote it.
+    pub version: String,
+    /// The resolved campaign.
+    pub campaign: String,
+    /// A later one has a higher number.
+    pub number: u64,
+    /// Whose stops are measured, if not all.
+    pub shard: Option<Shard>,
+    /// Blocks per stop and realisation.
+    blocks: u64,
+    /// Whether starts go by slope, which follows from how many there are.
+    by_slope: bool,
+    pub(super) digests: Vec<Option<[u8; 32]>>,
+    cost: Cost,
+}
+
+/// A ledger read from bytes, not yet held against a campaign.
+#[derive(Debug, Clone)]
+pub struct Kept {
+    /// What it is of.
+    pub heading: Heading,
+    tables: Tables,
+}
+
+impl Ledger {
+    /// Nothing measured.
+    pub fn new(campaign: &Campaign, plan: &Plan) -> Self {
+        let digests = vec![None; plan.realisations as usize];
+        Ledger { tables: Tables::new(campaign, plan), digests, cost: Cost::default() }
+    }
+
+    /// Share of the planned starts that are measured, in percent: less than 100 also at the end, where stops ended early.
+    pub fn percent(&self, plan: &Plan) -> f64 {
+        100.0 * self.tables.starts(plan) as f64 / plan.total_samples.max(1) as f64
+    }
+
+    /// Starts that are measured.
+    pub fn starts(&self, plan: &Plan) -> u64 {
+        self.tables.starts(plan)
+    }
+
+    /// What the run has cost, in all its parts.
+    pub fn cost(&self, plan: &Plan) -> Cost {
+        Cost { samples: self.starts(plan), ..self.cost.clone() }
+    }
+
+    /// Takes over these `stops` of another ledger, which must be at their end, or says what is wrong.
+    pub(super) fn take(&mut self, other: Ledger, stops: &[usize]) -> Result<(), String> {
+        self.tables.take(other.tables, stops)?;
+        for (mine, theirs) in self.digests.iter_mut().zip(other.digests) {
+            *mine = mine.or(theirs);
+        }
+        self.cost = std::mem::take(&mut self.cost).plus(other.cost);
+        Ok(())
+    }
+
+    /// The same with these `stops` alone, in their order.
+    pub fn with_stops(mut self, stops: &[usize]) -> Self {
+        self.tables.keep(stops);
+        self
+    }
+
+    /// The bytes of a file of this `kind`.
+    pub(super) fn to_bytes(
+        &self,
+        kind: &str,
+        number: u64,
+        campaign: &Campaign,
+        plan: &Plan,
+    ) -> Result<Vec<u8>, Error> {
+        let heading = Heading {
+            version: env!("CARGO_PKG_VERSION").into(),
+            campaign: campaign::to_toml(campaign),
+            number,
+            shard: plan.shard,
+            blocks: plan.blocks,
+            by_slope: plan.by_slope,
+            digests: self.digests.clone(),
+            cost: self.cost.clone(),
+        };
+        sealed::seal(kind, self.tables.bytes(), |out| postcard::to_extend(&(heading, &self.tables), out))
+            .map_err(|e| Error::Internal(format!("encoding finished blocks: {e}")))
+    }
+}
+
+impl Kept {
+    /// What the bytes of a file hold, or what is wrong with them.
+    ///
+    /// Memory is bounded by the size of the file. Held by: `damaged_checkpoints_are_errors_and_never_panic`.
+    pub fn from_bytes(kind: &str, bytes: &[u8]) -> Result<Self, String> {
+        let content = sealed::open(kind, bytes)?;
+        let read = postcard::take_from_bytes::<(Heading, Tables)>(content);
+        let ((heading, tables), rest) = read.map_err(|e| format!("its content cannot be read: {e}"))?;
+        if !rest.is_empty() {
+            return Err(format!("{} bytes too many", rest.len()));
+        }
+        Ok(Kept { heading, tables })
+    }
+
+    /// Why this cannot be gone on from: another version, or a campaign that differs in more than that it has more
+    /// samples or realisations. `file` is the campaign's, `at` where this was read from.
+    pub fn faults(&self, (campaign, shard): (&Campaign, Option<Shard>), file: &str, at: &str) -> Vec<Fault> {
+        let fault = |path: &str, key: &str, value: Option<String>, allowed: String| Fault {
+            path: path.into(),
+            line: None,
+            column: None,
+            key: key.into(),
+            value,
+            allowed,
+            too_large: false,
+        };
+        let version = env!("CARGO_PKG_VERSION");
+        if self.heading.version != version {
+            let allowed =
+                format!("{version} cannot go on with what another version measured; --force starts again");
+            return vec![fault(at, "version", Some(self.heading.version.clone()), allowed)];
+        }
+        if self.heading.shard != shard {
+            let name = |shard: Option<Shard>| shard.map_or("none".into(), |shard| shard.to_string());
+            let allowed =
+                format!("{} in the run that {at} keeps; --force starts again", name(self.heading.shard));
+            return vec![fault(file, "--shard", Some(name(shard)), allowed)];
+        }
+        let differences = campaign::differences(&self.heading.campaign, &campaign::to_toml(campaign));
+        let count = |text: &Option<String>| text.as_ref().and_then(|text| text.parse::<u64>().ok());
+        let refused = differences.into_iter().filter_map(|difference| {
+            let more = count(&difference.second) > count(&difference.first);
+            let why = match difference.key.as_str() {
+                "stop.samples" if more => return None,
+                "surface.realisations" if more && !self.tables.has_looked(campaign) => return None,
+                "surface.realisations" if more => ", and errors of so many have been looked at",
+                "stop.samples" | "surface.realisations" => ", of which more are allowed, not fewer",
+                _ => "",
+            };
+            let first = difference.first.as_deref().unwrap_or("not there");
+            let allowed = format!(
+                "{first} in the run that {at} keeps{why}; --force starts again, -o DIR writes elsewhere"
+            );
+            Some(fault(file, &difference.key, difference.second, allowed))
+        });
+        refused.collect()
+    }
+
+    /// Whether this is of the very campaign, not of one with fewer samples or realisations.
+    pub fn is_of_all(&self, campaign: &Campaign) -> bool {
+        self.heading.campaign == campaign::to_toml(campaign)
+    }
+
+    /// The ledger, for a campaign that it has no faults with; else what is wrong with the sums.
+    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<Ledger, String> {
+        let Kept { heading: Heading { blocks, by_slope, mut digests, cost, .. }, mut tables } = self;
+        if by_slope != plan.by_slope {
+            return Err("so many samples start in another order on the facets than these did".into());
+        }
+        if blocks > plan.blocks || digests.len() > plan.realisations as usize {
+            return Err("more blocks or patches than were asked for".into());
+        }
+        tables.check(campaign, plan, blocks)?;
+        tables.complete(campaign, plan);
+        tables.extend(campaign, plan, blocks);
+        digests.resize(plan.realisations as usize, None);
+        Ok(Ledger { tables, digests, cost })
+    }
+}

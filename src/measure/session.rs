@@ -1,0 +1,132 @@
+//! How a run is watched, kept and ended.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::checkpoint::Checkpoint;
+use super::cost::Cost;
+use super::ledger::Ledger;
+use super::plan::Plan;
+use crate::campaign::Campaign;
+use crate::error::Result;
+
+/// How often it is asked whether a checkpoint is due.
+const TICK: Duration = Duration::from_millis(100);
+/// Time after which a checkpoint is due in any case, where there is something new.
+const LONGEST: Duration = Duration::from_secs(60);
+/// Time before which none is.
+const SHORTEST: Duration = Duration::from_secs(1);
+/// In between, one is due after this share of the work, and when this many times as long as the last took has gone by.
+const WORK_PARTS: u64 = 100;
+const REST: u32 = 100;
+
+/// The content of a lock: a panic elsewhere ends the run by itself.
+pub(super) fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What surrounds a run.
+pub struct Session<'a> {
+    /// Called with the starts of every finished block.
+    pub progress: &'a (dyn Fn(u64) + Sync),
+    /// Called with what the user should know.
+    pub note: &'a (dyn Fn(String) + Sync),
+    /// Once this is set, running blocks are finished and no further ones begun.
+    pub interrupted: &'a AtomicBool,
+    /// Where finished blocks are kept, if anywhere, and the number of the last checkpoint that is there.
+    pub checkpoint: Option<(&'a Checkpoint, u64)>,
+}
+
+/// Never set.
+static NEVER: AtomicBool = AtomicBool::new(false);
+
+impl<'a> Session<'a> {
+    /// A run that is not kept and goes on to its end.
+    pub fn plain(progress: &'a (dyn Fn(u64) + Sync)) -> Self {
+        Session { progress, note: &|_| (), interrupted: &NEVER, checkpoint: None }
+    }
+
+    /// Whether the run is to end.
+    pub fn is_over(&self) -> bool {
+        self.interrupted.load(Ordering::Relaxed)
+    }
+}
+
+/// Writes checkpoints while others measure.
+pub(super) struct Keeper<'a> {
+    pub session: &'a Session<'a>,
+    pub campaign: &'a Campaign,
+    pub plan: &'a Plan,
+    pub ledger: &'a Mutex<Ledger>,
+    /// What the run has cost up to now.
+    pub cost: &'a (dyn Fn() -> Cost + Sync),
+}
+
+/// The last checkpoint.
+struct Last {
+    number: u64,
+    at: Instant,
+    took: Duration,
+    starts: u64,
+    failed: bool,
+}
+
+impl Keeper<'_> {
+    /// Writes a checkpoint whenever one is due, until the other end of the channel is dropped; then one more of what is
+    /// new, unless the run was short. Returns how that one went.
+    pub fn run(&self, others: Receiver<()>) -> Result<()> {
+        let Some((checkpoint, number)) = self.session.checkpoint else { return Ok(()) };
+        let begin = Instant::now();
+        let starts = self.starts();
+        let mut last = Last { number, at: begin, took: Duration::ZERO, starts, failed: false };
+        while others.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+            if self.is_due(&last) {
+                match self.write(checkpoint, &mut last) {
+                    Err(why) if !last.failed => {
+                        (self.session.note)(format!(
+                            "no checkpoint could be written, the run goes on: {why}"
+                        ));
+                        last.failed = true;
+                    }
+                    written => last.failed = written.is_err(),
+                }
+            }
+        }
+        let worth_it = self.session.is_over() || begin.elapsed() > SHORTEST;
+        let new = self.starts() > last.starts || last.failed;
+        if worth_it && new { self.write(checkpoint, &mut last) } else { Ok(()) }
+    }
+
+    fn is_due(&self, last: &Last) -> bool {
+        let since = last.at.elapsed();
+        if since < SHORTEST {
+            return false;
+        }
+        let new = self.starts() - last.starts;
+        let rested = since > last.took.saturating_mul(REST);
+        new > 0 && (since >= LONGEST || rested && new >= self.plan.total_samples / WORK_PARTS)
+    }
+
+    /// The sums are locked while they are encoded, not while they are written.
+    fn write(&self, checkpoint: &Checkpoint, last: &mut Last) -> Result<()> {
+        let begin = Instant::now();
+        let number = last.number + 1;
+        let (bytes, starts) = {
+            let mut ledger = locked(self.ledger);
+            ledger.cost = (self.cost)();
+            let bytes = Checkpoint::bytes(&ledger, number, self.campaign, self.plan)?;
+            (bytes, ledger.tables.starts(self.plan))
+        };
+        // Also after a failure: a full disk is asked again at the next time, not at once.
+        (last.at, last.took) = (begin, begin.elapsed());
+        checkpoint.save(number, &bytes)?;
+        (last.took, last.number, last.starts) = (begin.elapsed(), number, starts);
+        Ok(())
+    }
+
+    fn starts(&self) -> u64 {
+        locked(self.ledger).tables.starts(self.plan)
+    }
+}

@@ -1,0 +1,297 @@
+//! Promise: a run that is ended, in whatever way and at whatever time, is gone on with and ends with the bytes of one
+//! that never stopped.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::OnceLock;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use gonio::campaign;
+use gonio::files::sealed;
+use gonio::measure::{self, Checkpoint, Kept, Ledger, Patches, Plan, Session};
+use gonio::rng::uniform;
+use rustix::process::{Pid, Signal, kill_process};
+use tempfile::TempDir;
+
+#[path = "common/measuring.rs"]
+mod measuring;
+#[path = "common/mutations.rs"]
+mod mutations;
+#[path = "common/outputs.rs"]
+mod outputs;
+
+/// A campaign of some seconds: two roughnesses, colours, two orders, stops that share a sweep.
+fn small(samples: u64, realisations: u32, stop: &str) -> String {
+    format!(
+        "name = \"small\"\nseed = 5\n\
+         [surface]\nrealisations = {realisations}\ncells = 64\ncorrelation_cells = 4.0\n\
+         [surface.ggx]\nalpha = [0.3, 0.5]\n\
+         [light]\ntheta_i_deg = [0, 50]\n[sensor.hemisphere]\ntheta_r_bins = 6\nphi_r_bins = 12\n\
+         [optics]\nmaterial = \"gold\"\n[trace]\nbounces = 2\n\
+         [stop]\nsamples = {samples}\n{stop}\n"
+    )
+}
+
+/// Long enough for several checkpoints, which are written once a second at most.
+const LONG: u64 = 2_000_000;
+
+fn folder(text: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    fs::write(folder.path().join("small.toml"), text).expect("campaign");
+    folder
+}
+
+fn start(folder: &Path, words: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gonio"));
+    command.current_dir(folder).args(["measure", "small.toml", "-o", "out"]).args(words);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts")
+}
+
+fn run(folder: &Path, words: &[&str]) -> Output {
+    start(folder, words).wait_with_output().expect("ends")
+}
+
+#[track_caller]
+fn exits(output: &Output, code: i32) -> String {
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{text}");
+    text
+}
+
+/// All files in the output folder.
+fn digests(folder: &Path) -> BTreeMap<String, String> {
+    outputs::digests(&folder.join("out"))
+}
+
+fn uninterrupted(text: &str) -> BTreeMap<String, String> {
+    let folder = folder(text);
+    exits(&run(folder.path(), &[]), 0);
+    digests(folder.path())
+}
+
+/// What the long campaign ends with, and how long that takes.
+fn whole() -> &'static (BTreeMap<String, String>, Duration) {
+    static WHOLE: OnceLock<(BTreeMap<String, String>, Duration)> = OnceLock::new();
+    WHOLE.get_or_init(|| {
+        let begin = Instant::now();
+        (uninterrupted(&small(LONG, 3, "")), begin.elapsed())
+    })
+}
+
+/// The checkpoints that are there.
+fn checkpoints(folder: &Path) -> Vec<PathBuf> {
+    let paths = [0, 1].map(|slot| folder.join(format!("out/small.checkpoint_{slot}")));
+    paths.into_iter().filter(|path| path.exists()).collect()
+}
+
+/// Runs until so many new checkpoints have been written, and then ends the run by a signal.
+fn ended_by(folder: &Path, words: &[&str], signal: Signal, seen: u64) -> Output {
+    let checkpoint = Checkpoint::of(&folder.join("out"), "small");
+    let number = || checkpoint.load().expect("whole").map_or(0, |found| found.kept.heading.number);
+    let before = number();
+    let mut child = start(folder, words);
+    while number() < before + seen {
+        assert!(child.try_wait().expect("ours").is_none(), "ended before it was to be ended");
+        thread::sleep(Duration::from_millis(20));
+    }
+    signal_to(&child, signal);
+    child.wait_with_output().expect("ends")
+}
+
+fn signal_to(child: &Child, signal: Signal) {
+    let pid = Pid::from_raw(child.id().cast_signed()).expect("a process");
+    kill_process(pid, signal).expect("alive");
+}
+
+/// Kills a run and what goes on with it at random times, `kills` in all, a fresh run for every `chain` of them.
+fn killed(kills: u32, chain: u32) {
+    let text = small(LONG, 3, "");
+    let (whole, long) = whole();
+    let mut rng = measuring::test_rng(8);
+    let mut resumed = 0;
+    for first in (0..kills).step_by(chain as usize) {
+        let folder = folder(&text);
+        for _ in first..kills.min(first + chain) {
+            let mut child = start(folder.path(), &["--resume"]);
+            thread::sleep(long.mul_f64(uniform(&mut rng)));
+            child.kill().expect("still ours");
+            child.wait().expect("ends");
+        }
+        let output = run(folder.path(), &["--resume"]);
+        resumed += u32::from(exits(&output, 0).contains("goes on from"));
+        let ended = digests(folder.path());
+        assert!(ended == *whole, "after kill {first}: {ended:?}\nnot {whole:?}");
+    }
+    assert!(resumed > 0, "no run went on from a checkpoint");
+}
+
+#[test]
+fn a_killed_run_ends_with_the_bytes_of_one_that_was_not() {
+    killed(6, 3);
+}
+
+#[test]
+#[ignore = "takes minutes: cargo test --release --test kills_and_resume -- --ignored fifty"]
+fn fifty_killed_runs_end_with_the_bytes_of_one_that_was_not() {
+    killed(50, 1);
+}
+
+#[test]
+fn the_first_signal_keeps_what_is_measured_and_says_how_to_go_on() {
+    let text = small(LONG, 3, "");
+    let whole = &whole().0;
+    let folder = folder(&text);
+    for (signal, words) in [(Signal::INT, &[][..]), (Signal::TERM, &["--resume", "--threads", "1"])] {
+        let said = exits(&ended_by(folder.path(), words, signal, 1), 130);
+        let last = said.lines().last().expect("a line");
+        assert!(last.starts_with("interrupted after ") && last.ends_with(" --resume"), "{said}");
+        assert!(last.contains("go on with: gonio measure small.toml -o out"), "{said}");
+    }
+    // Not by mistake over what was measured.
+    let refused = exits(&run(folder.path(), &[]), 3);
+    assert!(refused.contains("small.checkpoint_") && refused.contains("--resume"), "{refused}");
+    exits(&run(folder.path(), &["--resume", "--threads", "3"]), 0);
+    assert_eq!(digests(folder.path()), *whole);
+}
+
+#[test]
+fn the_second_signal_ends_at_once() {
+    // A block of so many stops takes seconds on one thread, in whatever build.
+    let stops = (0..80).map(|k| k.to_string()).collect::<Vec<_>>().join(", ");
+    let text = small(LONG, 1, "").replace("[0, 50]", &format!("[{stops}]"));
+    let folder = folder(&text.replace("cells = 64", "cells = 1024"));
+    let child = start(folder.path(), &["--threads", "1"]);
+    thread::sleep(Duration::from_millis(2500));
+    signal_to(&child, Signal::INT);
+    thread::sleep(Duration::from_millis(100));
+    let asked = Instant::now();
+    // Where the block was at its end by chance, the process has gone by itself.
+    let pid = Pid::from_raw(child.id().cast_signed()).expect("a process");
+    kill_process(pid, Signal::INT).ok();
+    let output = child.wait_with_output().expect("ends");
+    exits(&output, 130);
+    assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+}
+
+#[test]
+fn a_damaged_checkpoint_gives_way_to_the_one_before() {
+    let text = small(LONG, 3, "");
+    let whole = &whole().0;
+    let folder = folder(&text);
+    exits(&ended_by(folder.path(), &[], Signal::INT, 2), 130);
+    let found = Checkpoint::of(&folder.path().join("out"), "small").load().expect("whole").expect("there");
+    let mut bytes = fs::read(&found.path).expect("readable");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 4;
+    fs::write(&found.path, &bytes).expect("damaged");
+    let both = tempfile::tempdir().expect("temporary folder");
+    fs::create_dir(both.path().join("out")).expect("folder");
+    fs::copy(folder.path().join("small.toml"), both.path().join("small.toml")).expect("copied");
+    for (path, length) in checkpoints(folder.path()).iter().zip([0, 40]) {
+        let cut = &fs::read(path).expect("readable")[..length];
+        fs::write(both.path().join("out").join(path.file_name().expect("name")), cut).expect("cut off");
+    }
+    let said = exits(&run(folder.path(), &["--resume"]), 0);
+    assert!(said.contains("checksum is wrong") && said.contains("goes on from"), "{said}");
+    assert_eq!(digests(folder.path()), *whole);
+    let said = exits(&run(both.path(), &["--resume"]), 3);
+    assert!(said.contains("small.checkpoint_") && said.contains("cut off"), "{said}");
+    assert_eq!(checkpoints(both.path()).len(), 2, "what is damaged stays for whoever can mend it");
+}
+
+#[test]
+fn another_campaign_is_refused_by_the_key_that_differs() {
+    let text = small(LONG, 3, "");
+    let folder = folder(&text);
+    exits(&ended_by(folder.path(), &[], Signal::INT, 1), 130);
+    let changes = [
+        ("alpha = [0.3, 0.5]", "alpha = [0.3, 0.6]", "surface.ggx.alpha = [0.3, 0.6]: [0.3, 0.5] in"),
+        ("cells = 64", "cells = 128", "surface.cells = 128: 64 in"),
+        ("seed = 5", "seed = 6", "seed = 6: 5 in"),
+        ("[0, 50]", "[0, 51]", "light.theta_i_deg = [0.0, 51.0]: [0.0, 50.0] in"),
+        ("samples = 2000000", "samples = 65536", "of which more are allowed, not fewer"),
+        ("realisations = 3", "realisations = 2", "surface.realisations = 2: 3 in"),
+    ];
+    for (old, new, said) in changes {
+        assert!(text.contains(old), "{old}");
+        fs::write(folder.path().join("small.toml"), text.replace(old, new)).expect("campaign");
+        let refused = exits(&run(folder.path(), &["--resume"]), 2);
+        assert!(refused.contains(said) && refused.contains("small.checkpoint_"), "{refused}");
+    }
+    // The same campaign, begun again on purpose.
+    fs::write(folder.path().join("small.toml"), text.replace("2000000", "65536")).expect("campaign");
+    exits(&run(folder.path(), &["--force"]), 0);
+    assert!(checkpoints(folder.path()).is_empty());
+}
+
+#[test]
+fn more_samples_give_the_bytes_of_a_fresh_run() {
+    // More realisations; and more samples where errors are looked at after 1, 2, 4, ... blocks, the 23rd being the last
+    // of the shorter run alone. What ends it before its time decides how much of it there is.
+    let rule = "relative_error = 1e-4";
+    let wide = |text: String| text.replace("cells = 64", "cells = 512");
+    let of = [
+        (small(1_500_000, 3, ""), small(LONG, 4, "")),
+        (wide(small(1_500_000, 3, rule)), wide(small(LONG, 3, rule))),
+    ];
+    for (less, more) in of {
+        let whole = uninterrupted(&more);
+        let folder = folder(&less);
+        exits(&ended_by(folder.path(), &[], Signal::INT, 1), 130);
+        fs::write(folder.path().join("small.toml"), &more).expect("campaign");
+        let said = exits(&run(folder.path(), &["--resume"]), 0);
+        assert!(said.contains("goes on from"), "{said}");
+        assert_eq!(digests(folder.path()), whole, "{less}");
+    }
+}
+
+#[test]
+fn tables_that_were_written_before_the_end_are_not_measured_again() {
+    let text = small(LONG, 3, "");
+    let (folder, whole) = (folder(&text), folder(&text));
+    exits(&run(whole.path(), &[]), 0);
+    assert_eq!(ended_by(folder.path(), &[], Signal::KILL, 1).status.code(), None);
+    for end in ["exr", "realisations.exr", "json", "html", "card.md"] {
+        let name = format!("out/small_alpha_0.3.{end}");
+        fs::copy(whole.path().join(&name), folder.path().join(&name)).expect("copied");
+    }
+    let said = exits(&run(folder.path(), &["--resume"]), 0);
+    assert!(said.contains("goes on from"), "{said}");
+    assert_eq!(digests(folder.path()), digests(whole.path()));
+}
+
+/// A campaign of the library, and what it keeps after its end.
+fn kept_bytes() -> (campaign::Campaign, Plan, Vec<u8>) {
+    let text = small(65_536, 1, "").replace("[0.3, 0.5]", "0.3");
+    let folder = folder(&text);
+    let parsed = campaign::parse(&text, "small.toml", folder.path()).expect("a campaign");
+    let plan = measure::plan(&parsed.campaign).expect("small");
+    let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
+    let (empty, session) = (Ledger::new(&parsed.campaign, &plan), Session::plain(&|_| ()));
+    let ledger = measure::go_on(&parsed.campaign, &plan, &patches, empty, &session).expect("no ray is lost");
+    let bytes = Checkpoint::bytes(&ledger, 1, &parsed.campaign, &plan).expect("encodes");
+    (parsed.campaign, plan, bytes)
+}
+
+#[test]
+fn damaged_checkpoints_are_errors_and_never_panic() {
+    const KIND: &str = "gonio checkpoint 1";
+    let (campaign, plan, bytes) = kept_bytes();
+    let whole = Kept::from_bytes(KIND, &bytes).expect("whole");
+    assert!(whole.faults((&campaign, None), "small.toml", "out").is_empty());
+    whole.ledger(&campaign, &plan).expect("fits");
+    let content = sealed::open(KIND, &bytes).expect("whole").to_vec();
+    // A checksum that fits, as if somebody had meant it: what it holds is wrong, or could be a ledger all the same.
+    let refused = mutations::survives(&content, 20_000, |damaged| {
+        let sealed = sealed::seal(KIND, damaged.len(), |head| Ok::<_, String>([&head, damaged].concat()))?;
+        let kept = Kept::from_bytes(KIND, &sealed)?;
+        match kept.faults((&campaign, None), "small.toml", "out").first() {
+            Some(fault) => Err(fault.to_string()),
+            None => kept.ledger(&campaign, &plan).map(|_| ()),
+        }
+    });
+    assert!(refused > 10_000, "{refused}");
+}
