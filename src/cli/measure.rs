@@ -41,7 +41,7 @@ pub struct Arguments {
     /// Take the patches that `gonio surface` wrote there instead of making them
     #[arg(long, value_name = "DIR")]
     patches: Option<PathBuf>,
-    /// MiB that may be used; larger tables go in bands [default: half of what is free]
+    /// MiB that may be used; larger tables go in bands [default: half of the free]
     #[arg(long, value_name = "N")]
     memory_mb: Option<u64>,
     /// Measure one of N shards, whole stops of it; `gonio merge` puts them together
