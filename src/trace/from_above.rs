@@ -91,7 +91,7 @@ impl<'a> FromAbove<'a> {
             waves.closest_hit(&self.over, wave.len(), |k| (&wave[k], down), |_, outcome| end(outcome));
         } else {
             // From far above f32 would not know where the ray comes down.
-            wave.iter().for_each(|start| end(self.over.walker().walk(start, down)));
+            wave.iter().for_each(|start| end(self.over.walk_long(start, down)));
         }
         wave.clear();
         lost
