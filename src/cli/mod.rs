@@ -4,7 +4,7 @@
 
 use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use clap::{ColorChoice, Parser, Subcommand};
 
@@ -109,6 +109,8 @@ impl Verb {
 /// A panic, also one inside a worker, is returned as [`Error::Internal`]; the process's panic hook is replaced.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
     panic::set_hook(Box::new(|panic| remember(&panic.to_string())));
+    // A file beyond the system's limit is an error of its write, which is told, instead of the end of the process.
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()).ok();
     guarded(|| {
         let arguments = match Arguments::try_parse_from(words) {
             Ok(arguments) => arguments,
