@@ -41,7 +41,7 @@ fn said(output: &Output) -> String {
 }
 
 #[test]
-fn a_file_that_may_not_grow_leaves_old_or_new_files_whole() {
+fn a_file_that_may_not_grow_leaves_the_old_files_whole() {
     let folder = tempfile::tempdir().expect("temporary folder");
     fs::write(folder.path().join("small.toml"), CAMPAIGN).expect("campaign");
     let out = folder.path().join("out");
@@ -75,6 +75,7 @@ fn a_file_that_may_not_grow_leaves_old_or_new_files_whole() {
             Some(0) => assert_eq!(files, new),
             Some(3) => {
                 failed += 1;
+                assert_eq!(files, old, "{kib} KiB: nothing was replaced");
                 assert!(
                     text.lines().last().is_some_and(|line| line.starts_with("error: out/small.")),
                     "{text}"

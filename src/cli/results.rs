@@ -9,7 +9,7 @@ use super::output::{self, Output, duration, grouped, json_text, warn, with_error
 use super::report::{Sources, page_of};
 use super::targets::Target;
 use crate::error::Result;
-use crate::files;
+use crate::files::{self, NewFile};
 use crate::measure::{Cost, Measured, Plan, StopResult, StoppedBy};
 use crate::report::specimen::Shown;
 use crate::report::summary::summary;
@@ -67,19 +67,23 @@ impl Results<'_> {
     }
 }
 
+/// All files reach the disk before the first takes its place: for want of room nothing is replaced.
 fn write(measured: &Measured, summary: &Value, page: &str, target: &Target) -> Result<Kept> {
-    // Without its summary a table counts as unfinished, whatever happens from here on.
+    let Measured { table, realisations, .. } = measured;
+    let (kept, parts) =
+        realisations::staged(&target.realisations, realisations, table, realisations::SIZE_LIMIT)?;
+    let card = report::card(table, summary)?;
+    let first = store::staged(&target.table, table)?;
+    let last = [
+        NewFile::with(&target.page, page.as_bytes())?,
+        NewFile::with(&target.card, card.as_bytes())?,
+        NewFile::with(&target.summary, format!("{}\n", json_text(summary)?).as_bytes())?,
+    ];
+    // Without its summary a table counts as unfinished, whatever happens from here on; it comes last.
     files::remove(&target.summary)?;
-    store::save(&target.table, &measured.table)?;
-    let limit = realisations::SIZE_LIMIT;
-    let kept = realisations::save(&target.realisations, &measured.realisations, &measured.table, limit)?;
-    if kept == Kept::Nothing {
-        files::remove(&target.realisations)?;
-    }
-    files::write_atomically(&target.page, page.as_bytes())?;
-    let card = report::card(&measured.table, summary)?;
-    files::write_atomically(&target.card, card.as_bytes())?;
-    files::write_atomically(&target.summary, format!("{}\n", json_text(summary)?).as_bytes())?;
+    first.commit()?;
+    parts.map_or_else(|| files::remove(&target.realisations), NewFile::commit)?;
+    last.into_iter().try_for_each(NewFile::commit)?;
     Ok(kept)
 }
 

@@ -28,6 +28,19 @@ impl NewFile {
         open().map_err(|e| Error::io(place, e))
     }
 
+    /// Opens it with this content, on the disk: what can fail for want of room has not failed.
+    pub fn with(place: &Path, bytes: &[u8]) -> Result<Self> {
+        let mut file = NewFile::create(place)?;
+        file.out.write_all(bytes).map_err(|e| Error::io(place, e))?;
+        file.on_disk()
+    }
+
+    /// The same, when all of its bytes have reached the disk.
+    pub fn on_disk(mut self) -> Result<Self> {
+        let written = self.out.flush().and_then(|()| self.out.get_ref().sync_all());
+        written.map_err(|e| Error::io(&self.place, e)).map(|()| self)
+    }
+
     /// Puts the file in its place, when its bytes have reached the disk.
     ///
     /// Held by: `a_file_under_way_leaves_the_old_one_whole`.

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crate::error::{Error, Result, one_line};
-use crate::files;
+use crate::files::NewFile;
 use crate::files::image::{self, Part};
 use crate::instrument::Grid;
 
@@ -144,17 +144,26 @@ pub fn encode_of(
 
 /// Writes the realisations' file, whole or not at all, grouped or left out as `limit` bytes ask.
 pub fn save(path: &Path, realisations: &Realisations, table: &BrdfTable, limit: u64) -> Result<Kept> {
+    let (kept, file) = staged(path, realisations, table, limit)?;
+    file.map_or(Ok(()), NewFile::commit)?;
+    Ok(kept)
+}
+
+/// The realisations' file, on the disk and not yet in its place, where there is to be one.
+pub fn staged(
+    path: &Path,
+    realisations: &Realisations,
+    table: &BrdfTable,
+    limit: u64,
+) -> Result<(Kept, Option<NewFile>)> {
     let count = realisations.parts.len();
     let kept = kept(&table.grid, channels_of(table), count, limit);
-    match kept {
-        Kept::All => files::write_atomically(path, &encode(realisations, table, 1)?)?,
-        Kept::Groups => {
-            let groups = grouped(realisations, GROUPS)?;
-            files::write_atomically(path, &encode(&groups, table, count / GROUPS)?)?;
-        }
-        Kept::Nothing => {}
-    }
-    Ok(kept)
+    let bytes = match kept {
+        Kept::All => encode(realisations, table, 1)?,
+        Kept::Groups => encode(&grouped(realisations, GROUPS)?, table, count / GROUPS)?,
+        Kept::Nothing => return Ok((kept, None)),
+    };
+    Ok((kept, Some(NewFile::with(path, &bytes)?)))
 }
 
 /// Reads a realisations' file.

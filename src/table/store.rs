@@ -7,6 +7,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use crate::error::{Error, Result, one_line};
+use crate::files::NewFile;
 use crate::files::image::{self, Part, Samples};
 use crate::instrument::Grid;
 
@@ -48,9 +49,14 @@ pub fn encode(table: &BrdfTable) -> Result<Vec<u8>> {
 
 /// Writes the table's file, whole or not at all.
 pub fn save(path: &Path, table: &BrdfTable) -> Result<()> {
+    staged(path, table)?.commit()
+}
+
+/// The table's file, on the disk and not yet in its place.
+pub fn staged(path: &Path, table: &BrdfTable) -> Result<NewFile> {
     let mut writer = TableWriter::create(path, table, &table.grid)?;
     writer.append(table)?;
-    writer.finish()?.0.commit()
+    writer.finish()?.0.on_disk()
 }
 
 /// The digest that the table's file carries.
