@@ -95,7 +95,8 @@ fn harmonics_are_even(patches: &[(Heightfield, Certificate)]) {
 
 #[test]
 fn ggx_patches_hold_their_law() {
-    let patches = patches(SlopeLaw::Ggx, 512, 8.0, 6);
+    // The size that the bounds are stated for: smaller patches, with fewer bumps, are a little further off.
+    let patches = patches(SlopeLaw::Ggx, 1024, 8.0, 6);
     check_ggx(&patches, &Bounds { ks: 2e-3, rank_height: 0.005, rank_height_squared: 0.02 });
 }
 

@@ -46,21 +46,25 @@ fn near(found: &BrdfTable, wanted: &BrdfTable, relative: f64) {
     assert_eq!((&found.campaign, &found.hits), (&wanted.campaign, &wanted.hits));
     assert_eq!(found.colours.len(), wanted.colours.len());
     for (found, wanted) in found.colours.iter().zip(&wanted.colours) {
-        let close = |found: &[f32], wanted: &[f32], size: &[f32]| {
+        let close = |what: &str, found: &[f32], wanted: &[f32], size: &[f32]| {
             assert_eq!(found.len(), wanted.len());
             for (at, (&a, &b)) in found.iter().zip(wanted).enumerate() {
                 let allowed = relative * f64::from(size[at].max(b.abs()));
-                assert!((f64::from(a) - f64::from(b)).abs() <= allowed, "entry {at}: {a} {b}");
+                assert!(
+                    (f64::from(a) - f64::from(b)).abs() <= allowed,
+                    "{what}, entry {at}: {a} {b} of {}",
+                    size[at]
+                );
             }
         };
-        close(&found.single, &wanted.single, &wanted.single);
-        close(&found.total, &wanted.total, &wanted.total);
-        close(&found.multiple, &wanted.multiple, &wanted.total);
-        close(&found.stderr, &wanted.stderr, &wanted.total);
-        close(&found.stderr_single, &wanted.stderr_single, &wanted.total);
+        close("single", &found.single, &wanted.single, &wanted.single);
+        close("total", &found.total, &wanted.total, &wanted.total);
+        close("multiple", &found.multiple, &wanted.multiple, &wanted.total);
+        close("stderr", &found.stderr, &wanted.stderr, &wanted.total);
+        close("stderr_single", &found.stderr_single, &wanted.stderr_single, &wanted.total);
         assert_eq!(found.orders.len(), wanted.orders.len());
         for (found, order) in found.orders.iter().zip(&wanted.orders) {
-            close(found, order, &wanted.total);
+            close("order", found, order, &wanted.total);
         }
     }
 }

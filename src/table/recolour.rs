@@ -107,11 +107,21 @@ fn without_errors(table: &BrdfTable, sums: &SchlickSums, f0: f64) -> ColourChann
     }
 }
 
-/// The errors of bins without light: as they are where nothing arrived, 1.5 arrivals where all was absorbed.
+/// The errors of bins without light: as they are where nothing arrived, 1.5 arrivals where all was absorbed. An arrival
+/// carries what those of its stop carry in the mean, as `measure` has it.
 fn empty_bin_errors(table: &BrdfTable, sums: &SchlickSums) -> Vec<f32> {
-    let error = |at: usize| match table.hits[at] {
-        0 => table.colours[0].stderr[at],
-        hits => (HITS_OF_AN_EMPTY_BIN * of_total(sums, 1.0, at) / f64::from(hits)) as f32,
+    let bins = table.grid.bins();
+    let of_stop = |stop: usize| {
+        let regions = table.grid.regions(stop);
+        let sizes: Vec<f64> = regions.iter().map(|region| region.projected_solid_angle()).collect();
+        let first = stop * bins;
+        let flux: f64 = sizes.iter().zip(first..).map(|(size, at)| size * of_total(sums, 1.0, at)).sum();
+        let hits: f64 = table.hits[first..first + bins].iter().map(|&hits| f64::from(hits)).sum();
+        let error = move |(size, at): (f64, usize)| match table.hits[at] {
+            0 => table.colours[0].stderr[at],
+            _ => (HITS_OF_AN_EMPTY_BIN * flux / hits / size) as f32,
+        };
+        sizes.into_iter().zip(first..).map(error)
     };
-    entries(table).map(error).collect()
+    (0..table.grid.stops()).flat_map(of_stop).collect()
 }
