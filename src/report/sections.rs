@@ -204,7 +204,8 @@ fn albedos(page: &Page) -> String {
     if shown.is_empty() {
         return String::new();
     }
-    let heads: String = shown.iter().map(|key| format!("<th>{}</th>", heading(key))).collect();
+    let heads: String =
+        shown.iter().map(|key| format!("<th>{}</th>", heading(key, shown[0] == "albedo_total"))).collect();
     let row = |index: usize| {
         let stop = &stops[index];
         let azimuth = if several { cell(stop, "phi_i_deg", 1) } else { String::new() };
@@ -225,10 +226,11 @@ fn albedos(page: &Page) -> String {
     )
 }
 
-/// What stands over a column of albedos.
-fn heading(key: &str) -> &str {
+/// What stands over a column of albedos, of which there may be one `alone`.
+fn heading(key: &str, alone: bool) -> &str {
     match key {
         "albedo_single" => "one bounce",
+        "albedo_total" if alone => "albedo",
         "albedo_total" => "all",
         _ => "±",
     }
