@@ -35,7 +35,7 @@ impl Banded<'_> {
         let mut cost: Option<Cost> = None;
         for stops in self.plan.bands() {
             let first_stop = stops.start;
-            let plan = self.plan.of_stops(stops).ok_or_else(no_bands)?;
+            let plan = self.plan.of_stops(&stops.collect::<Vec<_>>()).ok_or_else(no_bands)?;
             let (results, next) =
                 measure::measure(self.campaign, &plan, &patches, &|starts| progress.add(starts))?;
             cost = Some(match cost {

@@ -68,8 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
             plan.stops,
             names(&missing)
         ));
-        plan = shards::partial(&plan, &stops)
-            .ok_or_else(|| Error::Internal("half vectors in a campaign".into()))?;
+        plan = plan.of_stops(&stops).ok_or_else(|| Error::Internal("half vectors in a campaign".into()))?;
         ledger = ledger.with_stops(&stops);
         campaign.name = format!("{}_partial", campaign.name);
     }

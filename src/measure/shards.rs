@@ -216,18 +216,6 @@ fn agree(first: &(Shard, PathBuf, Kept), other: &(Shard, PathBuf, Kept)) -> Resu
     }
 }
 
-/// The part of a plan that some of its stops are, for tables with these alone; `None` for half vectors.
-pub fn partial(plan: &Plan, stops: &[usize]) -> Option<Plan> {
-    Some(Plan {
-        grid: plan.grid.of_stops(stops.iter().copied())?,
-        stops: stops.len(),
-        band_stops: stops.len(),
-        folded: stops.iter().map(|&stop| plan.folded[stop]).collect(),
-        measured: (0..stops.len()).collect(),
-        ..plan.clone()
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
