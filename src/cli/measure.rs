@@ -240,9 +240,7 @@ impl Job<'_> {
         let ledger = ended.map_err(|error| kept::with_advice(error, self.checkpoint, arguments))?;
         Ok(Ended { ledger, plan, patches })
     }
-}
 
-impl Job<'_> {
     /// The patches, with what is to be said of the campaign before it runs.
     fn patches(&self, plan: &Plan, out: &mut Output) -> Result<Patches> {
         let Job { arguments, campaign, .. } = self;

@@ -37,16 +37,19 @@ impl NewFile {
 
     /// The same, when all of its bytes have reached the disk.
     pub fn on_disk(mut self) -> Result<Self> {
-        let written = self.out.flush().and_then(|()| self.out.get_ref().sync_all());
-        written.map_err(|e| Error::io(&self.place, e)).map(|()| self)
+        self.reach_disk().map_err(|e| Error::io(&self.place, e)).map(|()| self)
+    }
+
+    fn reach_disk(&mut self) -> io::Result<()> {
+        self.out.flush()?;
+        self.out.get_ref().sync_all()
     }
 
     /// Puts the file in its place, when its bytes have reached the disk.
     ///
     /// Held by: `a_file_under_way_leaves_the_old_one_whole`.
     pub fn commit(mut self) -> Result<()> {
-        let written = self.out.flush().and_then(|()| self.out.get_ref().sync_all());
-        let placed = written.and_then(|()| fs::rename(&self.temporary, &self.place));
+        let placed = self.reach_disk().and_then(|()| fs::rename(&self.temporary, &self.place));
         self.done = true;
         match placed {
             Ok(()) => sync_folder(folder_of(&self.place)).map_err(|e| Error::io(&self.place, e)),
@@ -73,9 +76,9 @@ impl Seek for NewFile {
 
 impl Drop for NewFile {
     fn drop(&mut self) {
-        if !self.done && fs::remove_file(&self.temporary).is_err() {
+        if !self.done {
             // Nothing is lost by what stays behind: the next run in this folder removes it.
-            self.done = true;
+            fs::remove_file(&self.temporary).ok();
         }
     }
 }

@@ -122,7 +122,6 @@ pub fn plan_of(campaign: &Campaign, shard: Option<Shard>, limit: u64) -> Result<
     let total =
         [measured.len() as u128, u128::from(realisations), u128::from(blocks * BLOCK), roughnesses as u128];
     let indexed = apertures_only && random && few_apertures(&grid, &folded);
-    // Of all stops, also in a shard: starts must not depend on how the stops are dealt.
     let mut plan = Plan {
         stops: grid.stops(),
         measured,
