@@ -8,10 +8,8 @@ use super::stopping::{Look, Progress, StoppedBy};
 use super::weighing::Colour;
 use crate::campaign::{self, Campaign, Optics};
 use crate::stats;
+use crate::table::brdf_table::HITS_OF_AN_EMPTY_BIN;
 use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
-
-/// Hits that a bin without any is given as its upper bound.
-const HITS_OF_AN_EMPTY_BIN: f64 = 1.5;
 
 /// What a stop shows besides its bins.
 #[derive(Debug, Clone)]

@@ -137,10 +137,13 @@ pub fn named_wavelength(name: &str) -> Option<f64> {
     (nm > 0.0 && wavelength_name(nm) == name).then_some(nm)
 }
 
+/// Arrivals that a bin without any is given as its upper bound.
+pub const HITS_OF_AN_EMPTY_BIN: f64 = 1.5;
+
 impl ColourChannels {
     /// Mean and standard error over the realisations of one colour, of the very f32 values that their file holds.
     ///
-    /// `empty` is the error of a bin without light: the BRDF of 1.5 hits. With one realisation there are no errors.
+    /// `empty` is the error of a bin without light: the BRDF of [`HITS_OF_AN_EMPTY_BIN`]. With one realisation there are no errors.
     pub fn of_realisations(parts: &[RealisationPart], colour: usize, hits: &[u32], empty: &[f32]) -> Self {
         let mut channels = ColourChannels::default();
         for (entry, &hits) in hits.iter().enumerate() {

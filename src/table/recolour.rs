@@ -3,11 +3,9 @@
 //! Enters: a table with `SchlickSums`, its realisations where they are there, F0 of the new material. Leaves: both as
 //! they would have been measured with it.
 
+use super::brdf_table::HITS_OF_AN_EMPTY_BIN;
 use super::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
 use crate::optics::parts;
-
-/// Hits that an empty bin is given as its upper bound.
-const HITS_OF_AN_EMPTY_BIN: f64 = 1.5;
 
 /// The table for another F0 of R, G and B, and its realisations.
 ///
