@@ -11,7 +11,7 @@ use gonio::trace::{
     Answers, Bounce, Ending, Facet, Fate, Image, Kernel, LONGEST, LaneField, LaneRays, LaneWalker, Outcome,
     PathWaves, Place, Sample, Walker, Wave, Waves,
 };
-use measuring::{test_rng, whole};
+use measuring::{start, test_rng, whole};
 use rand_pcg::Pcg64Dxsm;
 
 type Ray = (Place, DVec3);
@@ -29,22 +29,6 @@ fn fields() -> Vec<Heightfield> {
         Heightfield::new(8, 32, true, steps),
         Heightfield::new(8, 8, true, vec![1.0; 64]),
     ]
-}
-
-/// A point of a random facet: inside, on an edge, or in a corner.
-fn start(rng: &mut Pcg64Dxsm, field: &Heightfield) -> Place {
-    let (nx, ny) = (field.cells_x() as i64, field.cells_y() as i64);
-    // Cells at the seams one time in four.
-    let cell = |rng: &mut Pcg64Dxsm, n: i64| if whole(rng, 0, 4) == 0 { n - 1 } else { whole(rng, 0, n) };
-    let facet = Facet { x: cell(rng, nx) as usize, y: cell(rng, ny) as usize, upper: whole(rng, 0, 2) == 1 };
-    let (a, b) = (uniform(rng), uniform(rng));
-    let (u, v) = match whole(rng, 0, 8) {
-        0 => [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)][whole(rng, 0, 3) as usize],
-        1 => [(a, 0.0), (0.0, a), (a, 1.0 - a)][whole(rng, 0, 3) as usize],
-        _ if a + b > 1.0 => (1.0 - a, 1.0 - b),
-        _ => (a, b),
-    };
-    if facet.upper { Place::on(field, facet, 1.0 - u, 1.0 - v) } else { Place::on(field, facet, u, v) }
 }
 
 /// Directions of the sphere that leave the start's facet; one in four along an axis or a diagonal.

@@ -8,7 +8,7 @@ use gonio::rng::uniform;
 use gonio::sphere;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::trace::{Facet, Kernel, LaneField, LaneWalker, Outcome, Place, Walker};
-use measuring::{test_rng, whole};
+use measuring::{start, test_rng, whole};
 use rand_pcg::Pcg64Dxsm;
 
 /// Random patches, a rectangle of steps, needles on a plain (lone and in a row), a plain; and the patch again with
@@ -50,22 +50,7 @@ fn ray(rng: &mut Pcg64Dxsm, field: &Heightfield, climb: f64) -> (Place, DVec3) {
 }
 
 fn any_ray(rng: &mut Pcg64Dxsm, field: &Heightfield) -> (Place, DVec3) {
-    let (nx, ny) = (field.cells_x() as i64, field.cells_y() as i64);
-    let cell = |rng: &mut Pcg64Dxsm, n: i64| match whole(rng, 0, 8) {
-        0 => 0,
-        1 => n - 1,
-        _ => whole(rng, 0, n),
-    };
-    let facet = Facet { x: cell(rng, nx) as usize, y: cell(rng, ny) as usize, upper: whole(rng, 0, 2) == 1 };
-    let (a, b) = (uniform(rng), uniform(rng));
-    let (u, v) = match whole(rng, 0, 6) {
-        0 => [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)][whole(rng, 0, 3) as usize],
-        1 => [(a, 0.0), (0.0, a), (a, 1.0 - a)][whole(rng, 0, 3) as usize],
-        _ if a + b > 1.0 => (1.0 - a, 1.0 - b),
-        _ => (a, b),
-    };
-    let (u, v) = if facet.upper { (1.0 - u, 1.0 - v) } else { (u, v) };
-    let place = Place::on(field, facet, u, v);
+    let place = start(rng, field);
     let phi = if whole(rng, 0, 4) == 0 { 45.0 * whole(rng, 0, 8) as f64 } else { 360.0 * uniform(rng) };
     let below = 10f64.powf(-2.0 + 3.6 * uniform(rng));
     let theta = if whole(rng, 0, 8) == 0 { 90.0 + below } else { 90.0 - below };

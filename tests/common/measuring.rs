@@ -8,6 +8,8 @@ use std::path::Path;
 use gonio::campaign;
 use gonio::measure::{self, Measured, Patches, Plan};
 use gonio::rng::{self, Purpose, StreamId};
+use gonio::surface::Heightfield;
+use gonio::trace::{Facet, Place};
 use rand_pcg::Pcg64Dxsm;
 
 /// All tables of a campaign; its height maps lie in `folder`.
@@ -49,6 +51,26 @@ pub fn test_rng(seed: u64) -> Pcg64Dxsm {
 /// A whole number in [low, high).
 pub fn whole(rng: &mut Pcg64Dxsm, low: i64, high: i64) -> i64 {
     low + (rng::uniform(rng) * (high - low) as f64) as i64
+}
+
+/// A point of a random facet: inside, on an edge, or in a corner.
+pub fn start(rng: &mut Pcg64Dxsm, field: &Heightfield) -> Place {
+    let (nx, ny) = (field.cells_x() as i64, field.cells_y() as i64);
+    // Cells at the seams one time in four.
+    let cell = |rng: &mut Pcg64Dxsm, n: i64| match whole(rng, 0, 8) {
+        0 => 0,
+        1 => n - 1,
+        _ => whole(rng, 0, n),
+    };
+    let facet = Facet { x: cell(rng, nx) as usize, y: cell(rng, ny) as usize, upper: whole(rng, 0, 2) == 1 };
+    let (a, b) = (rng::uniform(rng), rng::uniform(rng));
+    let (u, v) = match whole(rng, 0, 8) {
+        0 => [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)][whole(rng, 0, 3) as usize],
+        1 => [(a, 0.0), (0.0, a), (a, 1.0 - a)][whole(rng, 0, 3) as usize],
+        _ if a + b > 1.0 => (1.0 - a, 1.0 - b),
+        _ => (a, b),
+    };
+    if facet.upper { Place::on(field, facet, 1.0 - u, 1.0 - v) } else { Place::on(field, facet, u, v) }
 }
 
 /// The columns of a table's row of hits for one stop.
