@@ -212,7 +212,8 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
     let walker = Walker::new(&field);
     let over = LaneWalker::new(walker, &lanes, Kernel::widest());
     let mut paths = PathWaves::default();
-    for (alpha, theta) in [(0.2, 30.0), (0.5, 60.0), (1.0, 75.0)] {
+    // The last two lights are far beyond what f32 follows to its end, were it not for the f64 walk.
+    for (alpha, theta) in [(0.2, 30.0), (0.5, 60.0), (1.0, 75.0), (0.8, 85.0), (0.8, 89.0)] {
         let sample = Sample { walker, alpha: DVec2::splat(alpha), image: Image::nth(3) };
         let wi = sphere::direction_deg(theta, 131.0);
         let starts = lit_inside(&mut rng, &field, sample.to_field(wi), 100_000);
@@ -237,8 +238,8 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
         let [flux, expected] = tables.map(|table| table.iter().sum::<i64>());
         let apart: i64 = tables[0].iter().zip(&tables[1]).map(|(a, b)| (a - b).abs()).sum();
         println!("alpha {alpha}: {apart} of {expected} apart, flux {:+}", flux - expected);
-        // Of each start there is a table to speak of.
-        assert!(expected > starts.len() as i64 / 4);
+        // A cell has wi.z of light, and turns some 2 wi.z + alpha to it: there is a table to speak of.
+        assert!(expected as f64 > 0.25 * wi.z * starts.len() as f64);
         assert!(apart as f64 <= 1e-3 * starts.len() as f64, "alpha {alpha}: {apart}");
         assert!((flux - expected).abs() as f64 <= 5e-4 * starts.len() as f64, "alpha {alpha}: {flux}");
     }

@@ -1,6 +1,6 @@
 //! What a campaign needs, and what it skips: decided here, once, before anything is allocated.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use serde::Serialize;
 
 use super::bands;
@@ -13,7 +13,7 @@ use crate::campaign::{Azimuth, Campaign, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind, Region, grid_of};
 use crate::sphere;
-use crate::trace::{BLOCK, LONGEST};
+use crate::trace::BLOCK;
 
 /// A sweep visits every cell: with more of them for each start, rays are faster.
 const MOST_CELLS_PER_START: f64 = 20.0;
@@ -244,15 +244,6 @@ pub(super) fn aperture_share(regions: &[Region]) -> f64 {
         Region::Rectangle { .. } => 1.0,
     };
     regions.iter().map(of).sum()
-}
-
-/// Whether rays towards `light` (canonical, field coordinates) may be followed in f32 lanes.
-///
-/// A ray that rises from the `lowest` to the `highest` height crosses range (|dx| + |dy|)/dz edges: beyond `LONGEST` of
-/// them f32 no longer knows where it is. The few rays of other directions that grow as long are handed to the f64
-/// walk one by one.
-pub fn fits_the_lanes((low, high): (f64, f64), light: DVec3) -> bool {
-    (high - low) * (light.x.abs() + light.y.abs()) <= f64::from(LONGEST) * light.z
 }
 
 /// Whether a stop's starts, and what the light sees of them, come from a line sweep over a patch of this height range

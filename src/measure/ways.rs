@@ -6,7 +6,6 @@ use glam::DVec3;
 use super::arms::{BlockArms, starts_stream};
 use super::block::{Block, with_waves};
 use super::optics::Light;
-use super::plan::fits_the_lanes;
 use super::run::Context;
 use super::stage::{Group, Heights, Stage, Way};
 use super::tally::Tally;
@@ -53,7 +52,7 @@ impl Context<'_> {
         let starts = Starts::new(&heights.patch.field, heights.patch.window, light);
         let flux = starts.share(plan.block_starts);
         let mut block = Block::new(self, arms, stop, flux, false, tally);
-        follow_all(&mut block, heights, &sample, light, |visit| {
+        follow_all(&mut block, heights, &sample, |visit| {
             starts.each(plan.block_starts, &mut rng, visit);
         });
     }
@@ -71,7 +70,7 @@ impl Context<'_> {
         let starts = BySlope::new(index, &heights.patch.field, light);
         let flux = starts.share(plan.block_starts);
         let mut block = Block::new(self, arms, stop, flux, false, tally);
-        follow_all(&mut block, heights, &sample, light, |visit| {
+        follow_all(&mut block, heights, &sample, |visit| {
             starts.each(plan.block_starts, &mut rng, visit);
         });
     }
@@ -101,7 +100,7 @@ impl Context<'_> {
         }
         let mut rng = rng::stream(self.starts_stream(work, stop));
         let mut block = Block::new(self, arms, stop, share, false, tally);
-        follow_all(&mut block, heights, &sample, light, |visit| selection.each(step, &mut rng, visit));
+        follow_all(&mut block, heights, &sample, |visit| selection.each(step, &mut rng, visit));
         block.leave_out_up_to(plan.block_starts);
     }
 
@@ -171,10 +170,9 @@ fn follow_all(
     block: &mut Block,
     heights: &Heights,
     sample: &Sample,
-    light: DVec3,
     each: impl FnOnce(&mut dyn FnMut(Place)),
 ) {
-    match heights.lanes.filter(|_| fits_the_lanes(heights.walker.range(), light)) {
+    match heights.lanes {
         Some(over) => with_waves(1, |waves| {
             each(&mut |start| block.follow_later(sample, &over, start, &mut waves[0]));
             block.follow_wave(sample, &over, &mut waves[0]);
