@@ -106,9 +106,9 @@ impl Error {
         Error::Io { path: path.to_path_buf(), source }
     }
 
-    /// A wrong content of the file at `path`.
-    pub fn format(path: &Path, what: impl Into<String>) -> Self {
-        Error::Format { path: path.to_path_buf(), what: what.into() }
+    /// A wrong content of the file at `path`; whatever `what` quotes of it, it is one line.
+    pub fn format(path: &Path, what: impl AsRef<str>) -> Self {
+        Error::Format { path: path.to_path_buf(), what: one_line(what.as_ref()) }
     }
 }
 
@@ -116,7 +116,7 @@ impl Error {
 /// a long one is left out.
 ///
 /// Held by: `findings_of_the_fuzzer_are_answered_in_one_line` (tests/fuzzed.rs).
-pub fn one_line(text: &str) -> String {
+fn one_line(text: &str) -> String {
     const HEAD: usize = 360;
     const TAIL: usize = 120;
     let line: String = text.chars().map(|c| if c.is_control() { '?' } else { c }).collect();

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use gonio::error::Error;
 use gonio::files::image::{self, Part, Samples};
 use gonio::instrument::{Grid, GridKind};
 use gonio::interchange::{self, Format, Options, foreign_table};
@@ -21,6 +22,7 @@ fn findings_of_the_fuzzer_are_answered_in_one_line() {
         for file in fs::read_dir(entry.path()).expect("a folder of findings").flatten() {
             let bytes = fs::read(file.path()).expect("a finding");
             if let Err(why) = read(&target, &bytes) {
+                let why = Error::format(&file.path(), why).to_string();
                 let line = !why.is_empty() && !why.contains('\n') && why.len() < 1000;
                 assert!(line, "{}: {why:?}", file.path().display());
             }

@@ -4,11 +4,9 @@ use std::path::Path;
 
 use gonio::error::Error;
 
-/// A reader's reason.
+/// A reader's reason, as the program shows it.
 pub fn reason<T>(answer: Result<T, String>) {
-    if let Err(why) = answer {
-        line(&why);
-    }
+    format(answer.map_err(|why| Error::format(path(), why)));
 }
 
 /// A verb's error about the file at hand: that of a wrong content.

@@ -14,7 +14,7 @@ use smallvec::SmallVec;
 
 use super::exr_header;
 use super::image_blocks::Blocks;
-use crate::error::{Error, Result as FileResult, one_line};
+use crate::error::{Error, Result as FileResult};
 
 /// The values of a channel, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,7 +155,7 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<Part>, String> {
 /// Memory is bounded by the source's size: a header that asks for more than it can hold is refused first.
 pub fn read(source: impl Read + Seek) -> Result<Vec<Part>, String> {
     // Names of a damaged file reach the message: it stays one line.
-    read_raw(source).map_err(|why| one_line(&why))
+    read_raw(source)
 }
 
 fn read_raw(source: impl Read + Seek) -> Result<Vec<Part>, String> {

@@ -5,7 +5,6 @@
 
 use std::io::{self, Write};
 
-use crate::error::one_line;
 use npyz::{AutoSerialize, DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -87,7 +86,7 @@ pub fn decode(bytes: &[u8]) -> Result<Array, String> {
     }
     check_header(bytes, 5)?;
     let mut data = bytes;
-    let header = NpyHeader::from_reader(&mut data).map_err(|e| one_line(&format!("NPY header: {e}")))?;
+    let header = NpyHeader::from_reader(&mut data).map_err(|e| format!("NPY header: {e}"))?;
     let shape: Vec<usize> = header.shape().iter().map(|&side| side as usize).collect();
     let DType::Plain(kind) = header.dtype() else {
         return Err("an array of records, plain numbers needed".into());
@@ -124,7 +123,7 @@ pub fn values_of<R: io::Read>(
     mut file: R,
     shape: &[usize],
 ) -> Result<impl Iterator<Item = io::Result<f32>> + use<R>, String> {
-    let header = NpyHeader::from_reader(&mut file).map_err(|e| one_line(&format!("NPY header: {e}")))?;
+    let header = NpyHeader::from_reader(&mut file).map_err(|e| format!("NPY header: {e}"))?;
     if !header.shape().iter().map(|&side| side as usize).eq(shape.iter().copied()) {
         return Err(format!("shape {:?}, {shape:?} needed", header.shape()));
     }

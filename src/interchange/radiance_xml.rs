@@ -7,7 +7,6 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 
 use super::Reason;
-use crate::error::one_line;
 
 /// Elements deeper than any such file has.
 const DEEPEST: usize = 32;
@@ -168,7 +167,7 @@ pub fn short(text: &str) -> String {
 }
 
 fn flat(error: &quick_xml::Error) -> String {
-    one_line(&error.to_string())
+    error.to_string()
 }
 
 impl Document {

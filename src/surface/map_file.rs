@@ -2,7 +2,6 @@
 
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
-use crate::error::one_line;
 use crate::files::exr_header;
 use crate::files::image::{self, Samples};
 use crate::files::npy;
@@ -87,7 +86,7 @@ fn read_exr(bytes: &[u8]) -> Result<MapFile, String> {
 fn read_npy(bytes: &[u8]) -> Result<MapFile, String> {
     npy::check_header(bytes, 2)?;
     let mut data = bytes;
-    let header = NpyHeader::from_reader(&mut data).map_err(|e| one_line(&format!("NPY header: {e}")))?;
+    let header = NpyHeader::from_reader(&mut data).map_err(|e| format!("NPY header: {e}"))?;
     let &[rows, columns] = header.shape() else {
         return Err(format!("an array of {} dimensions; a height map has 2", header.shape().len()));
     };

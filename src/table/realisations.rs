@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result, one_line};
+use crate::error::{Error, Result};
 use crate::files::NewFile;
 use crate::files::image::{self, Part};
 use crate::instrument::Grid;
@@ -168,13 +168,13 @@ pub fn staged(
 
 /// Reads a realisations' file.
 pub fn load(path: &Path) -> Result<RealisationsFile> {
-    from_parts(image::load(path)?).map_err(|why| Error::format(path, one_line(&why)))
+    from_parts(image::load(path)?).map_err(|why| Error::format(path, why))
 }
 
 /// The realisations in the bytes of a file; `path` is for messages only.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<RealisationsFile> {
     let parts = image::decode(bytes).map_err(|why| Error::format(path, why))?;
-    from_parts(parts).map_err(|why| Error::format(path, one_line(&why)))
+    from_parts(parts).map_err(|why| Error::format(path, why))
 }
 
 fn part_name(index: usize) -> String {

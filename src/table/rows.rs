@@ -7,7 +7,7 @@ use std::io::BufReader;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result, one_line};
+use crate::error::{Error, Result};
 use crate::files;
 use crate::files::image::{self, Part};
 use crate::files::image_blocks::Blocks;
@@ -31,7 +31,7 @@ pub struct TableRows {
 impl TableRows {
     /// Reads the heading of a table's file.
     pub fn open(path: &Path) -> Result<Self> {
-        let wrong = |why: String| Error::format(path, one_line(&why));
+        let wrong = |why: String| Error::format(path, why);
         let blocks = Blocks::open(BufReader::new(files::open(path)?)).map_err(wrong)?;
         let [outline] = blocks.outlines() else {
             return Err(store::several(path, blocks.outlines().len()));
@@ -96,8 +96,7 @@ impl TableRows {
         let Some(stored) = self.outline.text(DIGEST).map(str::to_string) else { return Ok(()) };
         let mut content = ContentDigest::default();
         for number in 0..self.blocks.count(0) {
-            let block =
-                self.blocks.read(0, number).map_err(|why| Error::format(&self.path, one_line(&why)))?;
+            let block = self.blocks.read(0, number).map_err(|why| Error::format(&self.path, why))?;
             for (name, _, values) in block.lines() {
                 if let Some(kind) = self.outline.channels.get(name) {
                     content.add(name, kind, values);
@@ -106,7 +105,7 @@ impl TableRows {
         }
         let grid = self.outline.text(GRID).unwrap_or_default();
         let found = content.finish(grid, &self.empty.patch_digest);
-        channels::same_digest(&stored, &found).map_err(|why| Error::format(&self.path, one_line(&why)))
+        channels::same_digest(&stored, &found).map_err(|why| Error::format(&self.path, why))
     }
 
     /// The rows of some stops, in increasing order, as a table of these stops.
@@ -114,7 +113,7 @@ impl TableRows {
     /// Held by: `bands_of_a_table_are_its_rows` (tests/large_tables.rs).
     pub fn take(&mut self, stops: &[usize]) -> Result<BrdfTable> {
         let path = self.path.clone();
-        self.rows_of(stops).map_err(|why| Error::format(&path, one_line(&why)))
+        self.rows_of(stops).map_err(|why| Error::format(&path, why))
     }
 
     fn rows_of(&mut self, stops: &[usize]) -> std::result::Result<BrdfTable, String> {

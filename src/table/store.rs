@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
-use crate::error::{Error, Result, one_line};
+use crate::error::{Error, Result};
 use crate::files::NewFile;
 use crate::files::image::{self, Part, Samples};
 use crate::instrument::Grid;
@@ -92,7 +92,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Loaded> {
 fn from_parts(path: &Path, parts: Vec<Part>) -> Result<Loaded> {
     let count = parts.len();
     match <[Part; 1]>::try_from(parts) {
-        Ok([part]) => from_part(part).map_err(|why| Error::format(path, one_line(&why))),
+        Ok([part]) => from_part(part).map_err(|why| Error::format(path, why)),
         Err(_) => Err(several(path, count)),
     }
 }
