@@ -9,7 +9,7 @@ use gonio::sphere;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::trace::{
     Answers, Bounce, Ending, Facet, Fate, Image, Kernel, LONGEST, LaneField, LaneRays, LaneWalker, Outcome,
-    PathWaves, Place, Sample, Walker, Wave, Waves,
+    PathWaves, Place, Sample, View, Walker, Wave, Waves,
 };
 use measuring::{start, test_rng, whole};
 use rand_pcg::Pcg64Dxsm;
@@ -170,9 +170,14 @@ fn paths_in_waves_are_paths() {
         let mut visits = vec![Bounces::default(); starts.len()];
         let mut endings = Vec::new();
         paths.trace(
-            &sample,
             &over,
-            &Wave { starts: &starts, wi, lit: false, bounces },
+            &Wave {
+                starts: &starts,
+                of: &vec![0; starts.len()],
+                views: &[View { sample, wi }],
+                lit: false,
+                bounces,
+            },
             &mut visits,
             &mut endings,
         );
@@ -220,9 +225,14 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
         let mut visits = vec![Bounces::default(); starts.len()];
         let mut endings = Vec::new();
         paths.trace(
-            &sample,
             &over,
-            &Wave { starts: &starts, wi, lit: false, bounces: 4 },
+            &Wave {
+                starts: &starts,
+                of: &vec![0; starts.len()],
+                views: &[View { sample, wi }],
+                lit: false,
+                bounces: 4,
+            },
             &mut visits,
             &mut endings,
         );

@@ -1,4 +1,5 @@
-//! One block of starts: followed one by one or in waves through the lanes, and tallied in the order of the starts.
+//! Followed of starts of one stop: followed one by one or in waves through the lanes, and tallied in the order of the
+//! starts.
 
 use std::cell::RefCell;
 
@@ -10,7 +11,7 @@ use super::run::Context;
 use super::tally::{Tally, to_units};
 use super::weighing::PathWeights;
 use crate::campaign::Campaign;
-use crate::trace::{Ending, LaneWalker, PathWaves, Place, Sample, Wave};
+use crate::trace::{Ending, LaneWalker, PathWaves, Place, Sample, View, Wave};
 
 /// Starts that are followed together: their rays fit the cache of a core.
 const WAVE: usize = 4096;
@@ -33,17 +34,17 @@ pub(super) fn with_waves<T>(count: usize, work: impl FnOnce(&mut [WaveMemory]) -
 #[derive(Default)]
 pub(super) struct WaveMemory {
     starts: Vec<Place>,
+    /// Which turn each start belongs to.
+    turns: Vec<u16>,
     paths: PathWaves,
     lights: Vec<Light>,
     endings: Vec<Ending>,
 }
 
-/// What the paths of one block add to. All of its starts carry the same flux.
-pub(super) struct Block<'a> {
-    context: &'a Context<'a>,
+/// One block among those that are followed together. All of its starts carry the same flux.
+#[derive(Clone, Copy)]
+pub(super) struct Turn {
     arms: BlockArms,
-    stop: usize,
-    tally: &'a mut Tally,
     /// Flux of a path, as a share of the incident flux.
     flux: f64,
     /// The same in the tally's units.
@@ -51,51 +52,64 @@ pub(super) struct Block<'a> {
     /// What of it goes into a bin: a half where the mirrored arrival has the other half.
     part: f64,
     part_units: u128,
-    /// Whether the starts are known to see the light.
-    lit: bool,
     /// The light's azimuth in the field, a unit vector; `None` before the first start.
     along: Option<DVec2>,
+}
+
+/// What the paths of some blocks of a stop add to.
+pub(super) struct Followed<'a> {
+    context: &'a Context<'a>,
+    stop: usize,
+    tally: &'a mut Tally,
+    turns: Vec<Turn>,
+    /// The turn of the path at hand.
+    at: usize,
+    /// Whether the starts are known to see the light.
+    lit: bool,
     /// Starts that were counted.
     counted: u64,
     rays: Rays,
     weights: PathWeights,
 }
 
-impl<'a> Block<'a> {
-    /// A block of `stop` whose paths carry `flux` each; `lit` where only those that the light sees are followed.
-    pub fn new(
+impl<'a> Followed<'a> {
+    /// Followed of `stop`; `lit` where only starts that the light sees are followed.
+    pub fn new(context: &'a Context<'a>, stop: usize, lit: bool, tally: &'a mut Tally) -> Self {
+        let (rays, weights) = (Rays::default(), PathWeights::default());
+        Followed { context, stop, tally, turns: Vec::new(), at: 0, lit, counted: 0, rays, weights }
+    }
+
+    /// One block whose paths carry `flux` each.
+    pub fn one(
         context: &'a Context<'a>,
-        arms: BlockArms,
-        stop: usize,
+        (arms, stop): (BlockArms, usize),
         flux: f64,
         lit: bool,
         tally: &'a mut Tally,
     ) -> Self {
-        let part = if context.plan.folded[stop] { 0.5 * flux } else { flux };
+        let mut one = Followed::new(context, stop, lit, tally);
+        one.take(arms, flux);
+        one
+    }
+
+    /// One block more: its paths carry `flux` each.
+    pub fn take(&mut self, arms: BlockArms, flux: f64) {
+        let part = if self.context.plan.folded[self.stop] { 0.5 * flux } else { flux };
         let (units, part_units) = (to_units(flux), to_units(part));
-        Block {
-            context,
-            arms,
-            stop,
-            tally,
-            flux,
-            units,
-            part,
-            part_units,
-            lit,
-            along: None,
-            counted: 0,
-            rays: Rays::default(),
-            weights: PathWeights::default(),
-        }
+        self.turns.push(Turn { arms, flux, units, part, part_units, along: None });
+    }
+
+    fn turn(&self) -> &Turn {
+        &self.turns[self.at]
     }
 
     /// Follows every start by itself.
-    pub fn follow(&mut self, sample: &Sample, start: Place) {
+    pub fn follow(&mut self, sample: &Sample, turn: usize, start: Place) {
+        self.at = turn;
         if self.misses(sample, &start) {
             return self.leave_out(1);
         }
-        let (trace, wi) = (&self.context.campaign.trace, self.arms.wi);
+        let (trace, wi) = (&self.context.campaign.trace, self.turn().arms.wi);
         let mut light = Light::new(self.context.plan.weighing.needs_angles());
         let ending = if trace.visibility {
             sample.trace(start, wi, trace.bounces, &mut light)
@@ -106,32 +120,42 @@ impl<'a> Block<'a> {
         self.end(ending, &light);
     }
 
-    /// Takes a start for the next wave, which is followed through the lanes when it is full; paths end in the order
-    /// in which they start.
-    pub fn follow_later(&mut self, sample: &Sample, over: &LaneWalker, start: Place, wave: &mut WaveMemory) {
-        if self.misses(sample, &start) {
+    /// Takes a start of a turn for the next wave, which is followed through the lanes when it is full; paths end in
+    /// the order in which they start. `views` has one for each turn.
+    pub fn follow_later(
+        &mut self,
+        views: &[View],
+        over: &LaneWalker,
+        (turn, start): (usize, Place),
+        wave: &mut WaveMemory,
+    ) {
+        self.at = turn;
+        if self.misses(&views[turn].sample, &start) {
             return self.leave_out(1);
         }
         wave.starts.push(start);
+        wave.turns.push(turn as u16);
         if wave.starts.len() == WAVE {
-            self.follow_wave(sample, over, wave);
+            self.follow_wave(views, over, wave);
         }
     }
 
     /// Follows the starts that `memory` holds.
-    pub fn follow_wave(&mut self, sample: &Sample, over: &LaneWalker, memory: &mut WaveMemory) {
-        let WaveMemory { starts, paths, lights, endings } = memory;
+    pub fn follow_wave(&mut self, views: &[View], over: &LaneWalker, memory: &mut WaveMemory) {
+        let WaveMemory { starts, turns, paths, lights, endings } = memory;
         let weighed = self.context.plan.weighing.needs_angles();
         lights.clear();
         lights.resize_with(starts.len(), || Light::new(weighed));
         let bounces = self.context.campaign.trace.bounces;
-        let wave = Wave { starts, wi: self.arms.wi, lit: self.lit, bounces };
-        paths.trace(sample, over, &wave, lights, endings);
-        for ((start, &ending), light) in starts.iter().zip(&*endings).zip(&*lights) {
-            self.look(sample, start, ending);
+        let wave = Wave { starts, of: turns, views, lit: self.lit, bounces };
+        paths.trace(over, &wave, lights, endings);
+        for (((start, &turn), &ending), light) in starts.iter().zip(&*turns).zip(&*endings).zip(&*lights) {
+            self.at = usize::from(turn);
+            self.look(&views[self.at].sample, start, ending);
             self.end(ending, light);
         }
         starts.clear();
+        turns.clear();
     }
 
     /// Counts a start that the light does not see.
@@ -149,8 +173,9 @@ impl<'a> Block<'a> {
         if !self.context.campaign.trace.visibility || self.context.plan.apertures_only {
             return;
         }
-        let heading = self.arms.heading;
-        let along = *self.along.get_or_insert_with(|| {
+        let turn = &mut self.turns[self.at];
+        let heading = turn.arms.heading;
+        let along = *turn.along.get_or_insert_with(|| {
             let along = sample.to_field(heading).truncate();
             // A surface without an alpha is told by its slopes themselves, whatever unit its heights are in.
             if self.context.campaign.alphas()[0].is_some() { along / along.length() } else { along }
@@ -165,20 +190,21 @@ impl<'a> Block<'a> {
         if !self.context.plan.apertures_only {
             return false;
         }
-        let wo = sample.reflected(self.arms.wi, start);
+        let arms = &self.turn().arms;
+        let wo = sample.reflected(arms.wi, start);
         if wo.z <= 0.0 {
             return true;
         }
-        let (sensor, wo) = (&self.context.sensor, self.arms.in_bins(wo));
+        let (sensor, wo) = (&self.context.sensor, arms.in_bins(wo));
         let folded = self.context.plan.folded[self.stop];
-        let seen = sensor.sees(wo) || (folded && sensor.sees(self.arms.mirrored(wo)));
+        let seen = sensor.sees(wo) || (folded && sensor.sees(arms.mirrored(wo)));
         !seen
     }
 
     /// Counts starts that send light into no aperture: they need no ray.
     fn leave_out(&mut self, starts: u64) {
         self.counted += starts;
-        self.tally.outside.add_many(starts, self.units);
+        self.tally.outside.add_many(starts, self.turn().units);
         self.rays.skipped += 2 * starts;
     }
 
@@ -197,11 +223,12 @@ impl<'a> Block<'a> {
     pub fn end(&mut self, ending: Ending, light: &Light) {
         self.counted += 1;
         self.rays.count(&ending, self.context.campaign, self.lit);
+        let units = self.turn().units;
         match ending {
             Ending::Out { wo, order } => self.arrive(wo, order, light),
-            Ending::Hidden => self.tally.hidden.add(self.units),
-            Ending::Cut { .. } => self.tally.cut.add(self.units),
-            Ending::LeftMap => self.tally.left_map.add(self.units),
+            Ending::Hidden => self.tally.hidden.add(units),
+            Ending::Cut { .. } => self.tally.cut.add(units),
+            Ending::LeftMap => self.tally.left_map.add(units),
             Ending::Lost => self.tally.lost += 1,
         }
     }
@@ -209,21 +236,22 @@ impl<'a> Block<'a> {
     /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded.
     fn arrive(&mut self, wo: DVec3, order: u32, light: &Light) {
         let (context, tally, weights) = (self.context, &mut *self.tally, &mut self.weights);
+        let Turn { arms, flux, units, part, part_units, .. } = &self.turns[self.at];
         context.plan.weighing.weigh(light.angles(), order, weights);
         let out = &mut tally.orders[order as usize - 1];
         out.count += 1;
-        out.flux += self.units;
+        out.flux += units;
         for (sum, weight) in out.weighted.iter_mut().zip(&weights.order) {
-            *sum += to_units(self.flux * weight);
+            *sum += to_units(flux * weight);
         }
-        let share = |weight: &f64| to_units(self.part * weight);
+        let share = |weight: &f64| to_units(part * weight);
         let mut into_bins = |direction: DVec3| {
             context.sensor.each_bin(direction, |bin| {
                 tally.hits[bin] += 1;
                 let sums = if order > 1 {
                     &mut tally.multiple[weights.first..]
                 } else {
-                    tally.single[bin] += self.part_units;
+                    tally.single[bin] += part_units;
                     &mut tally.first[..]
                 };
                 for (sums, weight) in sums.iter_mut().zip(&weights.bins) {
@@ -231,16 +259,16 @@ impl<'a> Block<'a> {
                 }
             });
         };
-        let wo = self.arms.in_bins(wo);
+        let wo = arms.in_bins(wo);
         into_bins(wo);
         if context.plan.folded[self.stop] {
-            into_bins(self.arms.mirrored(wo));
+            into_bins(arms.mirrored(wo));
         }
     }
 }
 
-impl Drop for Block<'_> {
-    /// Adds the block's rays to the run's.
+impl Drop for Followed<'_> {
+    /// Adds the blocks' rays to the run's.
     fn drop(&mut self) {
         self.context.add_rays(self.rays.traced, self.rays.skipped);
     }

@@ -3,11 +3,11 @@
 pub mod arms;
 pub mod assemble;
 pub mod bands;
-mod block;
 mod blocks;
 mod checkpoint;
 pub mod cost;
 mod estimate;
+mod followed;
 mod ledger;
 mod memory_limit;
 pub mod optics;

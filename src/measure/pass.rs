@@ -25,7 +25,10 @@ impl Context<'_> {
         let (alpha, missing) = {
             let ledger = locked(&self.ledger);
             let table = ledger.tables.table(place.0);
-            let missing = |stop: usize| (stop, table.missing(place.1, stop, blocks));
+            let missing = |stop: usize| {
+                let ranges = table.missing(place.1, stop, blocks);
+                (stop, ranges.into_iter().flatten().collect::<Vec<u64>>())
+            };
             let missing: Vec<_> = table.open_stops().map(missing).filter(|(_, m)| !m.is_empty()).collect();
             (table.alpha, missing)
         };
@@ -33,19 +36,19 @@ impl Context<'_> {
         let open: Vec<usize> = missing.iter().map(|(stop, _)| *stop).collect();
         let groups = stage.groups(&open, self.campaign, self.plan, place.1);
         let parts: Vec<_> = groups.iter().flat_map(|group| parts(group, &missing)).collect();
+        let starts = parts.iter().map(|(group, blocks)| group.stops.len() * blocks.len()).sum();
         parts.par_iter().try_for_each(|(group, missing)| {
             missing
-                .par_iter()
-                .flat_map(|range| range.clone().into_par_iter())
-                .try_fold(|| Pending::new(self, place, group), |pending, block| pending.with(&stage, block))
+                .par_chunks(stage.blocks_together(group.way, starts, self.plan))
+                .try_fold(|| Pending::new(self, place, group), |pending, blocks| pending.with(&stage, blocks))
                 .try_for_each(|pending| pending?.flush())
         })
     }
 }
 
 /// A group cut into parts that miss the same blocks: one part, but after an interruption.
-fn parts(group: &Group, missing: &[(usize, Vec<Range<u64>>)]) -> Vec<(Group, Vec<Range<u64>>)> {
-    let mut parts: Vec<(Group, Vec<Range<u64>>)> = Vec::new();
+fn parts(group: &Group, missing: &[(usize, Vec<u64>)]) -> Vec<(Group, Vec<u64>)> {
+    let mut parts: Vec<(Group, Vec<u64>)> = Vec::new();
     for (stop, blocks) in missing.iter().filter(|(stop, _)| group.stops.contains(stop)) {
         match parts.iter_mut().find(|(_, same)| same == blocks) {
             Some((part, _)) => part.stops.push(*stop),
@@ -70,8 +73,8 @@ impl<'a> Pending<'a> {
         Pending { context, place, group, blocks: Vec::new(), tallies: Vec::new(), since: Instant::now() }
     }
 
-    /// With one more block, unless the run is interrupted.
-    fn with(mut self, stage: &Stage, block: u64) -> Result<Self> {
+    /// With some more blocks, unless the run is interrupted.
+    fn with(mut self, stage: &Stage, blocks: &[u64]) -> Result<Self> {
         if self.context.session.is_over() {
             return Ok(self);
         }
@@ -80,9 +83,9 @@ impl<'a> Pending<'a> {
             let empty = Tally::new(context.plan.bins, &context.plan.weighing);
             self.tallies = vec![empty; group.stops.len()];
         }
-        let work = Work { stage, group, realisation: place.1, block };
-        context.block(&work, &mut self.tallies);
-        self.blocks.push(block);
+        let work = Work { stage, group, realisation: place.1, blocks };
+        context.blocks(&work, &mut self.tallies);
+        self.blocks.extend(blocks);
         if self.since.elapsed() < KEPT_BY_A_THREAD {
             return Ok(self);
         }

@@ -7,7 +7,12 @@ use super::arms::BlockArms;
 use super::patches::{Patch, Specimen};
 use super::plan::{Plan, is_swept};
 use crate::campaign::{Alpha, Campaign};
-use crate::trace::{FacetIndex, Kernel, LaneField, LaneWalker, Layout, Sample, SmithWalk, Walker};
+use crate::trace::{FacetIndex, Kernel, LaneField, LaneWalker, Layout, Sample, SmithWalk, Together, Walker};
+
+/// Cells of a patch for each start that is followed together with others.
+const CELLS_PER_START: u64 = 4;
+/// Pieces of work that a thread gets at least.
+const WORK_PER_THREAD: usize = 4;
 
 /// A specimen, and the lanes' copy of its heights where they serve.
 pub(super) struct Mounted {
@@ -133,6 +138,22 @@ impl Stage<'_> {
         let others = open.iter().copied().filter(|&stop| !swept(stop));
         groups.extend(others.map(|stop| alone(stop, Way::Rays)));
         groups
+    }
+}
+
+impl Stage<'_> {
+    /// How many blocks of a stop are followed together, where `blocks` of all stops are to be followed on this patch:
+    /// starts that are close enough for their rays to look at the same heights. Every thread has some of them.
+    ///
+    /// The answer changes no sum: each block draws from its own stream.
+    pub fn blocks_together(&self, way: Way, blocks: usize, plan: &Plan) -> usize {
+        let Stage::Heights(heights) = self else { return 1 };
+        if way != Way::BySlope {
+            return 1;
+        }
+        let close = heights.patch.window.cells() as u64 / CELLS_PER_START / plan.block_starts;
+        let shared = blocks / (WORK_PER_THREAD * rayon::current_num_threads());
+        (close as usize).min(shared).clamp(1, Together::MOST_BLOCKS)
     }
 }
 

@@ -23,7 +23,7 @@ pub mod wave_paths;
 pub mod waves;
 mod way;
 
-pub use by_slope::BySlope;
+pub use by_slope::{BySlope, Together};
 pub use facet_index::FacetIndex;
 pub use from_above::FromAbove;
 pub use image::Image;
@@ -37,5 +37,5 @@ pub use smith_walk::{SmithWalk, WalkLaw};
 pub use starts::{BLOCK, Starts, Window};
 pub use sweep::{Layout, Sweep};
 pub use walk::{Facet, Outcome, Place, Walker};
-pub use wave_paths::{PathWaves, Wave};
+pub use wave_paths::{PathWaves, View, Wave};
 pub use waves::{LaneWalker, Waves};

@@ -15,17 +15,39 @@ struct Step {
     direction: DVec3,
 }
 
-/// What a wave of paths has in common.
+/// A sample under its light: what the paths of one block have in common.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// The field as it lies there, the same one for all views of a wave.
+    pub sample: Sample<'a>,
+    /// To the light, sample's frame.
+    pub wi: DVec3,
+}
+
+/// Paths that are followed together.
 #[derive(Debug, Clone, Copy)]
 pub struct Wave<'a> {
     /// Where each path starts.
     pub starts: &'a [Place],
-    /// To the light, sample's frame.
-    pub wi: DVec3,
+    /// Which view each path belongs to.
+    pub of: &'a [u16],
+    /// The views.
+    pub views: &'a [View<'a>],
     /// Whether it is known that the light sees every start.
     pub lit: bool,
     /// Highest order.
     pub bounces: u32,
+}
+
+impl<'a> Wave<'a> {
+    fn view(&self, path: usize) -> &View<'a> {
+        &self.views[usize::from(self.of[path])]
+    }
+
+    /// The direction of a step, seen from the field.
+    fn ray(&self, step: &Step) -> DVec3 {
+        self.view(step.path).sample.to_field(step.direction)
+    }
 }
 
 /// Memory for waves of paths, to be used again.
@@ -42,13 +64,12 @@ impl PathWaves {
     /// Follows a path from each start of `wave`; `endings` gets their ends in the order of the starts, `visits[k]` the
     /// bounces of path k in theirs.
     ///
-    /// `over` is a lane walker over the field of `sample`. Directions are f64; only the question of what a ray meets
+    /// `over` is a lane walker over the field of all views. Directions are f64; only the question of what a ray meets
     /// is f32's.
     ///
     /// Held by: `tests/lanes.rs` against `Sample::trace`.
     pub fn trace<B: Bounce>(
         &mut self,
-        sample: &Sample,
         over: &LaneWalker,
         wave: &Wave,
         visits: &mut [B],
@@ -57,43 +78,49 @@ impl PathWaves {
         let bounces = wave.bounces;
         endings.clear();
         endings.resize(wave.starts.len(), Ending::Hidden);
-        self.light(sample, over, wave, endings);
+        self.light(over, wave, endings);
         for order in 1..=bounces {
             let last = order == bounces;
-            self.reflect(sample, last, visits, endings);
+            self.reflect(wave, last, visits, endings);
             if last {
-                self.leave(sample, over, order, endings);
+                self.leave(over, wave, order, endings);
             } else {
-                self.go_on(sample, over, order, endings);
+                self.go_on(over, wave, order, endings);
             }
         }
     }
 
     /// Keeps the starts that the light sees.
-    fn light(&mut self, sample: &Sample, over: &LaneWalker, wave: &Wave, endings: &mut [Ending]) {
-        let Wave { starts, wi, lit, .. } = *wave;
+    fn light(&mut self, over: &LaneWalker, wave: &Wave, endings: &mut [Ending]) {
+        let at_start = |(path, &place): (usize, &Place)| {
+            let direction = wave.view(path).wi;
+            Step { path, place, direction }
+        };
+        let starts = wave.starts.iter().enumerate().map(at_start);
         self.now.clear();
-        if lit {
-            let steps = starts.iter().enumerate();
-            self.now.extend(steps.map(|(path, &place)| Step { path, place, direction: wi }));
+        if wave.lit {
+            self.now.extend(starts);
             return;
         }
-        let light = sample.to_field(wi);
-        let fates = self.waves.any_hit(over, starts.len(), |k| (&starts[k], light));
-        for (path, (fate, &place)) in fates.iter().zip(starts).enumerate() {
+        let ray = |k: usize| {
+            let View { sample, wi } = wave.view(k);
+            (&wave.starts[k], sample.to_field(*wi))
+        };
+        let fates = self.waves.any_hit(over, wave.starts.len(), ray);
+        for (fate, step) in fates.iter().zip(starts) {
             match fate {
-                Fate::Escaped => self.now.push(Step { path, place, direction: wi }),
+                Fate::Escaped => self.now.push(step),
                 Fate::Blocked => {}
-                Fate::Beyond => endings[path] = Ending::Lost,
+                Fate::Beyond => endings[step.path] = Ending::Lost,
             }
         }
     }
 
     /// From every facet along its mirror direction.
-    fn reflect<B: Bounce>(&mut self, sample: &Sample, last: bool, visits: &mut [B], endings: &mut [Ending]) {
+    fn reflect<B: Bounce>(&mut self, wave: &Wave, last: bool, visits: &mut [B], endings: &mut [Ending]) {
         self.rays.clear();
         for &Step { path, place, direction } in &self.now {
-            let wo = sample.reflected(direction, &place);
+            let wo = wave.view(path).sample.reflected(direction, &place);
             visits[path].bounce(direction, wo);
             // A path that goes down must hit again: at the last order there is nothing left to find out.
             if last && wo.z <= 0.0 {
@@ -105,9 +132,9 @@ impl PathWaves {
     }
 
     /// The last order: only whether anything stops the rays.
-    fn leave(&mut self, sample: &Sample, over: &LaneWalker, order: u32, endings: &mut [Ending]) {
+    fn leave(&mut self, over: &LaneWalker, wave: &Wave, order: u32, endings: &mut [Ending]) {
         let rays = &self.rays;
-        let ray = |k: usize| (&rays[k].place, sample.to_field(rays[k].direction));
+        let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
         let fates = self.waves.any_hit(over, rays.len(), ray);
         for (step, fate) in rays.iter().zip(fates) {
             endings[step.path] = match fate {
@@ -119,10 +146,10 @@ impl PathWaves {
     }
 
     /// An order with more to come: what the rays meet.
-    fn go_on(&mut self, sample: &Sample, over: &LaneWalker, order: u32, endings: &mut [Ending]) {
+    fn go_on(&mut self, over: &LaneWalker, wave: &Wave, order: u32, endings: &mut [Ending]) {
         let (rays, now) = (&self.rays, &mut self.now);
         now.clear();
-        let ray = |k: usize| (&rays[k].place, sample.to_field(rays[k].direction));
+        let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
         self.waves.closest_hit(over, rays.len(), ray, |k, outcome| {
             let Step { path, direction, .. } = rays[k];
             match outcome {
