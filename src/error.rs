@@ -112,14 +112,15 @@ impl Error {
     }
 }
 
-/// A foreign text, or a message that quotes one, as a part of one line: control characters become `?`, and the middle of
-/// a long one is left out.
+/// A foreign text, or a message that quotes one, as a part of one line: control characters and what is no text become
+/// `?`, and the middle of a long one is left out.
 ///
 /// Held by: `findings_of_the_fuzzer_are_answered_in_one_line` (tests/fuzzed.rs).
 fn one_line(text: &str) -> String {
     const HEAD: usize = 360;
     const TAIL: usize = 120;
-    let line: String = text.chars().map(|c| if c.is_control() { '?' } else { c }).collect();
+    let unreadable = |c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER;
+    let line: String = text.chars().map(|c| if unreadable(c) { '?' } else { c }).collect();
     let count = line.chars().count();
     if count <= HEAD + TAIL {
         return line;

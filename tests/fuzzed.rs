@@ -22,8 +22,8 @@ fn findings_of_the_fuzzer_are_answered_in_one_line() {
         for file in fs::read_dir(entry.path()).expect("a folder of findings").flatten() {
             let bytes = fs::read(file.path()).expect("a finding");
             if let Err(why) = read(&target, &bytes) {
-                let why = Error::format(&file.path(), why).to_string();
-                let line = !why.is_empty() && !why.contains('\n') && why.len() < 1000;
+                let why = Error::format(Path::new("fuzzed"), why).to_string();
+                let line = !why.is_empty() && !why.contains('\n') && why.chars().count() <= 500;
                 assert!(line, "{}: {why:?}", file.path().display());
             }
             tried += 1;

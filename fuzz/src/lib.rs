@@ -22,7 +22,7 @@ pub fn format<T>(answer: Result<T, Error>) -> Option<T> {
 }
 
 fn line(why: &str) {
-    assert!(!why.is_empty() && !why.contains('\n') && why.len() < 1000, "{why:?}");
+    assert!(!why.is_empty() && !why.contains('\n') && why.chars().count() <= 500, "{why:?}");
 }
 
 /// The path that messages name.
