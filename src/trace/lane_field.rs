@@ -1,5 +1,4 @@
-//! What the lanes read: heights in f32, and the highest height of every cell, of 4 x 4 and of 16 x 16 cells; larger
-//! tiles are for very long rays alone.
+//! What the lanes read: heights in f32, and the highest height of every cell, of 4 x 4, of 16 x 16 and of more cells.
 //!
 //! Enters: a periodic field whose sides are powers of two. Leaves: two tables whose lengths are powers of two, so
 //! that an index is made valid by a mask alone.
@@ -14,6 +13,8 @@ use crate::surface::heightfield::Corners;
 
 /// Sides below this have no tiles of 4 x 4 of their own.
 const SMALLEST_SIDE: usize = 8;
+/// No tile that the lanes look at has a longer side than this part of the field's, but those of 16 x 16.
+const LARGEST_SHARE: usize = 8;
 /// Largest number of cells: indices of the maxima, twice as many, must fit an i32.
 const MOST_CELLS: usize = 1 << 29;
 
@@ -75,6 +76,16 @@ impl LaneField {
     /// The highest level of tiles.
     pub(super) fn top_level(&self) -> usize {
         top_level(self.cells_x, self.cells_y)
+    }
+
+    /// The highest level that the lanes look at: a needle stands in most of the larger tiles, the way down from them takes
+    /// longer than their skipping saves.
+    ///
+    /// Measured at 60 degrees, alpha 0.5 to 0.8: 64 x 64 is best at 1024^2 (1.4 times as fast as 16 x 16), 256 x 256 from
+    /// 2048^2 on (1.1 times as fast as 64 x 64); a Gaussian field, whose rays are short, does not care.
+    pub(super) fn level_of_lanes(&self) -> usize {
+        let side = self.cells_x.min(self.cells_y) / LARGEST_SHARE;
+        (side.checked_ilog2().unwrap_or(0) as usize / 2).max(2)
     }
 
     /// The highest corner of the 4^level x 4^level cells around a cell.

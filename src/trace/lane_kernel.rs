@@ -2,7 +2,7 @@
 //!
 //! A ray is walked in its own frame: axes mirrored so that it runs towards +x and +y (a mirrored coordinate is
 //! !x, which keeps tiles of 4^L cells whole), and its direction scaled to |dx| + |dy| = 1, so that its parameter counts
-//! the edges it crosses. It skips a cell or a tile of 4 x 4 or 16 x 16 cells wherever it stays above the highest
+//! the edges it crosses. It skips a cell or a tile of 4 x 4, 16 x 16, ... cells wherever it stays above the highest
 //! corner there; in a cell where it does not, its clearance is looked at where it leaves each facet (`Cell`), as in
 //! `walk`. What happens to a ray depends on that ray alone: lanes that want a facet test wait until enough do, and
 //! lanes that are done are refilled from the batch.
@@ -170,6 +170,8 @@ struct Walk<S: Lanes> {
     row_shift: S::I,
     zero: S::F,
     two: S::I,
+    /// 2 x the highest level that the lanes look at.
+    top: S::I,
     all_ones: S::I,
 }
 
@@ -208,6 +210,7 @@ impl<S: Lanes> Walk<S> {
             row_shift: s.splat_i(field.cells_x.trailing_zeros() as i32),
             zero,
             two: s.splat_i(2),
+            top: s.splat_i(2 * field.level_of_lanes() as i32),
             all_ones: s.splat_i(-1),
         }
     }
@@ -256,7 +259,7 @@ impl<S: Lanes> Walk<S> {
         let y = s.pick_i(exit.by_x, s.min_i(s.max_i(y, rays.y), last_y), exit.y);
         let changed = s.or_i(s.xor_i(x, rays.x), s.xor_i(y, rays.y));
         let leaves = s.nonzero(s.and_i(changed, s.shl(tile, self.two)));
-        let up = s.min_i(s.add_i(self.shift, self.two), s.splat_i(4));
+        let up = s.min_i(s.add_i(self.shift, self.two), self.top);
         self.shift = s.pick_i(s.and(who, leaves), up, self.shift);
         rays.x = s.pick_i(who, x, rays.x);
         rays.y = s.pick_i(who, y, rays.y);
