@@ -130,15 +130,29 @@ impl Sensor {
         seen
     }
 
+    /// Calls `visit(bin)` for every bin that holds `wo`, and for every one that holds its `image`, the mirror image about
+    /// the plane at the azimuth of half `about_deg`, in [0, 720).
+    ///
+    /// Held by: `images_fall_where_they_fall_alone`.
+    pub fn each_bin_of_both(&self, wo: DVec3, image: DVec3, about_deg: f64, mut visit: impl FnMut(usize)) {
+        if let Sensor::Hemisphere { theta, phi } = self {
+            let (first, azimuth) = (row(wo, theta) * phi.len(), quick_atan2_deg(wo.y, wo.x));
+            let turned = about_deg - azimuth;
+            let mirrored = if turned < 0.0 { turned + 360.0 } else { turned % 360.0 };
+            visit(first + column(wo, azimuth, phi));
+            visit(first + column(image, mirrored, phi));
+        } else {
+            self.each_bin(wo, &mut visit);
+            self.each_bin(image, visit);
+        }
+    }
+
     /// Calls `visit(bin)` for every bin that holds `wo`, a unit vector with wo.z > 0.
     pub fn each_bin(&self, wo: DVec3, mut visit: impl FnMut(usize)) {
         match self {
             Sensor::Hemisphere { theta, phi } => {
-                let polar = quick_atan2_deg(wo.x.hypot(wo.y), wo.z);
-                let row = theta.find_quickly(polar, || sphere::theta(wo).to_degrees());
                 let azimuth = quick_atan2_deg(wo.y, wo.x);
-                let exactly = || reduced(sphere::phi(wo).to_degrees(), phi);
-                visit(row * phi.len() + phi.find_quickly(reduced(azimuth, phi), exactly));
+                visit(row(wo, theta) * phi.len() + column(wo, azimuth, phi));
             }
             Sensor::Arm { caps, chord2, reach } => {
                 let polar = sphere::theta(wo);
@@ -161,6 +175,17 @@ impl Sensor {
             }
         }
     }
+}
+
+/// The row of a hemisphere that holds `wo`.
+fn row(wo: DVec3, theta: &Edges) -> usize {
+    let polar = quick_atan2_deg((wo.x * wo.x + wo.y * wo.y).sqrt(), wo.z);
+    theta.find_quickly(polar, || sphere::theta(wo).to_degrees())
+}
+
+/// The column of a hemisphere that holds `wo`, whose azimuth is about `near`, in [0, 360) degrees.
+fn column(wo: DVec3, near: f64, phi: &Edges) -> usize {
+    phi.find_quickly(reduced(near, phi), || reduced(sphere::phi(wo).to_degrees(), phi))
 }
 
 /// Bound on the error of `quick_atan2_deg`, degrees.
@@ -232,6 +257,23 @@ mod tests {
             let exact = sphere::phi(DVec3::new(cos, sin, 0.0)).to_degrees();
             let off = (quick_atan2_deg(sin, cos) - exact).abs();
             assert!(off.min(360.0 - off) < QUICK_ERROR, "{exact}: {off}");
+        }
+    }
+
+    #[test]
+    fn images_fall_where_they_fall_alone() {
+        for grid in [centred(), Grid { phi_r_edges_deg: vec![-180.0, -90.0, 10.0, 180.0], ..centred() }] {
+            let sensor = Sensor::new(&grid);
+            for (k, azimuth_i) in (0..4000).map(|k| (k, f64::from(k % 25) * 15.0)) {
+                let wo = sphere::direction_deg(f64::from(k) * 0.0223 + 0.01, f64::from(k) * 17.31);
+                let mirrored =
+                    sphere::turned(DVec3::new(wo.x, -wo.y, wo.z), sphere::sin_cos_deg(2.0 * azimuth_i));
+                let (mut both, mut alone) = (vec![], vec![]);
+                let about_deg = 2.0 * sphere::reduced_deg(azimuth_i);
+                sensor.each_bin_of_both(wo, mirrored, about_deg, |bin| both.push(bin));
+                [wo, mirrored].into_iter().for_each(|wo| sensor.each_bin(wo, |bin| alone.push(bin)));
+                assert_eq!(both, alone, "{wo} under {azimuth_i}");
+            }
         }
     }
 

@@ -245,24 +245,23 @@ impl<'a> Followed<'a> {
             *sum += to_units(flux * weight);
         }
         let share = |weight: &f64| to_units(part * weight);
-        let mut into_bins = |direction: DVec3| {
-            context.sensor.each_bin(direction, |bin| {
-                tally.hits[bin] += 1;
-                let sums = if order > 1 {
-                    &mut tally.multiple[weights.first..]
-                } else {
-                    tally.single[bin] += part_units;
-                    &mut tally.first[..]
-                };
-                for (sums, weight) in sums.iter_mut().zip(&weights.bins) {
-                    sums[bin] += share(weight);
-                }
-            });
+        let into_bin = |bin: usize| {
+            tally.hits[bin] += 1;
+            let sums = if order > 1 {
+                &mut tally.multiple[weights.first..]
+            } else {
+                tally.single[bin] += part_units;
+                &mut tally.first[..]
+            };
+            for (sums, weight) in sums.iter_mut().zip(&weights.bins) {
+                sums[bin] += share(weight);
+            }
         };
         let wo = arms.in_bins(wo);
-        into_bins(wo);
         if context.plan.folded[self.stop] {
-            into_bins(arms.mirrored(wo));
+            context.sensor.each_bin_of_both(wo, arms.mirrored(wo), arms.mirror_deg, into_bin);
+        } else {
+            context.sensor.each_bin(wo, into_bin);
         }
     }
 }
