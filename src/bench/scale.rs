@@ -9,9 +9,11 @@ use serde::Serialize;
 
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
-use crate::measure::{self, Patches, cost};
+use crate::measure::{self, CELLS_PER_START, Patches, cost};
 use crate::surface::Heightfield;
-use crate::trace::{BLOCK, FacetIndex, Kernel, LaneField, LaneWalker, Layout, Starts, Walker, Window};
+use crate::trace::{
+    BLOCK, FacetIndex, Kernel, LaneField, LaneWalker, Layout, Starts, Together, Walker, Window,
+};
 
 /// One stop, or all of them, on a patch of one size.
 #[derive(Debug, Clone, Serialize)]
@@ -112,7 +114,8 @@ fn made(campaign: &Campaign) -> Result<(ScalePatch, Patches)> {
 }
 
 /// Bytes that the tracing of `field` may hold at most: its heights, the lanes' copy of them, and the largest of what
-/// only one way of starting needs (the sweeps' layout, the sums along the facets, the index by slope).
+/// only one way of starting needs (the sweeps' layout, the sums along the facets, the index by slope with the starts that
+/// are followed together).
 ///
 /// Held by: `tracing_takes_at_most_40_bytes_for_each_cell`.
 pub fn tracing_bytes(field: &Heightfield) -> usize {
@@ -121,7 +124,8 @@ pub fn tracing_bytes(field: &Heightfield) -> usize {
     let layout = Layout::new(field).map_or(0, |layout| layout.bytes());
     let light = DVec3::new(0.1, 0.0, 1.0);
     let starts = Starts::new(field, Window::all(field), light).bytes();
-    let index = FacetIndex::new(field).map_or(0, |index| index.bytes());
+    let together = field.cells_x() * field.cells_y() / CELLS_PER_START as usize * Together::BYTES;
+    let index = FacetIndex::new(field).map_or(0, |index| index.bytes() + together);
     size_of_val(field.heights()) + lanes + layout.max(starts).max(index)
 }
 
@@ -135,7 +139,7 @@ mod tests {
         let height = |k: usize| f64::from((0.37 * k as f32).sin());
         let field = Heightfield::new(side, side, true, (0..side * side).map(height).collect());
         let bytes = tracing_bytes(&field) as f64 / (side * side) as f64;
-        // Heights 8, lanes 4 + 8, layout or index 8 (and its 65,537 firsts).
-        assert!((28.0..=40.0).contains(&bytes), "{bytes}");
+        // Heights 8, lanes 4 + 8, index 8 (and its 65,537 firsts and sums), starts 4.
+        assert!((32.0..=40.0).contains(&bytes), "{bytes}");
     }
 }

@@ -1,9 +1,10 @@
 //! What a run will need, before it begins: memory and time, from measured costs.
 
 use super::plan::{Plan, is_swept};
+use super::stage::CELLS_PER_START;
 use crate::campaign::{Alpha, Campaign, SurfaceKind};
 use crate::sphere;
-use crate::trace::BLOCK;
+use crate::trace::{BLOCK, Together};
 
 // Measured on one core of about 4 GHz, patches of 1024 x 1024 cells, correlation 8.
 const NS_PER_SYNTHESISED_CELL: f64 = 1600.0;
@@ -36,6 +37,8 @@ const LAYOUT: u128 = 8;
 const INDEX: u128 = 12;
 /// Sums of turned areas, of a thread without a sweep.
 const SUMS: u128 = 2;
+/// Starts that a thread follows together.
+const STARTS: u128 = Together::BYTES as u128 / CELLS_PER_START as u128;
 
 /// What a run takes, bytes.
 pub(super) struct Memory {
@@ -71,7 +74,8 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     // Patches that are looked at again are all kept.
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
-    let surface = kept * mounted + threads * synthesis.max(layout + SUMS);
+    let surface =
+        kept * mounted + threads * synthesis.max(layout + SUMS).max(if plan.by_slope { STARTS } else { 0 });
     let bins = plan.bins as u128;
     // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
     // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.

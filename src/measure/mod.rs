@@ -38,4 +38,5 @@ pub use run::{go_on, measure, tables};
 pub use session::Session;
 pub use shards::{Shard, Shards};
 pub use skips::Skip;
+pub use stage::CELLS_PER_START;
 pub use stopping::StoppedBy;

@@ -10,7 +10,7 @@ use crate::campaign::{Alpha, Campaign};
 use crate::trace::{FacetIndex, Kernel, LaneField, LaneWalker, Layout, Sample, SmithWalk, Together, Walker};
 
 /// Cells of a patch for each start that is followed together with others.
-const CELLS_PER_START: u64 = 4;
+pub const CELLS_PER_START: u64 = 4;
 /// Pieces of work that a thread gets at least.
 const WORK_PER_THREAD: usize = 4;
 

@@ -159,6 +159,8 @@ const BLOCK_BITS: u32 = 8;
 impl Together {
     /// Blocks that can be followed together.
     pub const MOST_BLOCKS: usize = 1 << BLOCK_BITS;
+    /// Bytes of a start, and as many again while starts are sorted.
+    pub const BYTES: usize = 16;
 
     /// Adds `count` starts of equal flux; its number is how many blocks there were before. How many of them a bin of
     /// the index gets follows from equal steps; which of its facets, from their areas, by rejection.
