@@ -270,6 +270,40 @@ fn lit_inside(rng: &mut Pcg64Dxsm, field: &Heightfield, light: DVec3, count: usi
         .collect()
 }
 
+/// Rays of up to a hundred legs, and longer ones that the f64 walk takes over, end as the plain walk says, but for a share
+/// of 1e-4 for each leg, as any ray (`lanes_answer_as_the_f64_walk`): of some thousand rays, one where it should be none.
+#[test]
+fn rays_of_many_legs_end_as_in_one_walk() {
+    let mut rng = test_rng(15);
+    let field = patch(SlopeLaw::Ggx, 128, 5);
+    let lanes = LaneField::new(&field).expect("lanes serve it");
+    let over = LaneWalker::new(Walker::new(&field), &lanes, Kernel::widest());
+    let (mut waves, mut first) = (Waves::default(), Answers::default());
+    for (rise, count) in [(0.008, 5_000), (0.002, 5_000), (0.0002, 2_000)] {
+        let ray = |rng: &mut Pcg64Dxsm| {
+            let (sin, cos) = (std::f64::consts::TAU * uniform(rng)).sin_cos();
+            // Anywhere above the surface: from the surface itself hardly one comes so far.
+            let place = start(rng, &field);
+            let z = place.z + uniform(rng) * (over.walker().range().1 - place.z);
+            (Place { z, ..place }, DVec3::new(cos, sin, rise))
+        };
+        let rays: Vec<(Place, DVec3)> = std::iter::repeat_with(|| ray(&mut rng)).take(count).collect();
+        let mut batch = LaneRays::default();
+        rays.iter().for_each(|(place, d)| batch.push(place, *d));
+        lanes.any_hit(Kernel::widest(), &batch, &mut first);
+        let fates = waves.any_hit(&over, count, |k| (&rays[k].0, rays[k].1));
+        let long = (0..count).filter(|&k| first.fates[k] == Fate::Beyond);
+        let (mut long, mut differ): (Vec<usize>, usize) = (long.collect(), 0);
+        long.truncate(400);
+        for &k in &long {
+            let escapes = over.walker().walk(&rays[k].0, rays[k].1) == Outcome::Escaped;
+            differ += usize::from(fates[k] != if escapes { Fate::Escaped } else { Fate::Blocked });
+        }
+        println!("rise {rise}: {differ} of {} long rays differ", long.len());
+        assert!(long.len() > 20 && differ <= 1, "rise {rise}: {differ} of {}", long.len());
+    }
+}
+
 /// Rays too long for f32 are said to be so, and the f64 walk answers in their stead.
 #[test]
 fn very_long_rays_are_left_to_the_f64_walk() {

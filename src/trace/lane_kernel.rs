@@ -13,7 +13,7 @@ use super::lane_queue::Queue;
 use super::lane_rays::{LANES, LaneRays};
 use super::vectors::Lanes;
 
-/// Edges that a ray crosses at most in f32; one that would go on is left to the f64 walk.
+/// Edges that a ray crosses at most in f32 before its place is told anew; one that would go on is `Beyond`.
 ///
 /// A position t d is rounded twice (relative 2^-23 together): at 4096 edges to 5e-4 of a cell. A visibility answer
 /// can change only where the ray passes a facet's edge that closely; heights vary over several cells, so that this
@@ -28,7 +28,7 @@ pub enum Fate {
     Escaped,
     /// It hits a facet.
     Blocked,
-    /// It is longer than f32 can follow: the f64 walk must say.
+    /// It is longer than f32 can follow: another leg or the f64 walk must say.
     Beyond,
 }
 

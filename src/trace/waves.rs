@@ -1,11 +1,12 @@
 //! Many rays at once: the question of what they meet goes to the lanes, geometry stays in f64.
 //!
-//! Enters: rays by index. Leaves: answers in the same order. A ray that is too long for f32 is walked in f64.
+//! Enters: rays by index. Leaves: answers in the same order. A ray that is too long for f32 goes on in further legs,
+//! each of which starts where f64 says; what is then still under way is walked in f64.
 
 use glam::DVec3;
 
 use super::lane_field::LaneField;
-use super::lane_kernel::{Answers, Fate, LaneHit};
+use super::lane_kernel::{Answers, Fate, LONGEST, LaneHit};
 use super::lane_rays::LaneRays;
 use super::lanes::Kernel;
 use super::long_walk;
@@ -36,6 +37,24 @@ impl<'a> LaneWalker<'a> {
     /// Held by: `tests/long_rays.rs`.
     pub fn walk_long(&self, start: &Place, d: DVec3) -> Outcome {
         long_walk::walk(&self.walker, self.lanes, start, d)
+    }
+
+    /// Whether a ray crosses more than one leg's edges before it is above everything.
+    fn is_long(&self, start: &Place, d: DVec3) -> bool {
+        self.walker.clear_at(start.z, d.z) * (d.x.abs() + d.y.abs()) > f64::from(LONGEST)
+    }
+
+    /// The point of a ray after about so many `edges`, over the facet there.
+    fn further(&self, start: &Place, d: DVec3, edges: f64) -> Place {
+        let t = edges / (d.x.abs() + d.y.abs());
+        let field = self.walker.field();
+        let of = |cell: usize, place: f64, d: f64, cells: usize| {
+            let to = place + t * d;
+            ((cell as i64 + to.floor() as i64).rem_euclid(cells as i64) as usize, to - to.floor())
+        };
+        let (x, u) = of(start.facet.x, start.u, d.x, field.cells_x());
+        let (y, v) = of(start.facet.y, start.v, d.y, field.cells_y());
+        Place { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z: start.z + t * d.z }
     }
 
     /// Bytes of the lanes' tables.
@@ -75,11 +94,20 @@ impl<'a> LaneWalker<'a> {
     }
 }
 
+/// Edges from the start of a leg to that of the next, which begins where the last one has seen that nothing is near.
+const LEG: f64 = LONGEST as f64 - 16.0;
+/// Legs of a ray after its first, 2.6e5 edges: those of light from 89.7 degrees that crosses the whole height of a GGX
+/// patch of 1024 x 1024 cells, alpha 1.
+const FURTHER_LEGS: u32 = 64;
+
 /// Memory for batches of rays, to be used again.
 #[derive(Debug, Default)]
 pub struct Waves {
     rays: LaneRays,
     answers: Answers,
+    /// Rays that are under way, and what became of their last leg.
+    under_way: Vec<usize>,
+    leg: Answers,
 }
 
 impl Waves {
@@ -94,17 +122,44 @@ impl Waves {
     ) -> &[Fate] {
         self.load(count, &ray);
         over.lanes.any_hit(over.kernel, &self.rays, &mut self.answers);
-        for (index, fate) in self.answers.fates.iter_mut().enumerate() {
-            if *fate == Fate::Beyond {
-                let (start, d) = ray(index);
-                *fate = match over.walk_long(start, d) {
-                    Outcome::Escaped => Fate::Escaped,
-                    Outcome::Hit(_) => Fate::Blocked,
-                    Outcome::LeftMap | Outcome::Lost => Fate::Beyond,
-                };
-            }
-        }
+        self.go_on(over, &ray);
         &self.answers.fates
+    }
+
+    /// Follows the rays that are too long for one leg.
+    fn go_on<'p>(&mut self, over: &LaneWalker, ray: &impl Fn(usize) -> (&'p Place, DVec3)) {
+        let Waves { rays, answers: Answers { fates, .. }, under_way, leg } = self;
+        let too_long = |&(index, fate): &(usize, &Fate)| {
+            *fate == Fate::Beyond && {
+                let (start, d) = ray(index);
+                over.is_long(start, d)
+            }
+        };
+        under_way.clear();
+        under_way.extend(fates.iter().enumerate().filter(too_long).map(|(index, _)| index));
+        for number in 1..=FURTHER_LEGS {
+            if under_way.is_empty() {
+                break;
+            }
+            rays.clear();
+            for &index in &*under_way {
+                let (start, d) = ray(index);
+                rays.push(&over.further(start, d, f64::from(number) * LEG), d);
+            }
+            over.lanes.any_hit(over.kernel, rays, leg);
+            for (&index, &fate) in under_way.iter().zip(&leg.fates) {
+                fates[index] = fate;
+            }
+            under_way.retain(|&index| fates[index] == Fate::Beyond);
+        }
+        for (index, fate) in fates.iter_mut().enumerate().filter(|(_, fate)| **fate == Fate::Beyond) {
+            let (start, d) = ray(index);
+            *fate = match over.walk_long(start, d) {
+                Outcome::Escaped => Fate::Escaped,
+                Outcome::Hit(_) => Fate::Blocked,
+                Outcome::LeftMap | Outcome::Lost => Fate::Beyond,
+            };
+        }
     }
 
     /// What each of `count` rays meets first: calls `visit` with index and outcome, in order.

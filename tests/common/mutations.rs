@@ -3,6 +3,10 @@
 // Each test program uses its own part.
 #![allow(dead_code)]
 
+use std::path::Path;
+
+use gonio::error::Error;
+
 /// A small repeatable source of bits (splitmix64).
 pub struct Bits(pub u64);
 
@@ -20,7 +24,8 @@ impl Bits {
     }
 }
 
-/// Feeds `rounds` damaged copies of `good` to `read`, which must return (not panic) and whose reasons must be one line.
+/// Feeds `rounds` damaged copies of `good` to `read`, which must return (not panic) and whose reasons must be one line
+/// where the program shows them.
 /// Returns how many were refused.
 pub fn survives<T>(good: &[u8], rounds: usize, read: impl Fn(&[u8]) -> Result<T, String>) -> usize {
     let mut bits = Bits(good.len() as u64);
@@ -40,7 +45,8 @@ pub fn survives<T>(good: &[u8], rounds: usize, read: impl Fn(&[u8]) -> Result<T,
             }
         }
         if let Err(reason) = read(&bytes) {
-            assert!(!reason.is_empty() && !reason.contains('\n') && reason.len() < 1000, "{reason}");
+            let shown = Error::format(Path::new("damaged"), &reason).to_string();
+            assert!(!reason.is_empty() && !shown.contains('\n') && shown.chars().count() <= 500, "{shown}");
             refused += 1;
         }
     }
