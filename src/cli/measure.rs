@@ -1,11 +1,11 @@
 //! `gonio measure`: the main job, from the campaign to tables, summaries and a report.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::banded::Banded;
 use super::kept;
 use super::output::{self, Output, say, warn};
 use super::plan_text;
@@ -106,9 +106,10 @@ fn whole(
             return if arguments.json { out.json(&summaries(&all)?) } else { Ok(()) };
         }
         let Ended { ledger, plan, patches } = job.run(found, out)?;
-        let (tables, cost) = measure::tables(&job.campaign, &plan, ledger);
-        let results = Results { plan: &plan, cost: &cost, open: &open, json: arguments.json };
-        results.write_all(&tables, |table| specimen::of_patches(&patches, &table.campaign), out)?;
+        let mut tables = Some(measure::tables(&job.campaign, &plan, ledger));
+        let all = |_| tables.take().ok_or_else(|| Error::Internal("one run in two bands".into()));
+        let results = Results { plan: &plan, open: &open, json: arguments.json, memory: arguments.memory() };
+        results.write_all(all, |table| specimen::of_patches(&patches, &table.campaign), out)?;
         checkpoint.remove()?;
     }
     if arguments.json { out.json(&summaries(&all)?) } else { Ok(()) }
@@ -264,8 +265,19 @@ impl Job<'_> {
         let plan = arguments.plan(campaign)?;
         let patches = self.patches(&plan, out)?;
         let progress = Progress::new(plan.total_samples, "samples");
-        let banded = Banded { campaign, plan: &plan, open, json: arguments.json, memory: arguments.memory() };
-        banded.run(patches, &progress, out)
+        let patches = patches.for_bands(campaign, arguments.memory())?;
+        let band = |stops: Range<usize>| {
+            let is_last = stops.end == plan.stops;
+            let plan = plan.of_stops(&stops.collect::<Vec<_>>());
+            let plan = plan.ok_or_else(|| Error::Internal("half vectors in a campaign".into()))?;
+            let measured = measure::measure(campaign, &plan, &patches, &|starts| progress.add(starts));
+            if is_last {
+                progress.finish();
+            }
+            measured
+        };
+        let results = Results { plan: &plan, open, json: arguments.json, memory: arguments.memory() };
+        results.write_all(band, |table| specimen::of_patches(&patches, &table.campaign), out)
     }
 }
 

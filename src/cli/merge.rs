@@ -72,14 +72,15 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         ledger = ledger.with_stops(&stops);
         campaign.name = format!("{}_partial", campaign.name);
     }
-    let (tables, cost) = measure::tables(&campaign, &plan, ledger);
+    let mut tables = Some(measure::tables(&campaign, &plan, ledger));
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let _lock = Lock::take(&folder.join(format!("{}.lock", campaign.name)))?;
     let all = Target::of(&campaign, &folder);
     let open = open(&all, arguments, !missing.is_empty())?;
     let mut out = Output::default();
-    let results = Results { plan: &plan, cost: &cost, open: &open, json: arguments.json };
-    results.write_all(&tables, |table| specimen::remade(&table.campaign), &mut out)?;
+    let whole = |_| tables.take().ok_or_else(|| Error::Internal("one run in two bands".into()));
+    let results = Results { plan: &plan, open: &open, json: arguments.json, memory: measure::memory_limit() };
+    results.write_all(whole, |table| specimen::remade(&table.campaign), &mut out)?;
     if arguments.json {
         let numbers: Vec<String> = missing.iter().map(Shard::to_string).collect();
         let document = summaries(&all)?;

@@ -11,7 +11,6 @@ use clap::{ColorChoice, Parser, Subcommand};
 use crate::error::{Error, Result};
 
 mod against;
-mod banded;
 mod bench;
 mod certificate_text;
 mod check;
@@ -31,6 +30,7 @@ mod report;
 mod resolution_text;
 mod results;
 mod scene;
+mod sheet;
 mod study;
 mod surface;
 mod table_file;

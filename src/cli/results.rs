@@ -1,97 +1,73 @@
 //! Results of a measurement on disk and on the screen: tables, summaries, pages and cards, each with what it shows.
 
+use std::ops::Range;
 use std::path::Path;
 
-use serde_json::Value;
-
 use super::optics_text;
-use super::output::{self, Output, duration, grouped, json_text, warn, with_error};
-use super::report::{Sources, page_of};
+use super::output::{self, Output, duration, grouped, with_error};
+use super::sheet::Sheet;
 use super::targets::Target;
+use crate::campaign::Campaign;
 use crate::error::Result;
-use crate::files::{self, NewFile};
 use crate::measure::{Cost, Measured, Plan, StopResult, StoppedBy};
 use crate::report::specimen::Shown;
-use crate::report::summary::summary;
-use crate::report::{self, Scene, terminal};
+use crate::report::{Scene, terminal};
 use crate::stats;
+use crate::table::BrdfTable;
 use crate::table::realisations::{self, Kept};
-use crate::table::store;
-use crate::validate::schlick_error::SchlickError;
 use crate::validate::{self, Prediction, Verdict};
 
 /// What all tables of a run have in common.
 pub struct Results<'a> {
     pub plan: &'a Plan,
-    pub cost: &'a Cost,
     /// The tables that are written.
     pub open: &'a [&'a Target],
     /// Whether stdout is for a JSON document alone.
     pub json: bool,
+    /// Bytes that may be used.
+    pub memory: u64,
 }
 
 impl Results<'_> {
-    /// Writes the open tables, each with its summary, data first. `specimen` shows a patch under a table's campaign.
+    /// Writes the open tables, each with its summary, data first. `band` gives the tables of some stops, and what these
+    /// have cost: of all stops, or of one band after the other. `specimen` shows a patch under a table's campaign.
     pub fn write_all(
         &self,
-        results: &[Measured],
+        mut band: impl FnMut(Range<usize>) -> Result<(Vec<Measured>, Cost)>,
         specimen: impl Fn(&Measured) -> Result<Shown>,
         out: &mut Output,
     ) -> Result<()> {
-        let Results { plan, cost, json, .. } = *self;
-        for (measured, target) in results.iter().filter_map(|measured| {
-            // A table that was finished before may be among the results.
-            self.open.iter().find(|target| target.is_of(&measured.table)).map(|target| (measured, target))
-        }) {
-            let Measured { table, campaign, .. } = measured;
-            let prediction = Prediction::of(campaign, &table.grid);
-            let verdict =
-                validate::examine_against(table, campaign, Some(&measured.realisations), prediction.as_ref());
-            let schlick = SchlickError::of(campaign, table);
-            let mut document = summary(measured, plan, cost, &verdict);
-            document["fresnel"] = output::to_json(&schlick)?;
-            let specimen = specimen(measured)?;
-            let sources =
-                Sources { table, campaign: Some(campaign), prediction: prediction.as_ref(), specimen };
-            let page = page_of(sources, &document, None);
-            let kept = write(measured, &document, &page, target)?;
-            verdict.failures.iter().for_each(warn);
-            if !json {
-                report(out, measured, plan, &verdict)?;
-                out.lines(schlick.iter().flat_map(optics_text::schlick_lines))?;
-                out.lines(lobes(measured, prediction.as_ref()))?;
-                out.lines(files_written(target, kept))?;
+        let mut sheets: Vec<Option<Sheet>> = self.open.iter().map(|_| None).collect();
+        let mut cost = Cost::default();
+        for stops in self.plan.bands() {
+            let (first, is_last) = (stops.start, stops.end == self.plan.stops);
+            let (results, next) = band(stops)?;
+            cost = cost.plus(next);
+            for measured in results {
+                // A table that was finished before may be among the results.
+                let Some(at) = self.open.iter().position(|target| target.is_of(&measured.table)) else {
+                    continue;
+                };
+                let mut sheet = match sheets[at].take() {
+                    Some(sheet) => sheet,
+                    None => Sheet::new(self.open[at], &measured, self.plan)?,
+                };
+                sheet.take(measured, first)?;
+                if is_last {
+                    sheet.finish(self, &cost, &specimen, out)?;
+                } else {
+                    sheets[at] = Some(sheet);
+                }
             }
         }
-        if json { Ok(()) } else { out.lines(cost_lines(cost)) }
+        if self.json { Ok(()) } else { out.lines(cost_lines(&cost)) }
     }
 }
 
-/// All files reach the disk before the first takes its place: for want of room nothing is replaced.
-fn write(measured: &Measured, summary: &Value, page: &str, target: &Target) -> Result<Kept> {
-    let Measured { table, realisations, .. } = measured;
-    let (kept, parts) =
-        realisations::staged(&target.realisations, realisations, table, realisations::SIZE_LIMIT)?;
-    let card = report::card(table, summary)?;
-    let first = store::staged(&target.table, table)?;
-    let last = [
-        NewFile::with(&target.page, page.as_bytes())?,
-        NewFile::with(&target.card, card.as_bytes())?,
-        NewFile::with(&target.summary, format!("{}\n", json_text(summary)?).as_bytes())?,
-    ];
-    // Without its summary a table counts as unfinished, whatever happens from here on; it comes last.
-    files::remove(&target.summary)?;
-    first.commit()?;
-    parts.map_or_else(|| files::remove(&target.realisations), NewFile::commit)?;
-    last.into_iter().try_for_each(NewFile::commit)?;
-    Ok(kept)
-}
-
 /// The lobe in the plane of incidence, for the eye.
-pub fn lobes(measured: &Measured, prediction: Option<&Prediction>) -> Vec<String> {
-    let campaign = &measured.campaign;
+pub fn lobes(campaign: &Campaign, table: &BrdfTable, prediction: Option<&Prediction>) -> Vec<String> {
     let realisations = campaign.surface.realisations as usize;
-    let scene = Scene { table: &measured.table, prediction, realisations };
+    let scene = Scene { table, prediction, realisations };
     let masking = prediction.and_then(|prediction| {
         prediction.model.maskings().iter().position(|name| *name == validate::expect::masking(campaign))
     });

@@ -13,6 +13,8 @@ pub struct NewFile {
     place: PathBuf,
     temporary: PathBuf,
     out: BufWriter<File>,
+    /// Whether nothing was written since all of it reached the disk.
+    on_disk: bool,
     done: bool,
 }
 
@@ -23,7 +25,7 @@ impl NewFile {
             check_target(place)?;
             let temporary = temporary_path(place)?;
             let out = BufWriter::new(File::create(&temporary)?);
-            Ok(NewFile { place: place.into(), temporary, out, done: false })
+            Ok(NewFile { place: place.into(), temporary, out, on_disk: false, done: false })
         };
         open().map_err(|e| Error::io(place, e))
     }
@@ -31,7 +33,7 @@ impl NewFile {
     /// Opens it with this content, on the disk: what can fail for want of room has not failed.
     pub fn with(place: &Path, bytes: &[u8]) -> Result<Self> {
         let mut file = NewFile::create(place)?;
-        file.out.write_all(bytes).map_err(|e| Error::io(place, e))?;
+        file.write_all(bytes).map_err(|e| Error::io(place, e))?;
         file.on_disk()
     }
 
@@ -40,9 +42,18 @@ impl NewFile {
         self.reach_disk().map_err(|e| Error::io(&self.place, e)).map(|()| self)
     }
 
+    /// Where its bytes are meanwhile: all of them once they are on the disk.
+    pub fn under_way(&self) -> &Path {
+        &self.temporary
+    }
+
     fn reach_disk(&mut self) -> io::Result<()> {
-        self.out.flush()?;
-        self.out.get_ref().sync_all()
+        if !self.on_disk {
+            self.out.flush()?;
+            self.out.get_ref().sync_all()?;
+            self.on_disk = true;
+        }
+        Ok(())
     }
 
     /// Puts the file in its place, when its bytes have reached the disk.
@@ -60,6 +71,7 @@ impl NewFile {
 
 impl Write for NewFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.on_disk = false;
         self.out.write(bytes)
     }
 
@@ -70,6 +82,8 @@ impl Write for NewFile {
 
 impl Seek for NewFile {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        // Flushes the buffer, whose bytes may lie in the file's middle.
+        self.on_disk = false;
         self.out.seek(to)
     }
 }

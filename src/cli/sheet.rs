@@ -1,0 +1,192 @@
+//! A table from its first band of stops to its files in their places: taken band by band, or all at once.
+
+use serde_json::Value;
+
+use super::optics_text;
+use super::output::{self, Output, json_text, warn};
+use super::report::{Sources, page_of};
+use super::results::{Results, files_written, lobes, report};
+use super::targets::Target;
+use crate::error::Result;
+use crate::files::{self, NewFile};
+use crate::measure::{Cost, Measured, Plan};
+use crate::report::specimen::Shown;
+use crate::report::summary::summary;
+use crate::report::{self as pages, Facts};
+use crate::table::realisations::{self, GROUPS, Kept, SIZE_LIMIT};
+use crate::table::{BrdfTable, Realisations, TableRows, TableWriter};
+use crate::validate::schlick_error::SchlickError;
+use crate::validate::{Examination, Parts, Prediction, Verdict};
+
+/// A table under way.
+pub struct Sheet<'a> {
+    target: &'a Target,
+    plan: &'a Plan,
+    writer: TableWriter<NewFile>,
+    examination: Examination,
+    facts: Facts,
+    schlick: Option<SchlickError>,
+    kept: Kept,
+    /// The table without its values, the stops' results, and the realisations that are to be kept.
+    measured: Measured,
+    /// The table and what theory says of it, where one band is all of it.
+    whole: Option<(BrdfTable, Option<Prediction>)>,
+}
+
+impl<'a> Sheet<'a> {
+    /// Begins the files of `target` with a first band of it, not taken yet.
+    pub fn new(target: &'a Target, first: &Measured, plan: &'a Plan) -> Result<Self> {
+        let Measured { table, campaign, .. } = first;
+        let count = first.realisations.parts.len();
+        Ok(Sheet {
+            target,
+            plan,
+            writer: TableWriter::create(&target.table, table, &plan.grid)?,
+            examination: Examination::new(Some(campaign), &plan.grid),
+            facts: Facts::new(&plan.grid, table.colours.len()),
+            schlick: None,
+            kept: realisations::kept(&plan.grid, realisations::channels_of(table), count, SIZE_LIMIT),
+            measured: Measured {
+                campaign: campaign.clone(),
+                table: table.heading(&plan.grid),
+                realisations: Realisations::default(),
+                stops: Vec::new(),
+            },
+            whole: None,
+        })
+    }
+
+    /// Takes the next band, which begins at `first_stop`.
+    pub fn take(&mut self, band: Measured, first_stop: usize) -> Result<()> {
+        let Measured { table, campaign, realisations, stops } = band;
+        self.writer.append(&table)?;
+        let prediction = Prediction::of(&campaign, &table.grid);
+        let parts = Parts { all: &realisations, first_stop: 0 };
+        self.examination.add(&table, first_stop, Some(parts), prediction.as_ref());
+        self.facts.add(&table, first_stop);
+        if let Some(next) = SchlickError::of(&campaign, &table) {
+            match &mut self.schlick {
+                Some(before) => before.join(next),
+                None => self.schlick = Some(next),
+            }
+        }
+        self.measured.stops.extend(stops);
+        match self.kept {
+            Kept::All => self.measured.realisations.append(realisations),
+            Kept::Groups => {
+                self.measured.realisations.append(realisations::grouped(&realisations, GROUPS)?);
+            }
+            Kept::Nothing => {}
+        }
+        if table.grid.stops() == self.plan.stops {
+            self.whole = Some((table, prediction));
+        }
+        Ok(())
+    }
+
+    /// Puts the files in their places, and prints what they show. `specimen` is the first patch under this campaign.
+    pub fn finish(
+        self,
+        job: &Results,
+        cost: &Cost,
+        specimen: impl Fn(&Measured) -> Result<Shown>,
+        out: &mut Output,
+    ) -> Result<()> {
+        let Sheet { target, plan, writer, examination, facts, schlick, kept, measured, whole } = self;
+        let verdict = examination.verdict();
+        let mut document = summary(&measured, plan, cost, &verdict);
+        document["fresnel"] = output::to_json(&schlick)?;
+        let (file, digest) = writer.finish()?;
+        let file = file.on_disk()?;
+        let shown = match whole {
+            Some((table, prediction)) => ShownTable { table, prediction, document: document.clone() },
+            None => ShownTable::of_rows(&file, &measured, &document, job.memory)?,
+        };
+        let ShownTable { table, prediction, .. } = &shown;
+        let specimen = specimen(&measured)?;
+        let (campaign, predicted) = (Some(&measured.campaign), prediction.as_ref());
+        let page =
+            page_of(Sources { table, campaign, prediction: predicted, specimen }, &shown.document, None);
+        let staged = Staged {
+            table: file,
+            realisations: staged_realisations(&measured, target, &digest, (kept, plan))?,
+            others: [
+                NewFile::with(&target.page, page.as_bytes())?,
+                NewFile::with(
+                    &target.card,
+                    pages::card_of(&measured.table, &digest, facts, &document).as_bytes(),
+                )?,
+                NewFile::with(&target.summary, format!("{}\n", json_text(&document)?).as_bytes())?,
+            ],
+        };
+        staged.commit(target)?;
+        verdict.failures.iter().for_each(warn);
+        if job.json {
+            return Ok(());
+        }
+        said(&measured, (plan, &verdict), &shown, schlick.as_ref(), out)?;
+        out.lines(files_written(target, kept))
+    }
+}
+
+/// What the page and the terminal show: the whole table, or some stops of one that does not fit the memory.
+struct ShownTable {
+    table: BrdfTable,
+    prediction: Option<Prediction>,
+    /// The summary of these stops.
+    document: Value,
+}
+
+impl ShownTable {
+    fn of_rows(file: &NewFile, measured: &Measured, document: &Value, memory: u64) -> Result<Self> {
+        let (table, stops) = pages::thinned(&mut TableRows::open(file.under_way())?, memory)?;
+        let prediction = Prediction::of(&measured.campaign, &table.grid);
+        Ok(ShownTable { table, prediction, document: pages::thinned_summary(document, &stops) })
+    }
+}
+
+fn said(
+    measured: &Measured,
+    (plan, verdict): (&Plan, &Verdict),
+    shown: &ShownTable,
+    schlick: Option<&SchlickError>,
+    out: &mut Output,
+) -> Result<()> {
+    report(out, measured, plan, verdict)?;
+    out.lines(schlick.into_iter().flat_map(optics_text::schlick_lines))?;
+    out.lines(lobes(&measured.campaign, &shown.table, shown.prediction.as_ref()))
+}
+
+/// All files of a table on the disk, none in its place yet: for want of room nothing is replaced.
+struct Staged {
+    table: NewFile,
+    realisations: Option<NewFile>,
+    /// Page, card and summary.
+    others: [NewFile; 3],
+}
+
+impl Staged {
+    /// Without its summary a table counts as unfinished, whatever happens from the first line on; it comes last.
+    fn commit(self, target: &Target) -> Result<()> {
+        files::remove(&target.summary)?;
+        self.table.commit()?;
+        self.realisations.map_or_else(|| files::remove(&target.realisations), NewFile::commit)?;
+        self.others.into_iter().try_for_each(NewFile::commit)
+    }
+}
+
+fn staged_realisations(
+    measured: &Measured,
+    target: &Target,
+    digest: &str,
+    (kept, plan): (Kept, &Plan),
+) -> Result<Option<NewFile>> {
+    let group_size = match kept {
+        Kept::All => 1,
+        Kept::Groups => plan.realisations as usize / GROUPS,
+        Kept::Nothing => return Ok(None),
+    };
+    // Names and axes are those of the table; its values are not needed.
+    let bytes = realisations::encode_of(&measured.realisations, &measured.table, digest, group_size)?;
+    NewFile::with(&target.realisations, &bytes).map(Some)
+}
