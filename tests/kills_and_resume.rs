@@ -4,7 +4,6 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
 use std::thread;
 use std::time::{Duration, Instant};
@@ -12,16 +11,17 @@ use std::time::{Duration, Instant};
 use gonio::campaign;
 use gonio::files::sealed;
 use gonio::measure::{self, Checkpoint, Kept, Ledger, Patches, Plan, Session};
-use gonio::rng::uniform;
 use rustix::process::{Pid, Signal, kill_process};
-use tempfile::TempDir;
 
+#[path = "common/ended.rs"]
+mod ended;
 #[path = "common/measuring.rs"]
 mod measuring;
 #[path = "common/mutations.rs"]
 mod mutations;
 #[path = "common/outputs.rs"]
 mod outputs;
+use ended::{Whole, digests, ended_by, exits, folder, run, signal_to, start, uninterrupted};
 
 /// A campaign of some seconds: two roughnesses, colours, two orders, stops that share a sweep.
 fn small(samples: u64, realisations: u32, stop: &str) -> String {
@@ -38,46 +38,12 @@ fn small(samples: u64, realisations: u32, stop: &str) -> String {
 /// Long enough for several checkpoints, which are written once a second at most.
 const LONG: u64 = 2_000_000;
 
-fn folder(text: &str) -> TempDir {
-    let folder = tempfile::tempdir().expect("temporary folder");
-    fs::write(folder.path().join("small.toml"), text).expect("campaign");
-    folder
-}
-
-fn start(folder: &Path, words: &[&str]) -> Child {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gonio"));
-    command.current_dir(folder).args(["measure", "small.toml", "-o", "out"]).args(words);
-    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts")
-}
-
-fn run(folder: &Path, words: &[&str]) -> Output {
-    start(folder, words).wait_with_output().expect("ends")
-}
-
-#[track_caller]
-fn exits(output: &Output, code: i32) -> String {
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{text}");
-    text
-}
-
-/// All files in the output folder.
-fn digests(folder: &Path) -> BTreeMap<String, String> {
-    outputs::digests(&folder.join("out"))
-}
-
-fn uninterrupted(text: &str) -> BTreeMap<String, String> {
-    let folder = folder(text);
-    exits(&run(folder.path(), &[]), 0);
-    digests(folder.path())
-}
-
 /// What the long campaign ends with, and how long that takes.
 fn whole() -> &'static (BTreeMap<String, String>, Duration) {
     static WHOLE: OnceLock<(BTreeMap<String, String>, Duration)> = OnceLock::new();
     WHOLE.get_or_init(|| {
         let begin = Instant::now();
-        (uninterrupted(&small(LONG, 3, "")), begin.elapsed())
+        (uninterrupted(&small(LONG, 3, ""), &[]), begin.elapsed())
     })
 }
 
@@ -87,45 +53,10 @@ fn checkpoints(folder: &Path) -> Vec<PathBuf> {
     paths.into_iter().filter(|path| path.exists()).collect()
 }
 
-/// Runs until so many new checkpoints have been written, and then ends the run by a signal.
-fn ended_by(folder: &Path, words: &[&str], signal: Signal, seen: u64) -> Output {
-    let checkpoint = Checkpoint::of(&folder.join("out"), "small");
-    let number = || checkpoint.load().expect("whole").map_or(0, |found| found.kept.heading.number);
-    let before = number();
-    let mut child = start(folder, words);
-    while number() < before + seen {
-        assert!(child.try_wait().expect("ours").is_none(), "ended before it was to be ended");
-        thread::sleep(Duration::from_millis(20));
-    }
-    signal_to(&child, signal);
-    child.wait_with_output().expect("ends")
-}
-
-fn signal_to(child: &Child, signal: Signal) {
-    let pid = Pid::from_raw(child.id().cast_signed()).expect("a process");
-    kill_process(pid, signal).expect("alive");
-}
-
-/// Kills a run and what goes on with it at random times, `kills` in all, a fresh run for every `chain` of them.
+/// Kills the long campaign.
 fn killed(kills: u32, chain: u32) {
-    let text = small(LONG, 3, "");
-    let (whole, long) = whole();
-    let mut rng = measuring::test_rng(8);
-    let mut resumed = 0;
-    for first in (0..kills).step_by(chain as usize) {
-        let folder = folder(&text);
-        for _ in first..kills.min(first + chain) {
-            let mut child = start(folder.path(), &["--resume"]);
-            thread::sleep(long.mul_f64(uniform(&mut rng)));
-            child.kill().expect("still ours");
-            child.wait().expect("ends");
-        }
-        let output = run(folder.path(), &["--resume"]);
-        resumed += u32::from(exits(&output, 0).contains("goes on from"));
-        let ended = digests(folder.path());
-        assert!(ended == *whole, "after kill {first}: {ended:?}\nnot {whole:?}");
-    }
-    assert!(resumed > 0, "no run went on from a checkpoint");
+    let (files, takes) = whole();
+    ended::killed(&Whole { text: &small(LONG, 3, ""), words: &[], files, takes: *takes }, kills, chain);
 }
 
 #[test]
@@ -238,7 +169,7 @@ fn more_samples_give_the_bytes_of_a_fresh_run() {
         (wide(small(1_500_000, 3, rule)), wide(small(LONG, 3, rule))),
     ];
     for (less, more) in of {
-        let whole = uninterrupted(&more);
+        let whole = uninterrupted(&more, &[]);
         let folder = folder(&less);
         exits(&ended_by(folder.path(), &[], Signal::INT, 1), 130);
         fs::write(folder.path().join("small.toml"), &more).expect("campaign");
@@ -278,17 +209,17 @@ fn kept_bytes() -> (campaign::Campaign, Plan, Vec<u8>) {
 
 #[test]
 fn damaged_checkpoints_are_errors_and_never_panic() {
-    const KIND: &str = "gonio checkpoint 1";
+    const KIND: &str = "gonio checkpoint 2";
     let (campaign, plan, bytes) = kept_bytes();
     let whole = Kept::from_bytes(KIND, &bytes).expect("whole");
-    assert!(whole.faults((&campaign, None), "small.toml", "out").is_empty());
+    assert!(whole.heading.faults((&campaign, None), "small.toml", "out").is_empty());
     whole.ledger(&campaign, &plan).expect("fits");
     let content = sealed::open(KIND, &bytes).expect("whole").to_vec();
     // A checksum that fits, as if somebody had meant it: what it holds is wrong, or could be a ledger all the same.
     let refused = mutations::survives(&content, 20_000, |damaged| {
         let sealed = sealed::seal(KIND, damaged.len(), |head| Ok::<_, String>([&head, damaged].concat()))?;
         let kept = Kept::from_bytes(KIND, &sealed)?;
-        match kept.faults((&campaign, None), "small.toml", "out").first() {
+        match kept.heading.faults((&campaign, None), "small.toml", "out").first() {
             Some(fault) => Err(fault.to_string()),
             None => kept.ledger(&campaign, &plan).map(|_| ()),
         }

@@ -1,7 +1,7 @@
 //! A run that can be ended and gone on with: its checkpoint, and the signals that end it.
 
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -13,69 +13,152 @@ use super::output::{grouped, say, warn};
 use super::targets::Target;
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
-use crate::measure::{Checkpoint, Found, Ledger, Plan, Shard};
+use crate::measure::{Band, BandFiles, Checkpoint, Finished, Found, Heading, Ledger, Plan, Shard};
 
 /// What a process that is asked to end says to whom it was started by.
 const INTERRUPTED: i32 = 130;
 
-/// The unfinished run that lies there, if it is asked for. One that is not asked for is in the way, or removed by
-/// force.
-pub fn find(checkpoint: &Checkpoint, resume: bool, force: bool) -> Result<Option<Found>> {
-    if resume {
-        let found = checkpoint.load()?;
-        match &found {
-            Some(found) => found.passed_over.iter().for_each(|why| {
+/// Where a run keeps what it has measured: the blocks under way and, of a run in bands, those that are finished.
+pub struct Keeping {
+    pub checkpoint: Checkpoint,
+    pub bands: BandFiles,
+}
+
+/// An unfinished run: nothing, blocks, bands, or bands and the blocks of a further one.
+#[derive(Default)]
+pub struct Unfinished {
+    pub found: Option<Found>,
+    pub bands: Finished,
+}
+
+impl Keeping {
+    /// The files whose names begin with `stem`.
+    pub fn of(folder: &Path, stem: &str) -> Self {
+        Keeping { checkpoint: Checkpoint::of(folder, stem), bands: BandFiles::of(folder, stem) }
+    }
+
+    /// The unfinished run that lies there, if it is asked for. One that is not asked for is in the way, or removed by
+    /// force.
+    pub fn find(&self, resume: bool, force: bool) -> Result<Unfinished> {
+        if resume {
+            return self.load();
+        }
+        match self.path()? {
+            Some(_) if force => self.remove().map(|()| Unfinished::default()),
+            Some(path) => {
+                let what = "keeps an unfinished run; --resume goes on with it, --force starts again, -o DIR writes \
+                            elsewhere";
+                Err(Error::format(&path, what))
+            }
+            None => Ok(Unfinished::default()),
+        }
+    }
+
+    fn load(&self) -> Result<Unfinished> {
+        let unfinished = Unfinished { found: self.checkpoint.load()?, bands: self.bands.headings()? };
+        if let Some(found) = &unfinished.found {
+            found.passed_over.iter().for_each(|why| {
                 warn(format_args!("{why}; the one before, {}, is used", found.path.display()));
-            }),
-            None => say("note: no checkpoint is there, all is measured from the beginning"),
+            });
+            let of = |band: Option<Band>| band.map(|band| (band.of, band.stops));
+            let other = unfinished
+                .bands
+                .values()
+                .find(|(_, heading)| of(heading.band) != of(found.kept.heading.band));
+            if let Some((band, _)) = other {
+                let what =
+                    format!("is not of the run that {} is a band of; --force starts again", band.display());
+                return Err(Error::format(&found.path, what));
+            }
         }
-        return Ok(found);
-    }
-    match checkpoint.path() {
-        Some(_) if force => checkpoint.remove().map(|()| None),
-        Some(path) => {
-            let what = "keeps an unfinished run; --resume goes on with it, --force starts again, -o DIR writes elsewhere";
-            Err(Error::format(path, what))
+        if unfinished.headings().next().is_none() {
+            say("note: no checkpoint is there, all is measured from the beginning");
         }
-        None => Ok(None),
+        Ok(unfinished)
+    }
+
+    /// One of the files, if any is there.
+    pub fn path(&self) -> Result<Option<PathBuf>> {
+        let checkpoint = self.checkpoint.path().map(Path::to_path_buf);
+        Ok(checkpoint.or(self.bands.paths()?.into_iter().next()))
+    }
+
+    /// Removes all of them.
+    pub fn remove(&self) -> Result<()> {
+        self.checkpoint.remove()?;
+        self.bands.remove()
+    }
+
+    /// Removes what a run keeps whose tables are all there; that of another campaign stays.
+    pub fn remove_finished(&self, campaign: &Campaign, shard: Option<Shard>) -> Result<()> {
+        let of_this = |heading: &Heading| heading.faults((campaign, shard), "", "").is_empty();
+        if matches!(self.checkpoint.load(), Ok(Some(found)) if of_this(&found.kept.heading)) {
+            self.checkpoint.remove()?;
+        }
+        match self.bands.headings() {
+            Ok(bands) if bands.values().all(|(_, heading)| of_this(heading)) => self.bands.remove(),
+            _ => Ok(()),
+        }
     }
 }
 
-/// Which of `all` tables a run that was found measured: `open` may be fewer, where it was ended while it wrote them.
-pub fn measured_by<'a>(found: &Found, all: &'a [Target], open: Vec<&'a Target>) -> Vec<&'a Target> {
-    let parsed = campaign::parse(&found.kept.heading.campaign, "campaign", Path::new(""));
-    let Ok(kept) = parsed.map(|parsed| parsed.campaign) else { return open };
-    let (alphas, optics) = (kept.alphas(), kept.optics.each());
-    let measured = |target: &&Target| alphas.contains(&target.alpha) && optics.contains(&&target.optics);
-    let measured: Vec<&Target> = all.iter().filter(measured).collect();
-    let covers = open.iter().all(|open| measured.iter().any(|target| target.table == open.table));
-    if covers { measured } else { open }
+impl Unfinished {
+    fn headings(&self) -> impl Iterator<Item = (&Path, &Heading)> {
+        let found = self.found.iter().map(|found| (found.path.as_path(), &found.kept.heading));
+        found.chain(self.bands.values().map(|(path, heading)| (path.as_path(), heading)))
+    }
+
+    /// Which of `all` tables it measured: `open` may be fewer, where it was ended while it wrote them.
+    pub fn measured<'a>(&self, all: &'a [Target], open: Vec<&'a Target>) -> Vec<&'a Target> {
+        let Some((_, heading)) = self.headings().next() else { return open };
+        let parsed = campaign::parse(&heading.campaign, "campaign", Path::new(""));
+        let Ok(kept) = parsed.map(|parsed| parsed.campaign) else { return open };
+        let (alphas, optics) = (kept.alphas(), kept.optics.each());
+        let measured = |target: &&Target| alphas.contains(&target.alpha) && optics.contains(&&target.optics);
+        let measured: Vec<&Target> = all.iter().filter(measured).collect();
+        let covers = open.iter().all(|open| measured.iter().any(|target| target.table == open.table));
+        if covers { measured } else { open }
+    }
+
+    /// Refuses what cannot be gone on from, by the key of `file` that differs.
+    pub fn check(&self, campaign: &Campaign, shard: Option<Shard>, file: &Path) -> Result<()> {
+        let file = file.display().to_string();
+        let faults = |(path, heading): (&Path, &Heading)| {
+            heading.faults((campaign, shard), &file, &path.display().to_string())
+        };
+        let refused = self.headings().map(faults).find(|faults| !faults.is_empty());
+        refused.map_or(Ok(()), |faults| Err(Error::Campaign(faults)))
+    }
+
+    /// The newest of its files.
+    pub fn path(&self) -> Option<&Path> {
+        self.headings().next().map(|(path, _)| path)
+    }
+
+    /// The number of its last checkpoint.
+    pub fn number(&self) -> u64 {
+        self.found.as_ref().map_or(0, |found| found.kept.heading.number)
+    }
+
+    /// How many stops it measured at a time, if there is one; `None` within for all.
+    pub fn stops_at_a_time(&self) -> Option<Option<u64>> {
+        self.headings().next().map(|(_, heading)| heading.band.map(|band| band.stops))
+    }
+
+    /// The ledger to go on with, for a run that is checked.
+    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<Ledger> {
+        let Some(Found { path, kept, .. }) = self.found else { return Ok(Ledger::new(campaign, plan)) };
+        let ledger = kept.ledger(campaign, plan);
+        let ledger = ledger.map_err(|why| Error::format(&path, format!("{why}; --force starts again")))?;
+        goes_on(&path, ledger.starts(plan), plan);
+        Ok(ledger)
+    }
 }
 
-/// The ledger to go on with: that of the found run, which must be of this campaign, or an empty one.
-pub fn ledger(found: Option<Found>, campaign: &Campaign, plan: &Plan, file: &Path) -> Result<Ledger> {
-    let Some(Found { path, kept, .. }) = found else { return Ok(Ledger::new(campaign, plan)) };
-    let faults =
-        kept.faults((campaign, plan.shard), &file.display().to_string(), &path.display().to_string());
-    if !faults.is_empty() {
-        return Err(Error::Campaign(faults));
-    }
-    let ledger = kept.ledger(campaign, plan);
-    let ledger = ledger.map_err(|why| Error::format(&path, format!("{why}; --force starts again")))?;
-    let (starts, percent) = (grouped(ledger.starts(plan)), ledger.percent(plan));
-    say(format_args!("note: goes on from {}: {starts} samples, {percent:.1} %", path.display()));
-    Ok(ledger)
-}
-
-/// Removes the checkpoint of a run whose tables are all there; that of another campaign stays.
-pub fn remove_finished(checkpoint: &Checkpoint, campaign: &Campaign, shard: Option<Shard>) -> Result<()> {
-    if checkpoint.path().is_none() {
-        return Ok(());
-    }
-    match checkpoint.load() {
-        Ok(Some(found)) if found.kept.faults((campaign, shard), "", "").is_empty() => checkpoint.remove(),
-        _ => Ok(()),
-    }
+/// Says what a run goes on from.
+pub fn goes_on(path: &Path, starts: u64, plan: &Plan) {
+    let percent = 100.0 * starts as f64 / plan.total_samples.max(1) as f64;
+    say(format_args!("note: goes on from {}: {} samples, {percent:.1} %", path.display(), grouped(starts)));
 }
 
 /// A flag that the first SIGINT or SIGTERM sets; the second ends the process at once.
@@ -91,9 +174,9 @@ pub fn interruption() -> Result<Arc<AtomicBool>> {
 }
 
 /// An interruption with the command that goes on.
-pub fn with_advice(error: Error, checkpoint: &Checkpoint, arguments: &Arguments) -> Error {
+pub fn with_advice(error: Error, keeping: &Keeping, arguments: &Arguments) -> Error {
     match error {
-        Error::Interrupted(when) if checkpoint.path().is_some() => {
+        Error::Interrupted(when) if matches!(keeping.path(), Ok(Some(_))) => {
             Error::Interrupted(format!("{when}; go on with: {}", arguments.again()))
         }
         Error::Interrupted(_) => Error::Interrupted("before anything was measured".into()),

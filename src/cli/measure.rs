@@ -1,24 +1,20 @@
 //! `gonio measure`: the main job, from the campaign to tables, summaries and a report.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::kept;
+use super::job::Job;
+use super::kept::{self, Keeping};
 use super::output::{self, Output, say, warn};
-use super::plan_text;
-use super::progress::Progress;
-use super::results::{Results, cost_lines};
+use super::results::cost_lines;
 use super::targets::{self, Target};
 use crate::campaign::{self, Campaign, Optics, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::files::lock::Lock;
-use crate::measure::{self, Checkpoint, Found, Ledger, Patches, Plan, Session, Shard, shards};
-use crate::report::specimen;
-use crate::validate::aperture::worst;
+use crate::measure::{self, Plan, Shard, shards};
 
 /// Measure a campaign: table, realisations, summary and report
 #[derive(Args)]
@@ -40,7 +36,7 @@ pub struct Arguments {
     pub threads: usize,
     /// Take the patches that `gonio surface` wrote there instead of making them
     #[arg(long, value_name = "DIR")]
-    patches: Option<PathBuf>,
+    pub patches: Option<PathBuf>,
     /// MiB that may be used; larger tables go in bands [default: half of the free]
     #[arg(long, value_name = "N")]
     memory_mb: Option<u64>,
@@ -55,7 +51,7 @@ pub struct Arguments {
     force: bool,
     /// Print the summary as one JSON document (a list for several roughnesses)
     #[arg(long)]
-    json: bool,
+    pub json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
@@ -66,11 +62,11 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign));
     let _lock = Lock::take(&folder.join(format!("{stem}.lock")))?;
-    let checkpoint = Checkpoint::of(&folder, &stem);
+    let keeping = Keeping::of(&folder, &stem);
     let mut out = Output::default();
     match arguments.shard {
-        Some(shard) => one_shard(arguments, campaign, shard, (&folder.join(stem), &checkpoint), &mut out)?,
-        None => whole(arguments, &campaign, (&folder, &checkpoint), &mut out)?,
+        Some(shard) => one_shard(arguments, campaign, shard, (&folder.join(stem), &keeping), &mut out)?,
+        None => whole(arguments, &campaign, (&folder, &keeping), &mut out)?,
     }
     Ok(0)
 }
@@ -79,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 fn whole(
     arguments: &Arguments,
     campaign: &Campaign,
-    (folder, checkpoint): (&Path, &Checkpoint),
+    (folder, keeping): (&Path, &Keeping),
     out: &mut Output,
 ) -> Result<()> {
     let all = Target::of(campaign, folder);
@@ -95,22 +91,21 @@ fn whole(
         if arguments.json { say(text) } else { out.line(text)? }
     }
     if open.is_empty() {
-        kept::remove_finished(checkpoint, campaign, None)?;
+        keeping.remove_finished(campaign, None)?;
     } else {
-        let found = kept::find(checkpoint, arguments.resume, arguments.force)?;
-        let measured =
-            found.as_ref().map_or_else(|| open.clone(), |found| kept::measured_by(found, &all, open.clone()));
-        let job = Job { arguments, checkpoint, campaign: of_targets(campaign, &measured) };
-        if arguments.plan(&job.campaign)?.bands().len() > 1 {
-            job.run_in_bands(&open, out)?;
-            return if arguments.json { out.json(&summaries(&all)?) } else { Ok(()) };
-        }
-        let Ended { ledger, plan, patches } = job.run(found, out)?;
-        let mut tables = Some(measure::tables(&job.campaign, &plan, ledger));
-        let all = |_| tables.take().ok_or_else(|| Error::Internal("one run in two bands".into()));
-        let results = Results { plan: &plan, open: &open, json: arguments.json, memory: arguments.memory() };
-        results.write_all(all, |table| specimen::of_patches(&patches, &table.campaign), out)?;
-        checkpoint.remove()?;
+        let unfinished = keeping.find(arguments.resume, arguments.force)?;
+        let measured = unfinished.measured(&all, open.clone());
+        let job = Job { arguments, keeping, campaign: of_targets(campaign, &measured) };
+        unfinished.check(&job.campaign, None, &arguments.campaign)?;
+        let plan = match unfinished.stops_at_a_time() {
+            // Whatever memory is free by now.
+            Some(stops) => measure::plan_in_bands(&job.campaign, stops, arguments.memory())?,
+            None => arguments.plan(&job.campaign)?,
+        };
+        let in_bands = plan.bands().len() > 1;
+        let run = if in_bands { Job::run_in_bands } else { Job::run_at_once };
+        run(&job, (unfinished, &plan), &open, out)?;
+        keeping.remove()?;
     }
     if arguments.json { out.json(&summaries(&all)?) } else { Ok(()) }
 }
@@ -120,17 +115,20 @@ fn one_shard(
     arguments: &Arguments,
     campaign: Campaign,
     shard: Shard,
-    (path, checkpoint): (&Path, &Checkpoint),
+    (path, keeping): (&Path, &Keeping),
     out: &mut Output,
 ) -> Result<()> {
     targets::spare_inputs(&[path], &arguments.campaign, &campaign)?;
     if !arguments.force && path.exists() {
         let there =
             shards::load(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
-        let faults =
-            there.faults((&campaign, Some(shard)), &arguments.campaign.display().to_string(), "this file");
-        if faults.is_empty() && there.is_of_all(&campaign) {
-            kept::remove_finished(checkpoint, &campaign, Some(shard))?;
+        let faults = there.heading.faults(
+            (&campaign, Some(shard)),
+            &arguments.campaign.display().to_string(),
+            "this file",
+        );
+        if faults.is_empty() && there.heading.is_of_all(&campaign) {
+            keeping.remove_finished(&campaign, Some(shard))?;
             let text = format!("{} is finished: nothing to do", path.display());
             return if arguments.json {
                 out.json(&json!({ "shard": shard.to_string(), "file": path }))
@@ -140,11 +138,13 @@ fn one_shard(
         }
         return Err(targets::in_the_way(path, "was measured by another campaign, version or seed"));
     }
-    let found = kept::find(checkpoint, arguments.resume, arguments.force)?;
-    let job = Job { arguments, checkpoint, campaign };
-    let Ended { ledger, plan, .. } = job.run(found, out)?;
+    let unfinished = keeping.find(arguments.resume, arguments.force)?;
+    unfinished.check(&campaign, Some(shard), &arguments.campaign)?;
+    let job = Job { arguments, keeping, campaign };
+    let plan = arguments.plan(&job.campaign)?;
+    let (ledger, _) = job.run(unfinished, &plan, out)?;
     shards::save(path, &ledger, &job.campaign, &plan)?;
-    checkpoint.remove()?;
+    keeping.remove()?;
     let cost = ledger.cost(&plan);
     if arguments.json {
         let stops: Vec<_> = plan.measured.iter().map(|&stop| plan.grid.stop_deg(stop)).collect();
@@ -166,7 +166,7 @@ impl Arguments {
     }
 
     /// Bytes that the run may use.
-    fn memory(&self) -> u64 {
+    pub fn memory(&self) -> u64 {
         self.memory_mb.map_or_else(measure::memory_limit, |mb| mb.saturating_mul(1 << 20))
     }
 
@@ -204,81 +204,6 @@ fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
         }
     }
     some
-}
-
-/// What is measured in one run.
-struct Job<'a> {
-    arguments: &'a Arguments,
-    checkpoint: &'a Checkpoint,
-    campaign: Campaign,
-}
-
-/// A run at its end.
-struct Ended {
-    ledger: Ledger,
-    plan: Plan,
-    patches: Patches,
-}
-
-impl Job<'_> {
-    /// Measures what is missing, after what was found.
-    fn run(&self, found: Option<Found>, out: &mut Output) -> Result<Ended> {
-        let Job { arguments, campaign, .. } = self;
-        let number = found.as_ref().map_or(0, |found| found.kept.heading.number);
-        let plan = arguments.plan(campaign)?;
-        let ledger = kept::ledger(found, campaign, &plan, &arguments.campaign)?;
-        let interrupted = kept::interruption()?;
-        let patches = self.patches(&plan, out)?;
-        let progress = Progress::after(ledger.starts(&plan), plan.total_samples, "samples");
-        let session = Session {
-            progress: &|starts| progress.add(starts),
-            note: &|text| warn(text),
-            interrupted: &interrupted,
-            checkpoint: Some((self.checkpoint, number)),
-        };
-        let ended = measure::go_on(campaign, &plan, &patches, ledger, &session);
-        progress.finish();
-        let ledger = ended.map_err(|error| kept::with_advice(error, self.checkpoint, arguments))?;
-        Ok(Ended { ledger, plan, patches })
-    }
-
-    /// The patches, with what is to be said of the campaign before it runs.
-    fn patches(&self, plan: &Plan, out: &mut Output) -> Result<Patches> {
-        let Job { arguments, campaign, .. } = self;
-        let mut notes = Vec::new();
-        let patches = match &arguments.patches {
-            Some(folder) => Patches::from_folder(campaign, folder)?,
-            None => Patches::prepare(campaign, &mut notes)?,
-        };
-        notes.iter().for_each(warn);
-        if !arguments.json {
-            out.lines(plan_text::facts(campaign, plan))?;
-            out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
-        }
-        Ok(patches)
-    }
-
-    /// A table that does not fit the memory: measured and written in bands, without checkpoints.
-    fn run_in_bands(&self, open: &[&Target], out: &mut Output) -> Result<()> {
-        let Job { arguments, campaign, .. } = self;
-        say("note: a table in bands keeps no checkpoints; --shard K/N measures it in parts that do");
-        let plan = arguments.plan(campaign)?;
-        let patches = self.patches(&plan, out)?;
-        let progress = Progress::new(plan.total_samples, "samples");
-        let patches = patches.for_bands(campaign, arguments.memory())?;
-        let band = |stops: Range<usize>| {
-            let is_last = stops.end == plan.stops;
-            let plan = plan.of_stops(&stops.collect::<Vec<_>>());
-            let plan = plan.ok_or_else(|| Error::Internal("half vectors in a campaign".into()))?;
-            let measured = measure::measure(campaign, &plan, &patches, &|starts| progress.add(starts));
-            if is_last {
-                progress.finish();
-            }
-            measured
-        };
-        let results = Results { plan: &plan, open, json: arguments.json, memory: arguments.memory() };
-        results.write_all(band, |table| specimen::of_patches(&patches, &table.campaign), out)
-    }
 }
 
 /// The summaries of finished tables: one document, or a list of them.

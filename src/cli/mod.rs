@@ -18,6 +18,7 @@ mod compare;
 mod export;
 mod fit;
 mod import;
+mod job;
 mod kept;
 mod measure;
 mod merge;

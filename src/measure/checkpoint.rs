@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::files;
 
 /// What the files begin with; another number is another format.
-const KIND: &str = "gonio checkpoint 1";
+const KIND: &str = "gonio checkpoint 2";
 
 /// Where a run keeps its finished blocks.
 #[derive(Debug, Clone)]

@@ -3,14 +3,12 @@
 //! The sums are integers and blocks are told by their numbers, so that a run that goes on from here ends with the
 //! bytes of one that never stopped.
 
-use serde::{Deserialize, Serialize};
-
 use super::cost::Cost;
+use super::heading::{Heading, unreadable};
 use super::plan::Plan;
 use super::rounds::Tables;
-use super::shards::Shard;
 use crate::campaign::{self, Campaign};
-use crate::error::{Error, Fault};
+use crate::error::Error;
 use crate::files::sealed;
 
 /// A run so far.
@@ -21,25 +19,6 @@ pub struct Ledger {
     pub(super) digests: Vec<Option<[u8; 32]>>,
     /// What the run has cost, in all its parts.
     pub(super) cost: Cost,
-}
-
-/// What the bytes of a ledger say of it before its sums.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Heading {
-    /// Version of the program that wrote it.
-    pub version: String,
-    /// The resolved campaign.
-    pub campaign: String,
-    /// A later one has a higher number.
-    pub number: u64,
-    /// Whose stops are measured, if not all.
-    pub shard: Option<Shard>,
-    /// Blocks per stop and realisation.
-    blocks: u64,
-    /// Whether starts go by slope, which follows from how many there are.
-    by_slope: bool,
-    pub(super) digests: Vec<Option<[u8; 32]>>,
-    cost: Cost,
 }
 
 /// A ledger read from bytes, not yet held against a campaign.
@@ -65,6 +44,19 @@ impl Ledger {
     /// Starts that are measured.
     pub fn starts(&self, plan: &Plan) -> u64 {
         self.tables.starts(plan)
+    }
+
+    /// Whether every stop has all that it is to have.
+    pub(super) fn is_at_its_end(&self) -> bool {
+        self.tables.all_ended()
+    }
+
+    /// The same, to be gone on with on these patches alone, as far as they are known.
+    pub(super) fn on_patches(mut self, digests: &[Option<[u8; 32]>]) -> Self {
+        for (mine, known) in self.digests.iter_mut().zip(digests) {
+            *mine = mine.or(*known);
+        }
+        self
     }
 
     /// What the run has cost, in all its parts.
@@ -101,6 +93,9 @@ impl Ledger {
             campaign: campaign::to_toml(campaign),
             number,
             shard: plan.shard,
+            band: plan.band,
+            starts: self.starts(plan),
+            looked: self.tables.has_looked(campaign),
             blocks: plan.blocks,
             by_slope: plan.by_slope,
             digests: self.digests.clone(),
@@ -118,65 +113,19 @@ impl Kept {
     pub fn from_bytes(kind: &str, bytes: &[u8]) -> Result<Self, String> {
         let content = sealed::open(kind, bytes)?;
         let read = postcard::take_from_bytes::<(Heading, Tables)>(content);
-        let ((heading, tables), rest) = read.map_err(|e| format!("its content cannot be read: {e}"))?;
+        let ((heading, tables), rest) = read.map_err(|e| unreadable(&e))?;
         if !rest.is_empty() {
             return Err(format!("{} bytes too many", rest.len()));
         }
         Ok(Kept { heading, tables })
     }
 
-    /// Why this cannot be gone on from: another version, or a campaign that differs in more than that it has more
-    /// samples or realisations. `file` is the campaign's, `at` where this was read from.
-    pub fn faults(&self, (campaign, shard): (&Campaign, Option<Shard>), file: &str, at: &str) -> Vec<Fault> {
-        let fault = |path: &str, key: &str, value: Option<String>, allowed: String| Fault {
-            path: path.into(),
-            line: None,
-            column: None,
-            key: key.into(),
-            value,
-            allowed,
-            too_large: false,
-        };
-        let version = env!("CARGO_PKG_VERSION");
-        if self.heading.version != version {
-            let allowed =
-                format!("{version} cannot go on with what another version measured; --force starts again");
-            return vec![fault(at, "version", Some(self.heading.version.clone()), allowed)];
-        }
-        if self.heading.shard != shard {
-            let name = |shard: Option<Shard>| shard.map_or("none".into(), |shard| shard.to_string());
-            let allowed =
-                format!("{} in the run that {at} keeps; --force starts again", name(self.heading.shard));
-            return vec![fault(file, "--shard", Some(name(shard)), allowed)];
-        }
-        let differences = campaign::differences(&self.heading.campaign, &campaign::to_toml(campaign));
-        let count = |text: &Option<String>| text.as_ref().and_then(|text| text.parse::<u64>().ok());
-        let refused = differences.into_iter().filter_map(|difference| {
-            let more = count(&difference.second) > count(&difference.first);
-            let why = match difference.key.as_str() {
-                "stop.samples" if more => return None,
-                "surface.realisations" if more && !self.tables.has_looked(campaign) => return None,
-                "surface.realisations" if more => ", and errors of so many have been looked at",
-                "stop.samples" | "surface.realisations" => ", of which more are allowed, not fewer",
-                _ => "",
-            };
-            let first = difference.first.as_deref().unwrap_or("not there");
-            let allowed = format!(
-                "{first} in the run that {at} keeps{why}; --force starts again, -o DIR writes elsewhere"
-            );
-            Some(fault(file, &difference.key, difference.second, allowed))
-        });
-        refused.collect()
-    }
-
-    /// Whether this is of the very campaign, not of one with fewer samples or realisations.
-    pub fn is_of_all(&self, campaign: &Campaign) -> bool {
-        self.heading.campaign == campaign::to_toml(campaign)
-    }
-
     /// The ledger, for a campaign that it has no faults with; else what is wrong with the sums.
     pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<Ledger, String> {
-        let Kept { heading: Heading { blocks, by_slope, mut digests, cost, .. }, mut tables } = self;
+        let Kept { heading: Heading { band, blocks, by_slope, mut digests, cost, .. }, mut tables } = self;
+        if band != plan.band {
+            return Err("other stops at a time than those that were asked for".into());
+        }
         if by_slope != plan.by_slope {
             return Err("so many samples start in another order on the facets than these did".into());
         }

@@ -2,12 +2,15 @@
 
 pub mod arms;
 pub mod assemble;
+mod band_files;
+mod band_run;
 pub mod bands;
 mod blocks;
 mod checkpoint;
 pub mod cost;
 mod estimate;
 mod followed;
+mod heading;
 mod ledger;
 mod memory_limit;
 pub mod optics;
@@ -28,8 +31,12 @@ mod ways;
 pub mod weighing;
 
 pub use assemble::{Measured, StopResult};
+pub use band_files::BandFiles;
+pub use band_run::{BandRun, Finished};
+pub use bands::{Band, plan_in_bands};
 pub use checkpoint::{Checkpoint, Found};
 pub use cost::Cost;
+pub use heading::Heading;
 pub use ledger::{Kept, Ledger};
 pub use memory_limit::memory_limit;
 pub use patches::{Patch, Patches, Specimen};

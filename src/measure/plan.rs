@@ -3,8 +3,8 @@
 use glam::DVec2;
 use serde::Serialize;
 
-use super::bands;
-use super::estimate::{memory, seconds};
+use super::bands::{self, Band};
+use super::estimate::{Memory, memory, seconds};
 use super::memory_limit::memory_limit;
 use super::shards::Shard;
 use super::skips::{Skip, skips};
@@ -38,6 +38,9 @@ pub struct Plan {
     /// The shard that they are, if they are not all.
     #[serde(skip)]
     pub shard: Option<Shard>,
+    /// The band that they are, of a run in bands.
+    #[serde(skip)]
+    pub band: Option<Band>,
     /// Sensor bins at each stop.
     pub bins: usize,
     /// Tables (one for each roughness and material).
@@ -104,6 +107,19 @@ pub fn plan_within(campaign: &Campaign, limit: u64) -> Result<Plan> {
 /// The same for one shard of it, which is not measured in bands. Errors: as [`plan`]; `Usage` where the stops do not
 /// suffice for so many shards, or where the clock would end each of them elsewhere.
 pub fn plan_of(campaign: &Campaign, shard: Option<Shard>, limit: u64) -> Result<Plan> {
+    let (mut plan, memory) = decided(campaign, shard)?;
+    if plan.memory_bytes > limit
+        && shard.is_none()
+        && let Some(stops) = bands::stops_within(campaign, &plan, &memory, limit)
+    {
+        plan.band_stops = stops;
+        plan.memory_bytes = saturated(memory.banded(stops));
+    }
+    checked(campaign, plan, limit)
+}
+
+/// The plan with all stops at once, whatever it takes, and what it takes.
+pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan, Memory)> {
     let grid = grid_of(campaign);
     let measured = match shard {
         Some(shard) => dealt(campaign, &grid, shard)?,
@@ -126,6 +142,7 @@ pub fn plan_of(campaign: &Campaign, shard: Option<Shard>, limit: u64) -> Result<
         stops: grid.stops(),
         measured,
         shard,
+        band: None,
         bins: grid.bins(),
         tables: roughnesses * campaign.optics.each().len(),
         realisations,
@@ -153,14 +170,12 @@ pub fn plan_of(campaign: &Campaign, shard: Option<Shard>, limit: u64) -> Result<
     plan.skipped = skips(campaign, &plan);
     let memory = memory(campaign, &plan);
     plan.memory_bytes = saturated(memory.whole(&plan));
-    if plan.memory_bytes > limit
-        && shard.is_none()
-        && let Some(stops) = bands::stops_within(campaign, &plan, &memory, limit)
-    {
-        plan.band_stops = stops;
-        plan.memory_bytes = saturated(memory.banded(stops));
-    }
     plan.estimated_s = seconds(campaign, &plan).min(campaign.stop.seconds.unwrap_or(f64::INFINITY));
+    Ok((plan, memory))
+}
+
+/// The plan, if it fits the memory and the time.
+pub(super) fn checked(campaign: &Campaign, plan: Plan, limit: u64) -> Result<Plan> {
     if plan.memory_bytes > limit {
         return Err(Error::Refused(format!(
             "{}: needs about {} MiB of memory, {} MiB may be used; take fewer stops, bins, realisations or cells",
@@ -198,7 +213,7 @@ fn dealt(campaign: &Campaign, grid: &Grid, shard: Shard) -> Result<Vec<usize>> {
 }
 
 /// A count as it is reported: what exceeds 64 bits is refused or takes for ever in any case.
-fn saturated(count: u128) -> u64 {
+pub(super) fn saturated(count: u128) -> u64 {
     count.try_into().unwrap_or(u64::MAX)
 }
 

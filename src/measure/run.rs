@@ -89,7 +89,8 @@ pub fn go_on(
     measured?;
     if session.is_over() {
         kept?;
-        return Err(Error::Interrupted(format!("after {:.1} % of the samples", ledger.percent(plan))));
+        let of = plan.band.map_or(String::new(), |band| format!(" of band {band}"));
+        return Err(Error::Interrupted(format!("after {:.1} % of the samples{of}", ledger.percent(plan))));
     }
     // Whoever writes the tables next has the same full disk before him, and says so.
     Ok(ledger)

@@ -9,7 +9,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::ledger::{Heading, Kept, Ledger};
+use super::heading::Heading;
+use super::ledger::{Kept, Ledger};
 use super::plan::Plan;
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
@@ -17,7 +18,7 @@ use crate::files;
 use crate::instrument::Grid;
 
 /// What the files begin with; another number is another format.
-const KIND: &str = "gonio shard 1";
+const KIND: &str = "gonio shard 2";
 
 /// One of several parts of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

@@ -1,0 +1,115 @@
+//! One run of `gonio measure`: from what an earlier one kept to the tables, at once or in bands.
+
+use std::ops::Range;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use super::kept::{self, Keeping, Unfinished};
+use super::measure::Arguments;
+use super::output::{Output, warn};
+use super::plan_text;
+use super::progress::Progress;
+use super::results::Results;
+use super::targets::Target;
+use crate::campaign::Campaign;
+use crate::error::{Error, Result};
+use crate::measure::{self, BandRun, Ledger, Patches, Plan, Session};
+use crate::report::specimen;
+use crate::validate::aperture::worst;
+
+/// What is measured in one run.
+pub struct Job<'a> {
+    pub arguments: &'a Arguments,
+    pub keeping: &'a Keeping,
+    pub campaign: Campaign,
+}
+
+impl Job<'_> {
+    /// Measures what is missing, after what was found.
+    pub fn run(&self, unfinished: Unfinished, plan: &Plan, out: &mut Output) -> Result<(Ledger, Patches)> {
+        let Job { campaign, .. } = self;
+        let number = unfinished.number();
+        let ledger = unfinished.ledger(campaign, plan)?;
+        let interrupted = kept::interruption()?;
+        let patches = self.patches(plan, out)?;
+        let progress = Progress::after(ledger.starts(plan), plan.total_samples, "samples");
+        let add = |starts| progress.add(starts);
+        let session = self.session(&add, &interrupted, number);
+        let ended = measure::go_on(campaign, plan, &patches, ledger, &session);
+        progress.finish();
+        let ledger = ended.map_err(|error| kept::with_advice(error, self.keeping, self.arguments))?;
+        Ok((ledger, patches))
+    }
+
+    fn session<'a>(
+        &'a self,
+        progress: &'a (dyn Fn(u64) + Sync),
+        interrupted: &'a AtomicBool,
+        number: u64,
+    ) -> Session<'a> {
+        let checkpoint = Some((&self.keeping.checkpoint, number));
+        Session { progress, note: &|text| warn(text), interrupted, checkpoint }
+    }
+
+    /// Measures all stops, and writes their tables.
+    pub fn run_at_once(
+        &self,
+        (unfinished, plan): (Unfinished, &Plan),
+        open: &[&Target],
+        out: &mut Output,
+    ) -> Result<()> {
+        let (ledger, patches) = self.run(unfinished, plan, out)?;
+        let mut tables = Some(measure::tables(&self.campaign, plan, ledger));
+        let all = |_| tables.take().ok_or_else(|| Error::Internal("one run in two bands".into()));
+        self.results(plan, open).write_all(all, |table| specimen::of_patches(&patches, &table.campaign), out)
+    }
+
+    /// A table that does not fit the memory: measured and written in bands, each kept until the end.
+    pub fn run_in_bands(
+        &self,
+        (unfinished, plan): (Unfinished, &Plan),
+        open: &[&Target],
+        out: &mut Output,
+    ) -> Result<()> {
+        let Job { arguments, keeping, campaign } = self;
+        let (number, first) = (unfinished.number(), unfinished.path().map(Path::to_path_buf));
+        let Unfinished { found, bands } = unfinished;
+        let files = (&keeping.bands, &keeping.checkpoint);
+        let mut run = BandRun::new((campaign, plan), files, bands, found)?;
+        first.iter().for_each(|path| kept::goes_on(path, run.starts(), plan));
+        let interrupted = kept::interruption()?;
+        let patches = self.patches(plan, out)?.for_bands(campaign, arguments.memory())?;
+        let progress = Progress::after(run.starts(), plan.total_samples, "samples");
+        let add = |starts| progress.add(starts);
+        let session = self.session(&add, &interrupted, number);
+        let band = |stops: Range<usize>| {
+            let is_last = stops.end == plan.stops;
+            let measured = run.tables(stops, &patches, &session);
+            if is_last || measured.is_err() {
+                progress.finish();
+            }
+            measured.map_err(|error| kept::with_advice(error, keeping, arguments))
+        };
+        self.results(plan, open).write_all(band, |table| specimen::of_patches(&patches, &table.campaign), out)
+    }
+
+    fn results<'a>(&self, plan: &'a Plan, open: &'a [&'a Target]) -> Results<'a> {
+        Results { plan, open, json: self.arguments.json, memory: self.arguments.memory() }
+    }
+
+    /// The patches, with what is to be said of the campaign before it runs.
+    fn patches(&self, plan: &Plan, out: &mut Output) -> Result<Patches> {
+        let Job { arguments, campaign, .. } = self;
+        let mut notes = Vec::new();
+        let patches = match &arguments.patches {
+            Some(folder) => Patches::from_folder(campaign, folder)?,
+            None => Patches::prepare(campaign, &mut notes)?,
+        };
+        notes.iter().for_each(warn);
+        if !arguments.json {
+            out.lines(plan_text::facts(campaign, plan))?;
+            out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
+        }
+        Ok(patches)
+    }
+}
