@@ -7,6 +7,8 @@ use std::process::{Command, Output, Stdio};
 use std::thread;
 use std::time::Duration;
 
+use gonio::campaign;
+use gonio::measure::{Merge, Shards, shards};
 use gonio::table::store;
 use serde_json::Value;
 use tempfile::TempDir;
@@ -102,6 +104,68 @@ fn seven_shards_in_any_order_make_the_bytes_of_one_run() {
     exits(&again, 0);
     assert!(String::from_utf8_lossy(&again.stdout).contains("is finished: nothing to do"));
     assert!(exits(&gonio(folder.path(), &["merge", "shards", "-o", "merged"]), 0).contains("nothing to do"));
+}
+
+#[test]
+fn shards_merged_in_bands_have_the_bytes_of_one_run() {
+    // Stops that weigh enough for a budget in MiB to tell bands apart.
+    let text = CAMPAIGN
+        .replace("theta_r_bins = 6", "theta_r_bins = 36")
+        .replace("phi_r_bins = 12", "phi_r_bins = 72");
+    let text = text.replace("relative_error = 0.05\n", "").replace("196_608", "65_536");
+    let folder = tempfile::tempdir().expect("temporary folder");
+    fs::write(folder.path().join("dealt.toml"), text).expect("campaign");
+    for shard in ["1/3", "2/3", "3/3"] {
+        exits(&gonio(folder.path(), &["measure", "dealt.toml", "-o", "shards", "--shard", shard]), 0);
+    }
+    exits(&gonio(folder.path(), &["measure", "dealt.toml", "-o", "whole"]), 0);
+    let headings = || {
+        let files = shards::find(&folder.path().join("shards")).expect("shards");
+        let with_heading = |path: PathBuf| (path.clone(), shards::heading(&path).expect("whole"));
+        Shards::new(files.into_iter().map(with_heading).collect()).expect("of one run")
+    };
+    let campaign = campaign::parse(headings().campaign(), "shards", Path::new("")).expect("sound").campaign;
+    // Threads are those of this process, and of the program.
+    let bands =
+        |mb: u64| Merge::new(headings(), &campaign, mb << 20).map_or(0, |merge| merge.plan().bands().len());
+    let least = (1..1000).find(|&mb| bands(mb) > 0).expect("a budget for one stop");
+    assert!(bands(least) > 2, "{} bands within {least} MiB", bands(least));
+    let (enough, less) = (least.to_string(), (least - 1).to_string());
+    let refused = gonio(folder.path(), &["merge", "shards", "-o", "merged", "--memory-mb", &less]);
+    let said = exits(&refused, 4);
+    assert!(said.contains(&format!("needs about {least} MiB of memory, {less} MiB may be used")), "{said}");
+    assert!(!folder.path().join("merged").exists(), "nothing is written");
+    exits(&gonio(folder.path(), &["merge", "shards", "-o", "merged", "--memory-mb", &enough]), 0);
+    let of = |name: &str| {
+        let (mut files, mut plans) = (digests(&folder.path().join(name)), Vec::new());
+        for alpha in ["0.3", "0.5"] {
+            // Summaries and pages tell how many stops were taken at a time.
+            let file = format!("dealt_alpha_{alpha}.json");
+            let bytes = fs::read(folder.path().join(name).join(&file)).expect("there");
+            let mut summary: Value = serde_json::from_slice(&bytes).expect("JSON");
+            plans.push(summary["plan"].take());
+            summary["cost"].take();
+            files.insert(file, summary.to_string());
+        }
+        (files, plans)
+    };
+    let ((merged, plans), (whole, _)) = (of("merged"), of("whole"));
+    assert_eq!(merged, whole);
+    assert!(plans.iter().all(|plan| plan["band_stops"].as_u64().is_some_and(|stops| stops < 5)), "{plans:?}");
+    // Some of the shards, too.
+    fs::remove_file(shard(folder.path(), 2, 3)).expect("there");
+    for words in [&["-o", "part"][..], &["-o", "part_in_bands", "--memory-mb", &enough]] {
+        exits(&gonio(folder.path(), &[&["merge", "shards", "--partial"], words].concat()), 0);
+    }
+    assert_eq!(of_tables(folder.path(), "part"), of_tables(folder.path(), "part_in_bands"));
+}
+
+/// Tables and realisations in a folder.
+fn of_tables(folder: &Path, name: &str) -> Vec<(String, String)> {
+    let files: Vec<_> =
+        digests(&folder.join(name)).into_iter().filter(|(name, _)| name.ends_with(".exr")).collect();
+    assert_eq!(files.len(), 4);
+    files
 }
 
 #[test]

@@ -121,13 +121,10 @@ fn one_shard(
     targets::spare_inputs(&[path], &arguments.campaign, &campaign)?;
     if !arguments.force && path.exists() {
         let there =
-            shards::load(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
-        let faults = there.heading.faults(
-            (&campaign, Some(shard)),
-            &arguments.campaign.display().to_string(),
-            "this file",
-        );
-        if faults.is_empty() && there.heading.is_of_all(&campaign) {
+            shards::heading(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
+        let faults =
+            there.faults((&campaign, Some(shard)), &arguments.campaign.display().to_string(), "this file");
+        if faults.is_empty() && there.is_of_all(&campaign) {
             keeping.remove_finished(&campaign, Some(shard))?;
             let text = format!("{} is finished: nothing to do", path.display());
             return if arguments.json {

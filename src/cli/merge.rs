@@ -12,7 +12,7 @@ use super::targets::{self, Target};
 use crate::campaign;
 use crate::error::{Error, Result};
 use crate::files::lock::Lock;
-use crate::measure::{self, Plan, Shard, Shards, shards};
+use crate::measure::{self, Merge, Shard, Shards, shards};
 use crate::report::specimen;
 
 /// Put the shards of a campaign together: the very bytes of one run
@@ -32,6 +32,9 @@ pub struct Arguments {
     /// Merge what is there, though shards are missing
     #[arg(long)]
     partial: bool,
+    /// MiB that may be used; larger tables go in bands [default: half of the free]
+    #[arg(long, value_name = "N")]
+    memory_mb: Option<u64>,
     /// Replace results that are there
     #[arg(long)]
     force: bool,
@@ -44,43 +47,32 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut found = Vec::new();
     for at in &arguments.from {
         for path in shards::find(at)? {
-            let kept = shards::load(&path)?;
-            found.push((path, kept));
+            let heading = shards::heading(&path)?;
+            found.push((path, heading));
         }
     }
     let shards = Shards::new(found)?;
     let folder = shards.path().parent().unwrap_or(Path::new(""));
     let mut campaign =
         campaign::parse(shards.campaign(), &shards.path().display().to_string(), folder)?.campaign;
-    let plan = measure::plan(&campaign)?;
-    if plan.bands().len() > 1 {
-        let what = "the whole table does not fit the memory that is free: merging in bands is not there";
-        return Err(Error::Refused(format!("{}: {what}", campaign.name)));
-    }
-    let missing = missing(&shards, &plan, arguments.partial)?;
-    let part = (!missing.is_empty()).then(|| shards.stops(&plan.grid));
-    let mut ledger = shards.ledger(&campaign, &plan)?;
-    let mut plan = plan;
-    if let Some(stops) = part {
-        warn(format_args!(
-            "{} of {} stops: {} missing; no other stop is in the tables",
-            stops.len(),
-            plan.stops,
-            names(&missing)
-        ));
-        plan = plan.of_stops(&stops).ok_or_else(|| Error::Internal("half vectors in a campaign".into()))?;
-        ledger = ledger.with_stops(&stops);
+    let stops = measure::stops(&campaign);
+    let missing = missing(&shards, stops, arguments.partial)?;
+    let memory = arguments.memory_mb.map_or_else(measure::memory_limit, |mb| mb.saturating_mul(1 << 20));
+    let merge = Merge::new(shards, &campaign, memory)?;
+    if !missing.is_empty() {
+        let there = merge.stops().len();
+        let missing = names(&missing);
+        warn(format_args!("{there} of {stops} stops: {missing} missing; no other stop is in the tables"));
         campaign.name = format!("{}_partial", campaign.name);
     }
-    let mut tables = Some(measure::tables(&campaign, &plan, ledger));
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let _lock = Lock::take(&folder.join(format!("{}.lock", campaign.name)))?;
     let all = Target::of(&campaign, &folder);
     let open = open(&all, arguments, !missing.is_empty())?;
     let mut out = Output::default();
-    let whole = |_| tables.take().ok_or_else(|| Error::Internal("one run in two bands".into()));
-    let results = Results { plan: &plan, open: &open, json: arguments.json, memory: measure::memory_limit() };
-    results.write_all(whole, |table| specimen::remade(&table.campaign), &mut out)?;
+    let results = Results { plan: merge.plan(), open: &open, json: arguments.json, memory };
+    let band = |stops| merge.tables(&campaign, stops);
+    results.write_all(band, |table| specimen::remade(&table.campaign), &mut out)?;
     if arguments.json {
         let numbers: Vec<String> = missing.iter().map(Shard::to_string).collect();
         let document = summaries(&all)?;
@@ -94,9 +86,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 /// The shards that are missing, which must be allowed.
-fn missing(shards: &Shards, plan: &Plan, partial: bool) -> Result<Vec<Shard>> {
-    if shards.of() as usize > plan.stops {
-        let what = format!("is one of {} shards, the campaign has {} stops", shards.of(), plan.stops);
+fn missing(shards: &Shards, stops: usize, partial: bool) -> Result<Vec<Shard>> {
+    if shards.of() as usize > stops {
+        let what = format!("is one of {} shards, the campaign has {stops} stops", shards.of());
         return Err(Error::format(shards.path(), what));
     }
     let missing = shards.missing();

@@ -64,20 +64,13 @@ impl Ledger {
         Cost { samples: self.starts(plan), ..self.cost.clone() }
     }
 
-    /// Takes over these `stops` of another ledger, which must be at their end, or says what is wrong.
-    pub(super) fn take(&mut self, other: Ledger, stops: &[usize]) -> Result<(), String> {
-        self.tables.take(other.tables, stops)?;
+    /// Takes over stops of another ledger (`places`: theirs, here), which must be at their end, or says what is wrong.
+    pub(super) fn take(&mut self, other: Ledger, places: &[(usize, usize)]) -> Result<(), String> {
+        self.tables.take(other.tables, places)?;
         for (mine, theirs) in self.digests.iter_mut().zip(other.digests) {
             *mine = mine.or(theirs);
         }
-        self.cost = std::mem::take(&mut self.cost).plus(other.cost);
         Ok(())
-    }
-
-    /// The same with these `stops` alone, in their order.
-    pub fn with_stops(mut self, stops: &[usize]) -> Self {
-        self.tables.keep(stops);
-        self
     }
 
     /// The bytes of a file of this `kind`.

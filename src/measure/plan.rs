@@ -195,6 +195,11 @@ pub(super) fn checked(campaign: &Campaign, plan: Plan, limit: u64) -> Result<Pla
     Ok(plan)
 }
 
+/// How many light stops a campaign has.
+pub fn stops(campaign: &Campaign) -> usize {
+    grid_of(campaign).stops()
+}
+
 /// The stops of a shard.
 fn dealt(campaign: &Campaign, grid: &Grid, shard: Shard) -> Result<Vec<usize>> {
     if let Some(seconds) = campaign.stop.seconds {

@@ -222,34 +222,24 @@ impl Tables {
         }
     }
 
-    /// Takes over these `stops` of other tables of the same shape, which must be at their end, or says what is wrong.
-    pub fn take(&mut self, other: Tables, stops: &[usize]) -> Result<(), String> {
+    /// Takes over stops of other tables of the same campaign (`places`: theirs, here), which must be at their end, or
+    /// says what is wrong.
+    pub fn take(&mut self, other: Tables, places: &[(usize, usize)]) -> Result<(), String> {
         for (mine, mut theirs) in self.tables.iter_mut().zip(other.tables) {
-            for &stop in stops {
+            for &(stop, place) in places {
                 let Progress { blocks, by, .. } = theirs.stops[stop];
                 let ended = by.is_some() && theirs.sums.iter().all(|sums| sums[stop].done.count() == blocks);
                 if !ended || blocks == 0 || mine.sums.len() != theirs.sums.len() {
                     return Err(format!("stop {stop} is not measured to its end"));
                 }
                 for (mine, theirs) in mine.sums.iter_mut().zip(&mut theirs.sums) {
-                    mine[stop] = std::mem::take(&mut theirs[stop]);
+                    mine[place] = std::mem::take(&mut theirs[stop]);
                     self.done += blocks;
                 }
-                mine.stops[stop] = std::mem::take(&mut theirs.stops[stop]);
+                mine.stops[place] = std::mem::take(&mut theirs.stops[stop]);
             }
         }
         Ok(())
-    }
-
-    /// Leaves these `stops` alone, in their order.
-    pub fn keep(&mut self, stops: &[usize]) {
-        for table in &mut self.tables {
-            for sums in &mut table.sums {
-                *sums = stops.iter().map(|&stop| std::mem::take(&mut sums[stop])).collect();
-            }
-            table.stops = stops.iter().map(|&stop| std::mem::take(&mut table.stops[stop])).collect();
-            table.measured = (0..stops.len()).collect();
-        }
     }
 
     /// About as many bytes as the sums take in a file: a sum of 2^-90 has 12 digits of base 128 where it is not near 0.

@@ -9,6 +9,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use super::cost::Cost;
 use super::heading::Heading;
 use super::ledger::{Kept, Ledger};
 use super::plan::Plan;
@@ -86,13 +87,18 @@ pub fn save(path: &Path, ledger: &Ledger, campaign: &Campaign, plan: &Plan) -> R
     files::write_atomically(path, &ledger.to_bytes(KIND, 0, campaign, plan)?)
 }
 
-/// Reads the file of a shard.
-pub fn load(path: &Path) -> Result<Kept> {
-    let kept = Kept::from_bytes(KIND, &files::read(path)?).map_err(|why| Error::format(path, why))?;
-    match kept.heading.shard {
-        Some(_) => Ok(kept),
+/// What the file of a shard says of itself; it is read to its end and held to its checksum, a piece at a time.
+pub fn heading(path: &Path) -> Result<Heading> {
+    let heading = Heading::read(KIND, path)?;
+    match heading.shard {
+        Some(_) => Ok(heading),
         None => Err(Error::format(path, "says of no shard")),
     }
+}
+
+/// Reads the file of a shard.
+pub(super) fn load(path: &Path) -> Result<Kept> {
+    Kept::from_bytes(KIND, &files::read(path)?).map_err(|why| Error::format(path, why))
 }
 
 /// The files of shards that lie in a folder, by name; a file is taken as it is.
@@ -113,7 +119,7 @@ pub fn find(at: &Path) -> Result<Vec<PathBuf>> {
 
 /// Shards that belong together, one of each number at most.
 pub struct Shards {
-    all: Vec<(Shard, PathBuf, Kept)>,
+    all: Vec<(Shard, PathBuf, Heading)>,
     of: u32,
 }
 
@@ -122,9 +128,10 @@ impl Shards {
     ///
     /// Errors: `Format`, which names the file that is there twice, of another campaign, version or number of shards, or
     /// of other patches.
-    pub fn new(found: Vec<(PathBuf, Kept)>) -> Result<Self> {
-        let with_shard = |(path, kept): (PathBuf, Kept)| kept.heading.shard.map(|shard| (shard, path, kept));
-        let mut all: Vec<(Shard, PathBuf, Kept)> = found.into_iter().filter_map(with_shard).collect();
+    pub fn new(found: Vec<(PathBuf, Heading)>) -> Result<Self> {
+        let with_shard =
+            |(path, heading): (PathBuf, Heading)| heading.shard.map(|shard| (shard, path, heading));
+        let mut all: Vec<(Shard, PathBuf, Heading)> = found.into_iter().filter_map(with_shard).collect();
         all.sort_by(|a, b| (a.0, &a.1).cmp(&(b.0, &b.1)));
         let Some((first, others)) = all.split_first() else {
             return Err(Error::Usage("no shard is there to be merged".into()));
@@ -142,7 +149,7 @@ impl Shards {
 
     /// The resolved campaign that all of them are of.
     pub fn campaign(&self) -> &str {
-        &self.all[0].2.heading.campaign
+        &self.all[0].2.campaign
     }
 
     /// The file of the first.
@@ -166,34 +173,31 @@ impl Shards {
         all.filter(|shard| self.all.iter().all(|(there, ..)| there != shard)).collect()
     }
 
-    /// The stops that are there, increasing.
-    pub fn stops(&self, grid: &Grid) -> Vec<usize> {
-        let mut stops: Vec<usize> = self.all.iter().flat_map(|(shard, ..)| shard.stops(grid)).collect();
-        stops.sort_unstable();
-        stops
+    /// Their files.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.all.iter().map(|(_, path, _)| path.as_path())
     }
 
-    /// All sums together, and what they have cost together. `plan` is that of the whole campaign.
-    ///
-    /// Errors: `Format`, which names a file with sums that no run has, or of a run that was not at its end.
-    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<Ledger> {
-        let mut whole = Ledger::new(campaign, plan);
-        for (shard, path, kept) in self.all {
-            let ledger = kept.ledger(campaign, plan).map_err(|why| Error::format(&path, why))?;
-            let stops = shard.stops(&plan.grid);
-            whole.take(ledger, &stops).map_err(|why| Error::format(&path, why))?;
-        }
-        Ok(whole)
+    /// The stops that each was dealt, increasing.
+    pub(super) fn dealt(&self, grid: &Grid) -> Vec<Vec<usize>> {
+        self.all.iter().map(|(shard, ..)| shard.stops(grid)).collect()
+    }
+
+    /// What they have cost together.
+    pub(super) fn cost(&self) -> Cost {
+        let costs =
+            self.all.iter().map(|(.., heading)| Cost { samples: heading.starts, ..heading.cost.clone() });
+        costs.fold(Cost::default(), Cost::plus)
     }
 }
 
 /// Whether a shard is of the run that the first is of.
-fn agree(first: &(Shard, PathBuf, Kept), other: &(Shard, PathBuf, Kept)) -> Result<()> {
-    let (Heading { version, campaign, digests, .. }, at) = (&first.2.heading, first.1.display());
+fn agree(first: &(Shard, PathBuf, Heading), other: &(Shard, PathBuf, Heading)) -> Result<()> {
+    let (Heading { version, campaign, digests, .. }, at) = (&first.2, first.1.display());
     let refused = |key: &str, here: &str, there: &str| {
         Err(Error::format(&other.1, format!("{key} = {here}, in {at} it is {there}: not of one run")))
     };
-    let heading = &other.2.heading;
+    let heading = &other.2;
     if let Some(differs) = campaign::differences(campaign, &heading.campaign).first() {
         let none = "not there";
         let value = |value: &Option<String>| value.clone().unwrap_or(none.into());
