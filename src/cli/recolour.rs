@@ -10,7 +10,7 @@ use super::output::{Output, columns, say, with_error};
 use super::table_file;
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, NewFile};
 use crate::instrument::GridKind;
 use crate::stats;
 use crate::table::recolour::recolour;
@@ -63,11 +63,12 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     } else if parts.as_ref().is_some_and(|all| all.parts.len() < campaign.surface.realisations as usize) {
         say("note: errors follow from groups of realisations, not from each");
     }
-    store::save(output, &new)?;
-    match &parts {
-        Some(parts) => drop(realisations::save(&beside, parts, &new, realisations::SIZE_LIMIT)?),
-        None => files::remove(&beside)?,
-    }
+    // Both reach the disk before either takes its place: for want of room nothing is replaced.
+    let staged = |parts| realisations::staged(&beside, parts, &new, realisations::SIZE_LIMIT);
+    let (table, others) = (store::staged(output, &new)?, parts.as_ref().map(staged).transpose()?);
+    table.commit()?;
+    let others = others.and_then(|(_, file)| file);
+    others.map_or_else(|| files::remove(&beside), NewFile::commit)?;
     let mut out = Output::default();
     let rows = albedos(&new, parts.as_ref());
     if arguments.json {

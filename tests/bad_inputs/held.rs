@@ -36,6 +36,7 @@ pub const ROWS: &[(u32, &str, &str)] = &[
     (81, "tests/kills_and_resume.rs", "another_campaign_is_refused_by_the_key_that_differs"),
     (82, "tests/files_under_failure.rs", "a_second_process_is_refused_and_a_dead_one_is_not_waited_for"),
     (77, "tests/files_under_failure.rs", "a_file_that_may_not_grow_leaves_the_old_files_whole"),
+    (77, "tests/failing_calls.rs", "every_call_of_a_measurement_may_fail"),
     (84, "tests/cli.rs", "a_closed_pipe_ends_the_printing_and_not_the_run"),
     (90, "src/table/store.rs", "nan_and_infinity_are_refused_before_writing"),
     (92, "src/cli/mod.rs", "a_panic_in_a_worker_is_an_internal_error_in_one_line"),

@@ -1,0 +1,73 @@
+//! The program under a C library whose calls fail: `tests/data/failing_calls.c`, compiled and preloaded.
+
+// Each test program uses its own part.
+#![allow(dead_code)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+/// The compiled source.
+pub struct Failing {
+    folder: TempDir,
+}
+
+impl Failing {
+    /// Compiles it; where no C compiler is there, says so.
+    pub fn built() -> Option<Self> {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/failing_calls.c");
+        let built = Command::new("cc")
+            .args(["-O1", "-shared", "-fPIC", "-o"])
+            .arg(folder.path().join("failing.so"))
+            .arg(source)
+            .arg("-ldl")
+            .output();
+        match built {
+            Ok(output) => {
+                assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+                Some(Failing { folder })
+            }
+            Err(why) => {
+                println!("skipped: no C compiler is here ({why})");
+                None
+            }
+        }
+    }
+
+    fn preloaded(&self, mut command: Command, below: &Path) -> Command {
+        let below = fs::canonicalize(below).expect("there");
+        command.env("LD_PRELOAD", self.folder.path().join("failing.so")).env("FAILING_BELOW", below);
+        command.env("FAILING_LOG", self.log());
+        command
+    }
+
+    fn log(&self) -> PathBuf {
+        self.folder.path().join("log")
+    }
+
+    /// Runs `command`, whose calls on files below a folder fail from the first to the last of these numbers; and which
+    /// calls those were.
+    pub fn run(&self, command: Command, below: &Path, (first, last): (u64, u64)) -> (Output, Vec<String>) {
+        fs::remove_file(self.log()).ok();
+        let mut command = self.preloaded(command, below);
+        command.env("FAILING_FIRST", first.to_string()).env("FAILING_LAST", last.to_string());
+        let output = command.output().expect("runs");
+        (output, self.failed())
+    }
+
+    /// `command`, whose calls that put something on the disk below a folder fail while the file `flag` is there.
+    pub fn while_there(&self, command: Command, below: &Path, flag: &Path) -> Command {
+        let mut command = self.preloaded(command, below);
+        command.env("FAILING_WHILE", flag);
+        command
+    }
+
+    /// Calls that failed since the last run began.
+    pub fn failed(&self) -> Vec<String> {
+        let text = fs::read_to_string(self.log()).unwrap_or_default();
+        text.lines().map(str::to_string).collect()
+    }
+}
