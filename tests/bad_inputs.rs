@@ -63,5 +63,5 @@ fn the_list_is_complete() {
     let numbers: BTreeSet<u32> =
         run.iter().flatten().map(|row| row.number).chain(held::ROWS.iter().map(|row| row.0)).collect();
     let missing: Vec<u32> = (1..=100).filter(|number| !numbers.contains(number)).collect();
-    assert_eq!(missing, held::NOT_BUILT, "rows without a test");
+    assert_eq!(missing, [0; 0], "rows without a test");
 }
