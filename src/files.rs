@@ -87,6 +87,20 @@ pub fn create_folder(path: &Path) -> Result<()> {
     File::create(&probe).and_then(|_| fs::remove_file(&probe)).map_err(|e| Error::io(path, e))
 }
 
+/// Bytes that the file system of a folder has free for whoever runs this, where it says so.
+#[cfg(unix)]
+pub fn free_bytes(folder: &Path) -> Option<u64> {
+    let system = rustix::fs::statvfs(folder).ok()?;
+    // A file system that counts nothing is not a full one.
+    (system.f_blocks > 0).then(|| system.f_bavail.saturating_mul(system.f_frsize))
+}
+
+/// Bytes that the file system of a folder has free: not known here.
+#[cfg(not(unix))]
+pub fn free_bytes(_folder: &Path) -> Option<u64> {
+    None
+}
+
 /// Removes a file if it is there.
 pub fn remove(path: &Path) -> Result<()> {
     match fs::remove_file(path) {

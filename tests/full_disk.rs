@@ -1,4 +1,4 @@
-//! Promise: a disk that is full for a while costs checkpoints, not the run.
+//! Promise: what a run takes on the disk is said before; a disk that is full for a while costs checkpoints, not the run.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,8 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use gonio::measure::Checkpoint;
+use gonio::campaign;
+use gonio::measure::{self, Checkpoint, Disk};
 
 #[path = "common/failing.rs"]
 mod failing;
@@ -83,4 +84,67 @@ fn a_run_whose_disk_is_full_for_a_while_goes_on_and_is_kept_again() {
     assert!(failing.failed().iter().all(|call| call.contains("small.checkpoint_")), "{:?}", failing.failed());
     assert_eq!(measure(here, "undisturbed").output().expect("runs").status.code(), Some(0));
     assert_eq!(outputs::digests(&out), outputs::digests(&here.join("undisturbed")));
+}
+
+/// Bytes of all files in a folder whose names hold one of these words.
+fn size(folder: &Path, words: &[&str]) -> u64 {
+    let entries = fs::read_dir(folder).expect("readable").map(|entry| entry.expect("entry"));
+    let held =
+        entries.filter(|entry| words.iter().any(|word| entry.file_name().to_string_lossy().contains(word)));
+    held.map(|entry| entry.metadata().expect("size").len()).sum()
+}
+
+#[test]
+fn what_a_run_takes_on_the_disk_is_said_before() {
+    let short = CAMPAIGN.replace("3_000_000", "65_536");
+    let cases = [
+        short.clone(),
+        short.replace("theta_r_bins = 6", "theta_r_bins = 36").replace("phi_r_bins = 12", "phi_r_bins = 72"),
+        format!("{short}[optics]\nmaterials = [\"gold\", \"copper\"]\n"),
+        format!("{short}[optics]\nmaterial = \"gold\"\n")
+            .replace("bounces = 2", "bounces = 4\nby_order = true"),
+    ];
+    for text in cases {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        fs::write(folder.path().join("small.toml"), &text).expect("campaign");
+        let campaign = campaign::parse(&text, "small", folder.path()).expect("sound").campaign;
+        let disk = Disk::of(&campaign, &measure::plan(&campaign).expect("fits"));
+        assert_eq!(measure(folder.path(), "out").output().expect("runs").status.code(), Some(0));
+        let results = size(&folder.path().join("out"), &["small"]);
+        // Values are counted as if they did not compress; half of these and more are zero or alike.
+        let said = disk.results_bytes;
+        assert!(results <= said && said <= 4 * results, "{said} said, {results} taken: {text}");
+        let shard = measure(folder.path(), "shards").args(["--shard", "1/1"]).output().expect("runs");
+        assert_eq!(shard.status.code(), Some(0));
+        let (kept, said) = (3 * size(&folder.path().join("shards"), &["shard"]), disk.until_then_bytes);
+        assert!(kept <= said && said <= 4 * kept, "{said} said, {kept} taken: {text}");
+    }
+}
+
+#[test]
+fn a_file_system_with_too_little_room_is_warned_of_and_fills_without_harm() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    fs::write(folder.path().join("small.toml"), CAMPAIGN.replace("3_000_000", "65_536")).expect("campaign");
+    fs::create_dir(folder.path().join("out")).expect("folder");
+    let script = "mount -t tmpfs -o size=64k tmpfs out || exit 99; \"$0\" measure small.toml -o out; code=$?; \
+                  ls out; exit $code";
+    let mut command = Command::new("unshare");
+    command.current_dir(folder.path()).args(["-rm", "sh", "-c", script, env!("CARGO_BIN_EXE_gonio")]);
+    let output = command.output();
+    let Some(output) = output.ok().filter(|output| matches!(output.status.code(), Some(0..=4))) else {
+        println!("skipped: no file system of its own can be mounted here");
+        return;
+    };
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    let [warning, error] = said.lines().collect::<Vec<_>>()[..] else { panic!("two lines: {said}") };
+    // Of 64 KiB, the folder and the lock take some.
+    assert!(
+        warning.starts_with("warning: out: ") && warning.contains(" KiB are free, results may take "),
+        "{said}"
+    );
+    assert!(error.starts_with("error: out/small") && error.contains("No space left on device"), "{said}");
+    let listed = String::from_utf8_lossy(&output.stdout);
+    let left: Vec<&str> = listed.lines().filter(|line| line.starts_with("small")).collect();
+    assert!(left.is_empty(), "nothing is left behind: {left:?}");
 }

@@ -9,7 +9,7 @@ use super::output::{Output, print_error, to_json, warn};
 use super::plan_text;
 use crate::campaign::{self, Parsed};
 use crate::error::{Error, Result};
-use crate::measure;
+use crate::measure::{self, Disk};
 use crate::validate::aperture::worst;
 
 /// List all faults of a campaign, or show the plan: stops, bins, samples, memory, time
@@ -33,6 +33,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut out = Output::default();
     if arguments.json {
         let code = plan.as_ref().err().map_or(0, Error::exit_code);
+        let disk = plan.as_ref().ok().map(|plan| Disk::of(&campaign, plan));
         let plan = match plan {
             Ok(plan) => to_json(&plan)?,
             Err(error) => {
@@ -44,6 +45,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         let apertures = to_json(&worst(&campaign))?;
         out.json(&json!({
             "faults": [], "plan": plan, "notes": notes, "preset": preset, "aperture_bias": apertures,
+            "disk": disk,
         }))?;
         return Ok(code);
     }

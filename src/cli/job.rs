@@ -13,7 +13,7 @@ use super::results::Results;
 use super::targets::Target;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
-use crate::measure::{self, BandRun, Ledger, Patches, Plan, Session};
+use crate::measure::{self, BandRun, Disk, Ledger, Patches, Plan, Session};
 use crate::report::specimen;
 use crate::validate::aperture::worst;
 
@@ -106,6 +106,7 @@ impl Job<'_> {
             None => Patches::prepare(campaign, &mut notes)?,
         };
         notes.iter().for_each(warn);
+        self.keeping.room_for(Disk::of(campaign, plan)).iter().for_each(warn);
         if !arguments.json {
             out.lines(plan_text::facts(campaign, plan))?;
             out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;

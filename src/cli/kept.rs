@@ -9,17 +9,19 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::measure::Arguments;
-use super::output::{grouped, say, warn};
+use super::output::{bytes, grouped, say, warn};
 use super::targets::Target;
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
-use crate::measure::{Band, BandFiles, Checkpoint, Finished, Found, Heading, Ledger, Plan, Shard};
+use crate::files;
+use crate::measure::{Band, BandFiles, Checkpoint, Disk, Finished, Found, Heading, Ledger, Plan, Shard};
 
 /// What a process that is asked to end says to whom it was started by.
 const INTERRUPTED: i32 = 130;
 
 /// Where a run keeps what it has measured: the blocks under way and, of a run in bands, those that are finished.
 pub struct Keeping {
+    folder: PathBuf,
     pub checkpoint: Checkpoint,
     pub bands: BandFiles,
 }
@@ -34,7 +36,8 @@ pub struct Unfinished {
 impl Keeping {
     /// The files whose names begin with `stem`.
     pub fn of(folder: &Path, stem: &str) -> Self {
-        Keeping { checkpoint: Checkpoint::of(folder, stem), bands: BandFiles::of(folder, stem) }
+        let folder = folder.to_path_buf();
+        Keeping { checkpoint: Checkpoint::of(&folder, stem), bands: BandFiles::of(&folder, stem), folder }
     }
 
     /// The unfinished run that lies there, if it is asked for. One that is not asked for is in the way, or removed by
@@ -81,6 +84,18 @@ impl Keeping {
     pub fn path(&self) -> Result<Option<PathBuf>> {
         let checkpoint = self.checkpoint.path().map(Path::to_path_buf);
         Ok(checkpoint.or(self.bands.paths()?.into_iter().next()))
+    }
+
+    /// What is to be said where the file system has less room than a run takes.
+    pub fn room_for(&self, disk: Disk) -> Option<String> {
+        let free = files::free_bytes(&self.folder)?;
+        (disk.bytes() > free).then(|| {
+            let [results, kept, free] = [disk.results_bytes, disk.until_then_bytes, free].map(bytes);
+            format!(
+                "{}: {free} are free, results may take {results} and what is kept until then {kept}",
+                self.folder.display()
+            )
+        })
     }
 
     /// Removes all of them.

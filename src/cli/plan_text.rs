@@ -5,7 +5,7 @@ use crate::campaign::{
     Alpha, Azimuth, BinLayout, Campaign, HeightSpectrum, PhiFrom, Preset, Sensor, SmithHeights, SmithNdf,
     SurfaceKind,
 };
-use crate::measure::{Plan, Skip};
+use crate::measure::{Disk, Plan, Skip};
 use crate::validate::aperture::ApertureBias;
 
 /// Room for the words on the left.
@@ -41,9 +41,17 @@ pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
         ("realisations", plan.realisations.to_string()),
         ("samples", samples),
         ("memory", format!("about {}{bands}", bytes(plan.memory_bytes))),
+        ("disk", disk(campaign, plan)),
         ("time", format!("about {} on two cores", duration(plan.estimated_s))),
     ];
     facts.iter().flat_map(|(head, text)| line(head, text)).collect()
+}
+
+fn disk(campaign: &Campaign, plan: &Plan) -> String {
+    let disk = Disk::of(campaign, plan);
+    let what = if plan.bands().len() > 1 { "checkpoints and finished bands" } else { "checkpoints" };
+    let (results, kept) = (bytes(disk.results_bytes), bytes(disk.until_then_bytes));
+    format!("results up to about {results}; {what} up to about {kept} until these are there")
 }
 
 /// The instrument that the arms are taken from.
