@@ -133,7 +133,7 @@ fn shards_merged_in_bands_have_the_bytes_of_one_run() {
     let (enough, less) = (least.to_string(), (least - 1).to_string());
     let refused = gonio(folder.path(), &["merge", "shards", "-o", "merged", "--memory-mb", &less]);
     let said = exits(&refused, 4);
-    assert!(said.contains(&format!("needs about {least} MiB of memory, {less} MiB may be used")), "{said}");
+    assert!(said.contains(&format!("need about {least} MiB of memory, {less} MiB may be used")), "{said}");
     assert!(!folder.path().join("merged").exists(), "nothing is written");
     exits(&gonio(folder.path(), &["merge", "shards", "-o", "merged", "--memory-mb", &enough]), 0);
     let of = |name: &str| {

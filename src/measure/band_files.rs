@@ -90,7 +90,7 @@ pub fn load(path: &Path) -> Result<Kept> {
 
 fn with_advice(error: Error) -> Error {
     match error {
-        Error::Format { path, what } => Error::Format { path, what: format!("{what}; {ADVICE}") },
+        Error::Format { path, what } => Error::format(&path, format!("{what}; {ADVICE}")),
         other => other,
     }
 }

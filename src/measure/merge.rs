@@ -39,7 +39,11 @@ impl Merge {
         } else {
             whole.of_stops(&stops).ok_or_else(|| Error::Internal("half vectors in a campaign".into()))?
         };
-        let largest = dealt.iter().map(Vec::len).max().unwrap_or(0);
+        let mut largest = 0;
+        for (dealt, file) in dealt.iter().zip(shards.files()) {
+            let bytes = file.metadata().map_err(|e| Error::io(file, e))?.len();
+            largest = largest.max(u128::from(bytes) + sums_of(campaign, &whole) * dealt.len() as u128);
+        }
         (plan.band_stops, plan.memory_bytes) = stops_within((&memory, largest), stops.len(), limit)
             .map_err(|why| Error::Refused(format!("{}: {why}", campaign.name)))?;
         Ok(Merge { shards, whole, dealt, stops, plan })
@@ -83,20 +87,26 @@ impl Merge {
     }
 }
 
-/// How many of `stops` are merged at a time beside a shard of `largest`, and the bytes that takes; or what is wrong.
+/// Bytes of the sums of one stop in memory: counts and hits of a bin, fixed-point sums, and what a stop has besides.
+fn sums_of(campaign: &Campaign, plan: &Plan) -> u128 {
+    let sums = (plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
+    let tallies = u128::from(plan.realisations) * campaign.alphas().len() as u128;
+    tallies * (plan.bins as u128 * (16 + 16 * sums) + 1024)
+}
+
+/// How many of `stops` are merged at a time beside a shard of `shard` bytes, and the bytes that takes; or what is wrong.
 fn stops_within(
-    (memory, largest): (&Memory, usize),
+    (memory, shard): (&Memory, u128),
     stops: usize,
     limit: u64,
 ) -> std::result::Result<(usize, u64), String> {
-    let shard = memory.stop.saturating_mul(largest as u128);
     let takes = |stops: usize| memory.banded(stops).saturating_add(shard);
     let room = u128::from(limit).saturating_sub(takes(0));
     let fit = usize::try_from(room / (memory.stop + memory.written).max(1)).unwrap_or(usize::MAX).min(stops);
     if fit == 0 {
         return Err(format!(
-            "one stop beside a shard of {largest} needs about {} MiB of memory, {} MiB may be used; --memory-mb allows \
-             more, shards of fewer stops need less",
+            "one stop and the largest shard need about {} MiB of memory, {} MiB may be used; --memory-mb allows more, \
+             shards of fewer stops need less",
             takes(1).div_ceil(1 << 20),
             limit >> 20
         ));
