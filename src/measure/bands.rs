@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::table::rows;
 
 /// The share of the memory that patches may take which are kept from band to band.
-const KEPT_SHARE: u64 = 4;
+pub(super) const KEPT_SHARE: u64 = 4;
 
 /// One band of a run in bands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::assemble::Measured;
+use super::bands::KEPT_SHARE;
 use super::cost::Cost;
 use super::estimate::Memory;
 use super::ledger::Ledger;
@@ -101,9 +102,7 @@ fn stops_within(
     limit: u64,
 ) -> std::result::Result<(usize, u64), String> {
     let takes = |stops: usize| memory.banded(stops).saturating_add(shard);
-    let room = u128::from(limit).saturating_sub(takes(0));
-    let fit = usize::try_from(room / (memory.stop + memory.written).max(1)).unwrap_or(usize::MAX).min(stops);
-    if fit == 0 {
+    if takes(1) > u128::from(limit) || stops == 0 {
         return Err(format!(
             "one stop and the largest shard need about {} MiB of memory, {} MiB may be used; --memory-mb allows more, \
              shards of fewer stops need less",
@@ -111,5 +110,9 @@ fn stops_within(
             limit >> 20
         ));
     }
+    // As in runs in bands a quarter is left free, but for the first stop.
+    let room = u128::from(limit - limit / KEPT_SHARE).saturating_sub(takes(0));
+    let fit = usize::try_from(room / (memory.stop + memory.written).max(1)).unwrap_or(usize::MAX);
+    let fit = fit.clamp(1, stops);
     Ok((fit, plan::saturated(takes(fit))))
 }
