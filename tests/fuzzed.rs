@@ -3,10 +3,13 @@
 use std::fs;
 use std::path::Path;
 
+use gonio::campaign::{self, Campaign};
 use gonio::error::Error;
 use gonio::files::image::{self, Part, Samples};
+use gonio::files::sealed;
 use gonio::instrument::{Grid, GridKind};
 use gonio::interchange::{self, Format, Options, foreign_table};
+use gonio::measure::{self, Checkpoint, Kept, Ledger, Patches, Plan, Session};
 use gonio::surface::map_file;
 use gonio::table::{BrdfTable, RealisationPart, Realisations, realisations, store};
 
@@ -42,10 +45,16 @@ fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
         "map_gsf" => map_file::read(&[b"Gwyddion Simple Field 1.0\n", bytes].concat()).map(drop),
         "map_xyz" => map_file::read(&[b"0 0 0\n", bytes].concat()).map(drop),
         "pabopto" => interchange::pabopto::read(bytes).map(drop),
-        "campaign" => match gonio::campaign::parse(bytes, "c.toml", here) {
+        "checkpoint" => {
+            let (campaign, plan) = checkpoint_of();
+            let sealed =
+                sealed::seal(CHECKPOINT, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()))?;
+            Kept::from_bytes(CHECKPOINT, &sealed)?.ledger(&campaign, &plan).map(drop)
+        }
+        "campaign" => match campaign::parse(bytes, "c.toml", here) {
             Ok(parsed) => {
-                let text = gonio::campaign::to_toml(&parsed.campaign);
-                let again = gonio::campaign::parse(&text, "c.toml", here).expect("its own text");
+                let text = campaign::to_toml(&parsed.campaign);
+                let again = campaign::parse(&text, "c.toml", here).expect("its own text");
                 assert!(again.campaign == parsed.campaign);
                 Ok(())
             }
@@ -68,6 +77,7 @@ fn seeds_of_the_fuzz_targets_are_written() {
     formats().expect("formats");
     maps().expect("maps");
     campaigns().expect("campaigns");
+    checkpoints().expect("checkpoints");
 }
 
 fn seed(target: &str, name: &str, bytes: &[u8]) -> Answer {
@@ -133,6 +143,29 @@ fn formats() -> Answer {
     }
     seed("pabopto", "small", b"#incident_angle 30 0\n0 0 0.1\n30 180 0.5\n")?;
     seed("utia", "image", &image::encode(vec![picture(2, 2)])?)?;
+    Ok(())
+}
+
+const CHECKPOINT: &str = "gonio checkpoint 2";
+
+/// The campaign whose checkpoints are read.
+fn checkpoint_of() -> (Campaign, Plan) {
+    let text = include_str!("data/checkpoint.toml");
+    let campaign = campaign::parse(text, "small.toml", Path::new("")).expect("sound").campaign;
+    let plan = measure::plan(&campaign).expect("small");
+    (campaign, plan)
+}
+
+/// A run at its beginning and at its end.
+fn checkpoints() -> Answer {
+    let (campaign, plan) = checkpoint_of();
+    let patches = Patches::prepare(&campaign, &mut Vec::new())?;
+    let empty = Ledger::new(&campaign, &plan);
+    let whole = measure::go_on(&campaign, &plan, &patches, empty.clone(), &Session::plain(&|_| ()))?;
+    for (name, ledger) in [("empty", empty), ("whole", whole)] {
+        let bytes = Checkpoint::bytes(&ledger, 1, &campaign, &plan)?;
+        seed("checkpoint", name, sealed::open(CHECKPOINT, &bytes)?)?;
+    }
     Ok(())
 }
 

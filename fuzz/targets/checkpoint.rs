@@ -1,0 +1,31 @@
+#![no_main]
+//! What checkpoints, shards and finished bands hold behind their checksum, for a small campaign to go on from.
+
+use std::path::Path;
+use std::sync::LazyLock;
+
+use gonio::campaign::{self, Campaign};
+use gonio::files::sealed;
+use gonio::measure::{self, Kept, Plan};
+use libfuzzer_sys::fuzz_target;
+
+const KIND: &str = "gonio checkpoint 2";
+
+/// The campaign that `tests/fuzzed.rs` writes seeds of.
+static CAMPAIGN: LazyLock<(Campaign, Plan)> = LazyLock::new(|| {
+    let text = include_str!("../../tests/data/checkpoint.toml");
+    let campaign = campaign::parse(text, "small.toml", Path::new("")).expect("sound").campaign;
+    let plan = measure::plan(&campaign).expect("small");
+    (campaign, plan)
+});
+
+fuzz_target!(|bytes: &[u8]| {
+    let (campaign, plan) = &*CAMPAIGN;
+    let sealed = sealed::seal(KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()));
+    gonio_fuzz::reason(sealed.and_then(|sealed| Kept::from_bytes(KIND, &sealed)).and_then(|kept| {
+        kept.heading.faults((campaign, None), "small.toml", "out").iter().for_each(|fault| {
+            gonio_fuzz::reason::<()>(Err(fault.to_string()));
+        });
+        kept.ledger(campaign, plan).map(drop)
+    }));
+});
