@@ -155,7 +155,8 @@ impl Sensor {
                 visit(row(wo, theta) * phi.len() + column(wo, azimuth, phi));
             }
             Sensor::Arm { caps, chord2, reach } => {
-                let polar = sphere::theta(wo);
+                // Which caps come into question; the chord decides.
+                let (polar, reach) = (near_polar_deg(wo).to_radians(), reach + QUICK_ERROR.to_radians());
                 let first = caps.partition_point(|cap| cap.theta < polar - reach);
                 for cap in caps[first..].iter().take_while(|cap| cap.theta <= polar + reach) {
                     if cap.axis.distance_squared(wo) <= *chord2 {
@@ -177,10 +178,14 @@ impl Sensor {
     }
 }
 
+/// The polar angle of `wo`, to `QUICK_ERROR`.
+fn near_polar_deg(wo: DVec3) -> f64 {
+    quick_atan2_deg((wo.x * wo.x + wo.y * wo.y).sqrt(), wo.z)
+}
+
 /// The row of a hemisphere that holds `wo`.
 fn row(wo: DVec3, theta: &Edges) -> usize {
-    let polar = quick_atan2_deg((wo.x * wo.x + wo.y * wo.y).sqrt(), wo.z);
-    theta.find_quickly(polar, || sphere::theta(wo).to_degrees())
+    theta.find_quickly(near_polar_deg(wo), || sphere::theta(wo).to_degrees())
 }
 
 /// The column of a hemisphere that holds `wo`, whose azimuth is about `near`, in [0, 360) degrees.

@@ -11,8 +11,11 @@ use rand_pcg::Pcg64Dxsm;
 use super::facet_index::{FacetIndex, Slopes};
 use super::path::Sample;
 use super::starts::point_in;
-use super::walk::Place;
+use super::walk::{Facet, Place};
 use crate::rng;
+
+/// Facets that are looked at together.
+const TOGETHER: usize = 64;
 
 /// The bins of an index that may send light from one direction into some cones.
 pub struct Selection<'a> {
@@ -85,9 +88,9 @@ impl<'a> Selection<'a> {
     /// light: what lies beyond a facet's own area in its slot is passed over. So the density of starts is 1/step on
     /// every facet, exactly, and no facet without a start is looked at.
     pub fn each(&self, step: f64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) {
-        let field = self.sample.walker.field();
         let offset = rng::uniform(rng);
         let (mut next, mut begin) = (0u64, 0.0);
+        let mut candidates = Vec::with_capacity(TOGETHER);
         for slots in &self.slots {
             let last = self.index.count(slots.bin) - 1;
             loop {
@@ -97,15 +100,29 @@ impl<'a> Selection<'a> {
                 }
                 next += 1;
                 let slot = ((position - begin) / slots.length) as usize;
-                let facet = self.index.facet(slots.bin, slot.min(last));
-                let slope = field.corners(facet.x, facet.y).slope(facet.upper);
-                let turned = 0.5 * (self.light.z - self.light.truncate().dot(slope));
-                if position - begin - slot as f64 * slots.length < turned {
-                    let (u, v) = point_in(facet.upper, rng);
-                    visit(Place::on(field, facet, u, v));
+                let within = position - begin - slot as f64 * slots.length;
+                candidates.push((self.index.facet(slots.bin, slot.min(last)), within));
+                if candidates.len() == TOGETHER {
+                    self.start(&mut candidates, rng, &mut visit);
                 }
             }
             begin = slots.end;
+        }
+        self.start(&mut candidates, rng, &mut visit);
+    }
+
+    /// Starts on those of the candidates, each with a place in its slot, that reach so far, and drops them all.
+    fn start(&self, candidates: &mut Vec<(Facet, f64)>, rng: &mut Pcg64Dxsm, visit: &mut impl FnMut(Place)) {
+        let field = self.sample.walker.field();
+        // All heights are asked for before the first start is followed: memory answers them side by side.
+        let mut reached = [false; TOGETHER];
+        for (reached, (facet, within)) in reached.iter_mut().zip(&*candidates) {
+            let slope = field.corners(facet.x, facet.y).slope(facet.upper);
+            *reached = *within < 0.5 * (self.light.z - self.light.truncate().dot(slope));
+        }
+        for ((facet, _), _) in candidates.drain(..).zip(reached).filter(|(_, reached)| *reached) {
+            let (u, v) = point_in(facet.upper, rng);
+            visit(Place::on(field, facet, u, v));
         }
     }
 }
@@ -157,7 +174,7 @@ mod tests {
     use super::*;
     use crate::sphere;
     use crate::surface::Heightfield;
-    use crate::trace::{Facet, Image, Walker};
+    use crate::trace::{Image, Walker};
 
     /// Every facet of a rough field, for lights, images and cones of all kinds: those that send light into a cone are
     /// among the selected bins.
