@@ -48,8 +48,8 @@ fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
         "checkpoint" => {
             let (campaign, plan) = checkpoint_of();
             let sealed =
-                sealed::seal(CHECKPOINT, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()))?;
-            Kept::from_bytes(CHECKPOINT, &sealed)?.ledger(&campaign, &plan).map(drop)
+                sealed::seal(Checkpoint::KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()))?;
+            Kept::from_bytes(Checkpoint::KIND, &sealed)?.ledger(&campaign, &plan).map(drop)
         }
         "campaign" => match campaign::parse(bytes, "c.toml", here) {
             Ok(parsed) => {
@@ -146,8 +146,6 @@ fn formats() -> Answer {
     Ok(())
 }
 
-const CHECKPOINT: &str = "gonio checkpoint 2";
-
 /// The campaign whose checkpoints are read.
 fn checkpoint_of() -> (Campaign, Plan) {
     let text = include_str!("data/checkpoint.toml");
@@ -164,7 +162,7 @@ fn checkpoints() -> Answer {
     let whole = measure::go_on(&campaign, &plan, &patches, empty.clone(), &Session::plain(&|_| ()))?;
     for (name, ledger) in [("empty", empty), ("whole", whole)] {
         let bytes = Checkpoint::bytes(&ledger, 1, &campaign, &plan)?;
-        seed("checkpoint", name, sealed::open(CHECKPOINT, &bytes)?)?;
+        seed("checkpoint", name, sealed::open(Checkpoint::KIND, &bytes)?)?;
     }
     Ok(())
 }

@@ -6,10 +6,8 @@ use std::sync::LazyLock;
 
 use gonio::campaign::{self, Campaign};
 use gonio::files::sealed;
-use gonio::measure::{self, Kept, Plan};
+use gonio::measure::{self, Checkpoint, Kept, Plan};
 use libfuzzer_sys::fuzz_target;
-
-const KIND: &str = "gonio checkpoint 2";
 
 /// The campaign that `tests/fuzzed.rs` writes seeds of.
 static CAMPAIGN: LazyLock<(Campaign, Plan)> = LazyLock::new(|| {
@@ -21,8 +19,8 @@ static CAMPAIGN: LazyLock<(Campaign, Plan)> = LazyLock::new(|| {
 
 fuzz_target!(|bytes: &[u8]| {
     let (campaign, plan) = &*CAMPAIGN;
-    let sealed = sealed::seal(KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()));
-    gonio_fuzz::reason(sealed.and_then(|sealed| Kept::from_bytes(KIND, &sealed)).and_then(|kept| {
+    let sealed = sealed::seal(Checkpoint::KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()));
+    gonio_fuzz::reason(sealed.and_then(|sealed| Kept::from_bytes(Checkpoint::KIND, &sealed)).and_then(|kept| {
         kept.heading.faults((campaign, None), "small.toml", "out").iter().for_each(|fault| {
             gonio_fuzz::reason::<()>(Err(fault.to_string()));
         });

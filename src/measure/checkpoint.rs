@@ -9,9 +9,6 @@ use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
 
-/// What the files begin with; another number is another format.
-const KIND: &str = "gonio checkpoint 2";
-
 /// Where a run keeps its finished blocks.
 #[derive(Debug, Clone)]
 pub struct Checkpoint {
@@ -30,6 +27,9 @@ pub struct Found {
 }
 
 impl Checkpoint {
+    /// What the files begin with; another number is another format.
+    pub const KIND: &str = "gonio checkpoint 2";
+
     /// The files `<stem>.checkpoint_0` and `_1` of a folder.
     pub fn of(folder: &Path, stem: &str) -> Self {
         Checkpoint { slots: [0, 1].map(|slot| folder.join(format!("{stem}.checkpoint_{slot}"))) }
@@ -52,7 +52,7 @@ impl Checkpoint {
                 Err(Error::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => continue,
                 read => read?,
             };
-            match Kept::from_bytes(KIND, &bytes) {
+            match Kept::from_bytes(Self::KIND, &bytes) {
                 Ok(kept) => whole.push((path, kept)),
                 Err(why) => damaged.push((path, why)),
             }
@@ -75,7 +75,7 @@ impl Checkpoint {
 
     /// The bytes of the checkpoint of this `number`.
     pub fn bytes(ledger: &Ledger, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>> {
-        ledger.to_bytes(KIND, number, campaign, plan)
+        ledger.to_bytes(Self::KIND, number, campaign, plan)
     }
 
     /// Removes both files.

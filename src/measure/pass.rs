@@ -36,10 +36,10 @@ impl Context<'_> {
         let open: Vec<usize> = missing.iter().map(|(stop, _)| *stop).collect();
         let groups = stage.groups(&open, self.campaign, self.plan, place.1);
         let parts: Vec<_> = groups.iter().flat_map(|group| parts(group, &missing)).collect();
-        let starts = parts.iter().map(|(group, blocks)| group.stops.len() * blocks.len()).sum();
+        let in_all = parts.iter().map(|(group, missing)| group.stops.len() * missing.len()).sum();
         parts.par_iter().try_for_each(|(group, missing)| {
             missing
-                .par_chunks(stage.blocks_together(group.way, starts, self.plan))
+                .par_chunks(stage.blocks_together(group.way, in_all, self.plan))
                 .try_fold(|| Pending::new(self, place, group), |pending, blocks| pending.with(&stage, blocks))
                 .try_for_each(|pending| pending?.flush())
         })

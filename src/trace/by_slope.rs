@@ -141,8 +141,8 @@ impl<'a> BySlope<'a> {
     }
 }
 
-/// The starts of several blocks of one light's polar angle or of several, to be followed together: rays that start in
-/// one part of a patch look at the same heights, whichever block they belong to.
+/// The starts of several blocks, to be followed together: rays that start in one part of a patch look at the same
+/// heights, whichever block they belong to.
 #[derive(Default)]
 pub struct Together {
     /// Tile, facet and block, from high bits to low ones.
