@@ -209,7 +209,7 @@ fn kept_bytes() -> (campaign::Campaign, Plan, Vec<u8>) {
 
 #[test]
 fn damaged_checkpoints_are_errors_and_never_panic() {
-    const KIND: &str = "gonio checkpoint 2";
+    const KIND: &str = "gonio checkpoint 3";
     let (campaign, plan, bytes) = kept_bytes();
     let whole = Kept::from_bytes(KIND, &bytes).expect("whole");
     assert!(whole.heading.faults((&campaign, None), "small.toml", "out").is_empty());

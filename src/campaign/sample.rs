@@ -175,6 +175,11 @@ impl SurfaceKind {
         }
     }
 
+    /// Whether it ends at an edge that light may leave by.
+    pub fn is_open_map(&self) -> bool {
+        matches!(self, SurfaceKind::File(map) if !map.periodic)
+    }
+
     /// Whether patches of random heights are made for it.
     pub fn is_random_heights(&self) -> bool {
         matches!(

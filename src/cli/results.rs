@@ -12,7 +12,6 @@ use crate::error::Result;
 use crate::measure::{Cost, Measured, Plan, StopResult, StoppedBy};
 use crate::report::specimen::Shown;
 use crate::report::{Scene, terminal};
-use crate::stats;
 use crate::table::BrdfTable;
 use crate::table::realisations::{self, Kept};
 use crate::validate::{self, Prediction, Verdict};
@@ -87,13 +86,11 @@ pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verd
         let (theta, phi) = plan.grid.stop_deg(index);
         let starts = stop.samples as f64 * f64::from(plan.realisations);
         let share = |count: u64| format!("{:.4} %", 100.0 * count as f64 / starts);
-        let single = stop.albedo_by_order[..1].iter();
-        let (single, total) = (albedo(single), albedo(stop.albedo_by_order.iter()));
         let mut row = vec![
             format!("{theta:.2}"),
             format!("{phi:.2}"),
-            single,
-            total,
+            albedo(stop.single()),
+            albedo(stop.total()),
             share(stop.hidden),
             share(stop.cut),
         ];
@@ -116,9 +113,20 @@ pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verd
     out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations"))?;
     out.lines(output::columns(&headings, &rows))?;
     out.lines(optics_text::order_lines(measured, plan))?;
+    out.lines(lost_light_line(measured, plan))?;
     out.lines(end_lines(measured, plan))?;
     out.line("")?;
     out.lines(verdict.lines())
+}
+
+/// How much light left an open map by its edge, where any did.
+fn lost_light_line(measured: &Measured, plan: &Plan) -> Option<String> {
+    let stops = measured.stops.iter().enumerate().map(|(index, stop)| (index, stop.lost_light[1]));
+    let (index, flux) = stops.filter(|stop| stop.1 > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (theta, phi) = plan.grid.stop_deg(index);
+    Some(format!(
+        "left map: at {theta:.2}, {phi:.2} up to {flux:.4} of the light is missing; error bars cover where it may have gone"
+    ))
 }
 
 /// What ended the stops, where it was not that all samples were measured.
@@ -144,15 +152,9 @@ fn end_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
     measured.stops.iter().enumerate().filter_map(line).collect()
 }
 
-/// Sum over orders, its mean over the realisations and the standard error.
-fn albedo<'a>(orders: impl Iterator<Item = &'a Vec<f64>> + Clone) -> String {
-    let count = orders.clone().map(Vec::len).min().unwrap_or(0);
-    let sums: Vec<f64> = (0..count).map(|k| orders.clone().map(|order| order[k]).sum()).collect();
-    if sums.is_empty() {
-        return "not seen".into();
-    }
-    let (mean, se) = stats::mean_and_se(sums.into_iter());
-    with_error(mean, se)
+/// An albedo and its standard error.
+fn albedo((mean, se): (Option<f64>, Option<f64>)) -> String {
+    mean.map_or_else(|| "not seen".into(), |mean| with_error(mean, se))
 }
 
 /// Which files a table has.

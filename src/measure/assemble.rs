@@ -1,5 +1,6 @@
 //! From the sums of every realisation to the table: values, error bars, albedos.
 
+use super::lost_light;
 use super::plan::Plan;
 use super::record::StopRecord;
 use super::rounds::Finished;
@@ -30,6 +31,8 @@ pub struct StopResult {
     pub hidden: u64,
     /// Paths over the edge of an open map.
     pub left_map: u64,
+    /// What they may have added at most to the albedos of order 1 and of all orders, mean of the colours.
+    pub lost_light: [f64; 2],
     /// Starts whose facets send light into no aperture, where only that is followed.
     pub outside: u64,
     /// Starts in each realisation.
@@ -79,10 +82,17 @@ pub(super) fn assemble(
         let parts: Vec<RealisationPart> =
             records.iter().map(|stops| source.realisation(stops, &colours)).collect();
         let wavelengths = optics.wavelengths_nm();
-        let channels = |(place, &colour): (usize, &Colour)| ColourChannels {
-            orders: source.orders(colour),
-            wavelength_nm: wavelengths.get(place).copied(),
-            ..ColourChannels::of_realisations(&parts, place, &hits, &empty)
+        let channels = |(place, &colour): (usize, &Colour)| {
+            let measured = ColourChannels::of_realisations(&parts, place, &hits, &empty);
+            ColourChannels {
+                orders: source.orders(colour),
+                wavelength_nm: wavelengths.get(place).copied(),
+                ..if campaign.surface.kind.is_open_map() {
+                    lost_light::covered(&source, colour, measured)
+                } else {
+                    measured
+                }
+            }
         };
         let table = BrdfTable {
             grid: plan.grid.clone(),
@@ -102,9 +112,9 @@ pub(super) fn assemble(
 }
 
 /// What tables are made of: [realisation][stop], and the bins' projected solid angles, [stop][bin].
-struct Source<'a> {
-    plan: &'a Plan,
-    records: &'a [Vec<StopRecord>],
+pub(super) struct Source<'a> {
+    pub plan: &'a Plan,
+    pub records: &'a [Vec<StopRecord>],
     sizes: &'a [Vec<f64>],
 }
 
@@ -130,7 +140,7 @@ impl Source<'_> {
     }
 
     /// Mean over some realisations of a flux, as a BRDF in every bin.
-    fn brdf(
+    pub fn brdf(
         &self,
         records: &[impl AsRef<[StopRecord]>],
         flux: impl Fn(&StopRecord, usize) -> f64,
@@ -177,8 +187,8 @@ fn empty_bin_errors(plan: &Plan, records: &[Vec<StopRecord>], sizes: &[Vec<f64>]
         let counted: (u64, f64) = records
             .iter()
             .flat_map(|stops| {
-                let StopRecord { orders, outside, .. } = &stops[stop];
-                orders.iter().map(|order| (order.count, order.unit)).chain([*outside])
+                let StopRecord { orders, outside, left_map, .. } = &stops[stop];
+                orders.iter().map(|order| (order.count, order.unit)).chain([*outside, *left_map])
             })
             .fold((0, 0.0), |(count, flux), more| (count + more.0, flux + more.1));
         let fold = if plan.folded[stop] { 0.5 } else { 1.0 };
@@ -215,7 +225,8 @@ fn stop_result(source: &Source, stop: usize, colours: &[Colour], end: &Progress)
         orders: (0..orders).map(|k| records.iter().map(|record| record.orders[k].count).sum()).collect(),
         cut: records.iter().map(|record| record.cut.0).sum(),
         hidden: records.iter().map(|record| record.hidden).sum(),
-        left_map: records.iter().map(|record| record.left_map).sum(),
+        left_map: records.iter().map(|record| record.left_map.0).sum(),
+        lost_light: lost_light::of_albedos(&records, colours),
         outside: records.iter().map(|record| record.outside.0).sum(),
         samples: end.blocks * plan.block_starts,
         stopped_by: end.by.unwrap_or(StoppedBy::Samples),

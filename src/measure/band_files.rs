@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 use crate::files;
 
 /// What the files begin with; another number is another format.
-const KIND: &str = "gonio band 1";
+const KIND: &str = "gonio band 2";
 
 /// What helps where a file is damaged.
 const ADVICE: &str = "without it --resume measures its band again, --force starts all again";

@@ -28,7 +28,7 @@ pub struct Found {
 
 impl Checkpoint {
     /// What the files begin with; another number is another format.
-    pub const KIND: &str = "gonio checkpoint 2";
+    pub const KIND: &str = "gonio checkpoint 3";
 
     /// The files `<stem>.checkpoint_0` and `_1` of a folder.
     pub fn of(folder: &Path, stem: &str) -> Self {

@@ -39,7 +39,10 @@ impl Disk {
     pub fn of(campaign: &Campaign, plan: &Plan) -> Self {
         let weighing = &plan.weighing;
         let sums = (weighing.first_sums() + weighing.multiple_sums()) as u128;
-        let tally = plan.bins as u128 * (2 * BYTES_PER_COUNT + BYTES_PER_SUM * sums) + BYTES_PER_TALLY;
+        // Of an open map the sums of what leaves it besides.
+        let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
+        let tally =
+            copies * (plan.bins as u128 * (2 * BYTES_PER_COUNT + BYTES_PER_SUM * sums) + BYTES_PER_TALLY);
         let tallies = u128::from(plan.realisations) * campaign.alphas().len() as u128;
         let stop = tally.saturating_mul(tallies);
         let heading = BYTES_PER_HEADING + BYTES_PER_DIGEST * u128::from(plan.realisations);
@@ -69,7 +72,8 @@ fn tables(campaign: &Campaign, plan: &Plan) -> u128 {
     let of_material = |material: usize| {
         let colours = weighing.colours(material).len();
         let orders = if weighing.by_order() { weighing.groups() } else { 0 };
-        let channels = (colours * (5 + orders) + 1 + schlick) as u128;
+        let left_map = usize::from(campaign.surface.kind.is_open_map());
+        let channels = (colours * (5 + left_map + orders) + 1 + schlick) as u128;
         let (part, count) = (2 * colours + schlick, plan.realisations as usize);
         let parts = match realisations::kept(&plan.grid, part, count, SIZE_LIMIT) {
             Kept::All => realisations::file_bytes(&plan.grid, part, count),

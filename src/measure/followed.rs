@@ -225,17 +225,27 @@ impl<'a> Followed<'a> {
         self.rays.count(&ending, self.context.campaign, self.lit);
         let units = self.turn().units;
         match ending {
-            Ending::Out { wo, order } => self.arrive(wo, order, light),
+            Ending::Out { wo, order } => self.arrive(wo, order, light, false),
             Ending::Hidden => self.tally.hidden.add(units),
             Ending::Cut { .. } => self.tally.cut.add(units),
-            Ending::LeftMap => self.tally.left_map.add(units),
+            Ending::LeftMap { wo, order, further } => {
+                self.tally.left_map.add(units);
+                if further {
+                    self.tally.left(&self.context.plan.weighing).cut.add(units);
+                }
+                if let Some(wo) = wo {
+                    self.arrive(wo, order, light, true);
+                }
+            }
             Ending::Lost => self.tally.lost += 1,
         }
     }
 
-    /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded.
-    fn arrive(&mut self, wo: DVec3, order: u32, light: &Light) {
-        let (context, tally, weights) = (self.context, &mut *self.tally, &mut self.weights);
+    /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded. One that
+    /// left an open map on its way goes into the sums of those.
+    fn arrive(&mut self, wo: DVec3, order: u32, light: &Light, left_map: bool) {
+        let (context, weights) = (self.context, &mut self.weights);
+        let tally = if left_map { self.tally.left(&context.plan.weighing) } else { &mut *self.tally };
         let Turn { arms, flux, units, part, part_units, .. } = &self.turns[self.at];
         context.plan.weighing.weigh(light.angles(), order, weights);
         let out = &mut tally.orders[order as usize - 1];
@@ -288,7 +298,8 @@ impl Rays {
         let (traced, skipped) = match *ending {
             Ending::Out { order, .. } => (light + u64::from(order), swept),
             Ending::Cut { down } => (light + bounces - u64::from(down), swept + u64::from(down)),
-            Ending::Hidden | Ending::LeftMap | Ending::Lost => (light, swept),
+            Ending::LeftMap { order, .. } => (light + u64::from(order), swept),
+            Ending::Hidden | Ending::Lost => (light, swept),
         };
         if campaign.trace.visibility {
             self.traced += traced;

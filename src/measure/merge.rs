@@ -92,7 +92,8 @@ impl Merge {
 fn sums_of(campaign: &Campaign, plan: &Plan) -> u128 {
     let sums = (plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
     let tallies = u128::from(plan.realisations) * campaign.alphas().len() as u128;
-    tallies * (plan.bins as u128 * (16 + 16 * sums) + 1024)
+    let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
+    copies * tallies * (plan.bins as u128 * (16 + 16 * sums) + 1024)
 }
 
 /// How many of `stops` are merged at a time beside a shard of `shard` bytes, and the bytes that takes; or what is wrong.

@@ -13,6 +13,7 @@ mod estimate;
 mod followed;
 mod heading;
 mod ledger;
+pub mod lost_light;
 mod memory_limit;
 mod merge;
 pub mod optics;

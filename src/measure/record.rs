@@ -22,8 +22,10 @@ pub struct StopRecord {
     pub cut: (u64, f64),
     /// Starts that the light does not see.
     pub hidden: u64,
-    /// Paths over the edge of an open map.
-    pub left_map: u64,
+    /// Paths over the edge of an open map, and their flux with F = 1.
+    pub left_map: (u64, f64),
+    /// Where they would arrive, as in the tally.
+    pub left: Option<Box<StopRecord>>,
     /// Starts whose facets send light into no aperture, and their flux.
     pub outside: (u64, f64),
     /// What the light sees of the facets, by their slope.
@@ -59,7 +61,8 @@ impl StopRecord {
             orders: tally.orders.iter().map(order).collect(),
             cut: (tally.cut.count, share(tally.cut.flux)),
             hidden: tally.hidden.count,
-            left_map: tally.left_map.count,
+            left_map: (tally.left_map.count, share(tally.left_map.flux)),
+            left: tally.left.as_ref().map(|left| Box::new(StopRecord::new(left, blocks))),
             outside: (tally.outside.count, share(tally.outside.flux)),
             seen: SeenBySlope::of(tally),
         }

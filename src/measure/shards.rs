@@ -19,7 +19,7 @@ use crate::files;
 use crate::instrument::Grid;
 
 /// What the files begin with; another number is another format.
-const KIND: &str = "gonio shard 2";
+const KIND: &str = "gonio shard 3";
 
 /// One of several parts of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

@@ -41,6 +41,9 @@ pub struct Tally {
     pub hidden: Fate,
     /// Paths over the edge of an open map.
     pub left_map: Fate,
+    /// Where those would arrive if nothing lay beyond the edge; in its `cut`, those that may go on from something
+    /// there and arrive anywhere. `None` before the first.
+    pub left: Option<Box<Tally>>,
     /// Starts whose facets send light into no aperture.
     pub outside: Fate,
     /// What the light sees of the starts, by the slope of their facets.
@@ -84,6 +87,7 @@ impl Tally {
             cut: Fate::default(),
             hidden: Fate::default(),
             left_map: Fate::default(),
+            left: None,
             outside: Fate::default(),
             seen: SeenBySlope::default(),
             lost: 0,
@@ -108,6 +112,12 @@ impl Tally {
         self.cut.merge(other.cut);
         self.hidden.merge(other.hidden);
         self.left_map.merge(other.left_map);
+        if let Some(theirs) = &other.left {
+            match &mut self.left {
+                Some(mine) => mine.merge(theirs),
+                mine => *mine = Some(theirs.clone()),
+            }
+        }
         self.outside.merge(other.outside);
         self.seen.merge(&other.seen);
         self.lost += other.lost;
@@ -122,26 +132,45 @@ impl Tally {
             && planes(&self.first) == planes(&other.first)
             && planes(&self.multiple) == planes(&other.multiple)
             && orders(&self.orders) == orders(&other.orders)
+            && self.left.iter().all(|left| left.left.is_none() && left.has_shape_of(other))
     }
 
     /// Whether these may be the sums of so many starts: each has one fate, and no sum can overflow by what is added.
     pub fn is_sound(&self, starts: u64) -> bool {
+        let counts =
+            self.fates().into_iter().map(|fate| fate.count).chain(self.orders.iter().map(|o| o.count));
+        counts.map(u128::from).sum::<u128>() == u128::from(starts)
+            && self.sums_are_sound(starts)
+            && self.left.iter().all(|left| left.sums_are_sound(self.left_map.count))
+    }
+
+    fn fates(&self) -> [Fate; 4] {
+        [self.cut, self.hidden, self.left_map, self.outside]
+    }
+
+    /// Whether no sum by bin or by fate is larger than `starts` paths make it.
+    fn sums_are_sound(&self, starts: u64) -> bool {
         let planes = self.first.iter().chain(&self.multiple).chain([&self.single]);
-        let fates = [self.cut, self.hidden, self.left_map, self.outside];
+        let fates = self.fates();
         let fluxes = fates.iter().map(|fate| &fate.flux).chain(self.orders.iter().map(|order| &order.flux));
         let weighted = self.orders.iter().flat_map(|order| &order.weighted);
-        let counts = fates.iter().map(|fate| fate.count).chain(self.orders.iter().map(|order| order.count));
         // A path arrives in a bin once, its mirror image once more.
         self.hits.iter().all(|&hits| hits <= 2 * starts)
             && self.seen.is_sound(starts)
             && self.lost == 0
-            && counts.map(u128::from).sum::<u128>() == u128::from(starts)
             && planes.flatten().chain(fluxes).chain(weighted).all(|&units| units <= u128::MAX / 4)
+    }
+
+    /// The sums of the paths over the edge of an open map.
+    pub fn left(&mut self, weighing: &Weighing) -> &mut Tally {
+        let bins = self.single.len();
+        self.left.get_or_insert_with(|| Box::new(Tally::new(bins, weighing)))
     }
 
     /// How many sums by bin there are, hits not among them.
     pub fn sums(&self) -> usize {
-        self.single.len() * (1 + self.first.len() + self.multiple.len())
+        let left = self.left.as_ref().map_or(0, |left| left.sums());
+        self.single.len() * (1 + self.first.len() + self.multiple.len()) + left
     }
 
     /// All starts that were counted.

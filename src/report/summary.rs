@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::campaign::Surface;
+use crate::measure::lost_light;
 use crate::measure::stopping::Look;
 use crate::measure::{Cost, Measured, Plan, StopResult, stopping};
 use crate::stats;
@@ -124,6 +125,7 @@ fn stop_summary(result: &StopResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Va
         "cut": result.cut,
         "hidden": result.hidden,
         "left_map": result.left_map,
+        "left_map_flux": result.lost_light[1],
         "outside": result.outside,
         "lost": 0,
         "samples": result.samples,
@@ -149,13 +151,18 @@ fn looks(result: &StopResult) -> Vec<Value> {
 impl StopResult {
     /// Albedo of order 1 and its standard error, where they are known.
     pub fn single(&self) -> (Option<f64>, Option<f64>) {
-        known(self.albedo_by_order[0].iter().copied())
+        self.covered(known(self.albedo_by_order[0].iter().copied()), self.lost_light[0])
+    }
+
+    /// An albedo whose error covers what light over the edge of an open map may have added.
+    fn covered(&self, (mean, se): (Option<f64>, Option<f64>), bound: f64) -> (Option<f64>, Option<f64>) {
+        (mean, se.map(|se| lost_light::with_bound(se, bound)))
     }
 
     /// Albedo of all orders and its standard error, where they are known.
     pub fn total(&self) -> (Option<f64>, Option<f64>) {
         let of = |realisation: usize| self.albedo_by_order.iter().map(|order| order[realisation]).sum();
-        known((0..self.closure.len()).map(of))
+        self.covered(known((0..self.closure.len()).map(of)), self.lost_light[1])
     }
 }
 
@@ -176,7 +183,7 @@ impl StopResult {
             if total > 0.0 { (total - single) / total } else { 0.0 }
         };
         let seen = if self.perfect || orders.len() > 1 { self.closure.len() } else { 0 };
-        known((0..seen).map(of))
+        self.covered(known((0..seen).map(of)), self.lost_light[1])
     }
 }
 

@@ -11,6 +11,7 @@ use crate::files;
 
 use super::Heightfield;
 use super::map_file::{self, MapFile, Stored};
+use super::outliers;
 
 /// Fewest cells along a side.
 const MIN_CELLS: usize = 8;
@@ -91,6 +92,7 @@ fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap
             notes.push(format!("plane with slopes {:.2e} and {:.2e} taken off", x * alpha_x, y * alpha_y));
         }
     }
+    notes.extend(outliers::named(&file.heights, file.columns));
     let field = Heightfield::new(cells_x, cells_y, map.periodic, file.heights);
     let (low, high) = field.range();
     if low == high {

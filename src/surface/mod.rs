@@ -8,6 +8,7 @@ pub mod import;
 pub mod map_file;
 mod map_gsf;
 mod map_xyz;
+pub mod outliers;
 mod ranks;
 mod remap;
 pub mod slope_law;

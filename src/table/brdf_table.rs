@@ -39,6 +39,9 @@ pub struct ColourChannels {
     pub stderr_single: Vec<f32>,
     /// Orders 2, 3, ... by themselves, where they were asked for.
     pub orders: Vec<Vec<f32>>,
+    /// What light over the edge of an open map may have added to `total` at most, were there nothing beyond, and all of
+    /// what may go on beyond besides; empty where the surface has no edge. The errors cover it.
+    pub left_map: Vec<f32>,
     /// The wavelength that names the colour; `None` for Y, R, G, B.
     pub wavelength_nm: Option<f64>,
 }

@@ -170,6 +170,9 @@ pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Reason<BTreeMap<St
         planes.insert(format!("multiple.{name}"), Plane::F32(&colour.multiple));
         planes.insert(format!("stderr.{name}"), Plane::F32(&colour.stderr));
         planes.insert(format!("stderr.single.{name}"), Plane::F32(&colour.stderr_single));
+        if !colour.left_map.is_empty() {
+            planes.insert(format!("left_map.{name}"), Plane::F32(&colour.left_map));
+        }
         for (order, values) in (2..).zip(&colour.orders) {
             planes.insert(format!("order{order}.{name}"), Plane::F32(values));
         }

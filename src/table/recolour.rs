@@ -53,6 +53,13 @@ fn usable(table: &BrdfTable) -> Result<&SchlickSums, String> {
     if sums.unit.is_empty() {
         return Err("holds `schlick` but not `unit`: written by an older version; measure it again".into());
     }
+    if table.colours.iter().flat_map(|colour| &colour.left_map).any(|&bound| bound > 0.0) {
+        return Err(
+            "light left the map by its edge, and what that may have added is known for the table's own \
+                    material alone; measure it with [optics] materials = [...]"
+                .into(),
+        );
+    }
     let multiple = table.colours.iter().any(|colour| colour.multiple.iter().any(|&value| value > 0.0));
     if multiple && sums.further.is_empty() {
         return Err("holds no sums of its orders above 1, only their values for its own material".into());

@@ -193,7 +193,12 @@ fn take_colour(part: &mut Part, (name, wavelength_nm): &ColourName, first: usize
         }
         orders.push(channels::take(part, &channel, first)?);
     }
+    let left_map = format!("left_map.{name}");
     Ok(ColourChannels {
+        left_map: match part.channels.contains_key(&left_map) {
+            true => channels::take(part, &left_map, first)?,
+            false => Vec::new(),
+        },
         total: channels::take(part, name, first)?,
         single: channels::take(part, &format!("single.{name}"), first)?,
         multiple: channels::take(part, &format!("multiple.{name}"), first)?,
@@ -211,7 +216,7 @@ fn drop_unknown(part: &mut Part, colours: &[ColourName], warnings: &mut Vec<Stri
     let order = |text: &str| text.strip_prefix("order").is_some_and(number);
     let known = |name: &str| match name.split_once('.') {
         None => matches!(name, "hits" | "schlick" | "unit") || of_colour(name),
-        Some(("single" | "multiple", rest)) => of_colour(rest),
+        Some(("single" | "multiple" | "left_map", rest)) => of_colour(rest),
         Some(("stderr", rest)) => of_colour(rest.strip_prefix("single.").unwrap_or(rest)),
         Some(("parts", rest)) => number(rest),
         Some((layer, rest)) if order(layer) => {

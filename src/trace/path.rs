@@ -34,8 +34,15 @@ pub enum Ending {
         /// It goes down: its last ray was not needed.
         down: bool,
     },
-    /// It leaves an open map by its edge.
-    LeftMap,
+    /// A ray of it leaves an open map by its edge: what that meets beyond is not known.
+    LeftMap {
+        /// Where the path arrives if nothing lies beyond the edge, sample's frame; `None` where it does not.
+        wo: Option<DVec3>,
+        /// Bounces on the map.
+        order: u32,
+        /// Whether it may go on from something beyond the edge, and arrive anywhere.
+        further: bool,
+    },
     /// A fault of the program.
     Lost,
 }
@@ -63,13 +70,20 @@ impl Sample<'_> {
     }
 
     /// Follows a path from `start` under light from `wi` through at most `bounces` orders.
+    ///
+    /// Where the light's ray leaves an open map the path is followed as one that the light may see: it ends as
+    /// [`Ending::LeftMap`] with all that is known of it.
     pub fn trace(&self, start: Place, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> Ending {
-        match self.walker.walk(&start, self.to_field(wi)) {
-            Outcome::Escaped => {}
+        let perhaps_lit = match self.walker.walk(&start, self.to_field(wi)) {
+            Outcome::Escaped => false,
             Outcome::Hit(_) => return Ending::Hidden,
-            Outcome::LeftMap => return Ending::LeftMap,
+            Outcome::LeftMap => true,
             Outcome::Lost => return Ending::Lost,
-        }
+        };
+        let cut = |down: bool| match perhaps_lit {
+            true => Ending::LeftMap { wo: None, order: bounces, further: false },
+            false => Ending::Cut { down },
+        };
         let mut place = start;
         let mut back = wi;
         for order in 1..=bounces {
@@ -77,17 +91,20 @@ impl Sample<'_> {
             visit.bounce(back, wo);
             // A path that goes down must hit again: at the last order there is nothing left to find out.
             if order == bounces && wo.z <= 0.0 {
-                return Ending::Cut { down: true };
+                return cut(true);
             }
             match self.walker.walk(&place, self.to_field(wo)) {
+                Outcome::Escaped if perhaps_lit => {
+                    return Ending::LeftMap { wo: Some(wo), order, further: false };
+                }
                 Outcome::Escaped => return Ending::Out { wo, order },
                 Outcome::Hit(next) => place = next,
-                Outcome::LeftMap => return Ending::LeftMap,
+                Outcome::LeftMap => return left_map(wo, order, bounces),
                 Outcome::Lost => return Ending::Lost,
             }
             back = -wo;
         }
-        Ending::Cut { down: false }
+        cut(false)
     }
 
     /// The first bounce with shadowing and masking switched off.
@@ -96,4 +113,9 @@ impl Sample<'_> {
         visit.bounce(wi, wo);
         if wo.z > 0.0 { Ending::Out { wo, order: 1 } } else { Ending::Cut { down: true } }
     }
+}
+
+/// The end of a path whose ray along `wo` leaves an open map after `order` of at most `bounces` bounces.
+pub(super) fn left_map(wo: DVec3, order: u32, bounces: u32) -> Ending {
+    Ending::LeftMap { wo: (wo.z > 0.0).then_some(wo), order, further: order < bounces }
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::lane_kernel::Fate;
-use super::path::{Bounce, Ending, Sample};
+use super::path::{Bounce, Ending, Sample, left_map};
 use super::walk::{Outcome, Place};
 use super::waves::{LaneWalker, Waves};
 
@@ -155,7 +155,8 @@ impl PathWaves {
             match outcome {
                 Outcome::Hit(place) => now.push(Step { path, place, direction: -direction }),
                 Outcome::Escaped => endings[path] = Ending::Out { wo: direction, order },
-                Outcome::LeftMap => endings[path] = Ending::LeftMap,
+                // Lanes hold periodic fields alone; what else there is ends as one path by itself does.
+                Outcome::LeftMap => endings[path] = left_map(direction, order, order + 1),
                 Outcome::Lost => endings[path] = Ending::Lost,
             }
         });

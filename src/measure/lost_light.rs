@@ -1,0 +1,59 @@
+//! Light over the edge of an open map: what it may have added to each bin, and error bars that cover it.
+//!
+//! A ray that leaves a map which does not continue itself may meet nothing beyond, or anything. So of the light of such
+//! paths every bin may lack between nothing and `bound`: all of what would arrive there if nothing lay beyond, and,
+//! where more bounces are followed, all that may go on from something there. Of a value known to lie evenly in
+//! [f, f + bound] the root mean square distance from f is bound/sqrt(3), which is added to the standard error in
+//! square (JCGM 100, 4.3.7); 95 % of it, 1.96 bound/sqrt(3), covers the bound.
+
+use super::assemble::Source;
+use super::record::StopRecord;
+use super::weighing::Colour;
+use crate::stats;
+use crate::table::ColourChannels;
+
+/// The channels of a colour with errors that cover the lost light, and with its bound.
+pub(super) fn covered(source: &Source, colour: Colour, channels: ColourChannels) -> ColourChannels {
+    let weighing = &source.plan.weighing;
+    let left =
+        |record: &StopRecord, flux: &dyn Fn(&StopRecord) -> f64| record.left.as_deref().map_or(0.0, flux);
+    let single =
+        source.brdf(source.records, |record, bin| left(record, &|left| left.single_flux(colour, bin)));
+    let total = source.brdf(source.records, |record, bin| {
+        left(record, &|left| {
+            left.single_flux(colour, bin) + left.multiple_flux(weighing, colour, bin) + left.cut.1
+        })
+    });
+    ColourChannels {
+        stderr: widened(&channels.stderr, &total),
+        stderr_single: widened(&channels.stderr_single, &single),
+        left_map: total,
+        ..channels
+    }
+}
+
+/// Standard errors with those of lost light; what is not available (-1) remains so.
+fn widened(stderr: &[f32], bound: &[f32]) -> Vec<f32> {
+    let both = |(&stderr, &bound): (&f32, &f32)| {
+        if stderr < 0.0 { stderr } else { with_bound(f64::from(stderr), f64::from(bound)) as f32 }
+    };
+    stderr.iter().zip(bound).map(both).collect()
+}
+
+/// A standard error and a bound on what may be missing as one error: sqrt(se^2 + bound^2/3).
+pub fn with_bound(se: f64, bound: f64) -> f64 {
+    se.hypot(bound / 3f64.sqrt())
+}
+
+/// What lost light may have added to the albedos of order 1 and of all orders: mean of realisations and colours.
+pub(super) fn of_albedos(records: &[&StopRecord], colours: &[Colour]) -> [f64; 2] {
+    let of = |record: &&StopRecord, orders: usize, beyond: f64| {
+        let Some(left) = &record.left else { return 0.0 };
+        let flux = |&colour: &Colour| left.orders[..orders].iter().map(|o| o.flux(colour)).sum::<f64>();
+        stats::mean(&colours.iter().map(flux).collect::<Vec<_>>()) + beyond * left.cut.1
+    };
+    let mean = |orders: usize, beyond: f64| {
+        stats::mean(&records.iter().map(|record| of(record, orders, beyond)).collect::<Vec<_>>())
+    };
+    [mean(1, 0.0), mean(records[0].orders.len(), 1.0)]
+}

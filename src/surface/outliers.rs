@@ -1,0 +1,74 @@
+//! Single heights of a measured map that stand far out of the rest: spikes, dust, no-data values.
+//!
+//! One of them decides from which height on a ray is above everything, and so how much light leaves the map by its edge.
+
+/// How many times farther out than 99 of 100 heights an outlier stands: 7.7 standard deviations of a normal law.
+const FAR: f64 = 3.0;
+/// So many are named with their places.
+const NAMED: usize = 3;
+
+/// A sentence that names the outliers of a map with `columns` heights in a row, where there are any.
+///
+/// An outlier's distance from the median is above `FAR` times that of the 99th of 100 heights; where more than one
+/// height in a hundred is that far out, they are the surface's own.
+pub fn named(heights: &[f64], columns: usize) -> Option<String> {
+    let median = quantile(&mut heights.to_vec(), 0.5);
+    let mut distances: Vec<f64> = heights.iter().map(|height| (height - median).abs()).collect();
+    let limit = FAR * quantile(&mut distances, 0.99);
+    let mut found: Vec<usize> =
+        (0..heights.len()).filter(|&at| (heights[at] - median).abs() > limit).collect();
+    if found.is_empty() {
+        return None;
+    }
+    found.sort_by(|&a, &b| (heights[b] - median).abs().total_cmp(&(heights[a] - median).abs()));
+    let place = |&at: &usize| {
+        let (row, column) = (at / columns, at % columns);
+        format!("{:.4e} at row {row}, column {column}", heights[at] - median)
+    };
+    let places: Vec<String> = found.iter().take(NAMED).map(place).collect();
+    let more = found.len().saturating_sub(NAMED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    Some(format!(
+        "{} outlying heights: {}{more} (from the median, in the file's unit; 99 % lie within {:.4e}): a ray is \
+         clear of the map above the highest alone; set them to their neighbours' height in the scan",
+        found.len(),
+        places.join("; "),
+        limit / FAR
+    ))
+}
+
+/// The value below which the share `p` of the values lies.
+fn quantile(values: &mut [f64], p: f64) -> f64 {
+    let at = ((values.len() - 1) as f64 * p).round() as usize;
+    *values.select_nth_unstable_by(at, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sine of amplitude 1, 64 x 64.
+    fn smooth() -> Vec<f64> {
+        (0..64 * 64).map(|at| ((at % 64) as f64 * 0.3).sin()).collect()
+    }
+
+    #[test]
+    fn a_spike_and_a_pit_are_named_with_their_places() {
+        let mut heights = smooth();
+        (heights[5 * 64 + 7], heights[9 * 64 + 3]) = (30.0, -1e5);
+        let said = named(&heights, 64).expect("two outliers");
+        assert!(said.starts_with("2 outlying heights: -1.0000e5 at row 9, column 3; "), "{said}");
+        assert!(said.contains("at row 5, column 7"), "{said}");
+    }
+
+    #[test]
+    fn a_surface_of_its_own_law_has_no_outliers() {
+        assert_eq!(named(&smooth(), 64), None);
+        assert_eq!(named(&[0.25; 64], 8), None);
+        // Normal heights by their own quantiles: the largest of 4096 stands 3.5 deviations out, the limit is 7.7.
+        let normal = statrs::distribution::Normal::standard();
+        let quantile =
+            |k: usize| statrs::distribution::ContinuousCDF::inverse_cdf(&normal, (k as f64 + 0.5) / 4096.0);
+        assert_eq!(named(&(0..4096).map(quantile).collect::<Vec<_>>(), 64), None);
+    }
+}
