@@ -2,8 +2,9 @@
 //!
 //! One of them decides from which height on a ray is above everything, and so how much light leaves the map by its edge.
 
-/// How many times farther out than 99 of 100 heights an outlier stands: 7.7 standard deviations of a normal law.
-const FAR: f64 = 3.0;
+/// How many times farther out than 99 of 100 heights an outlier stands: 15 standard deviations of a normal law. Needles of
+/// GGX heights reach 5.
+const FAR: f64 = 6.0;
 /// So many are named with their places.
 const NAMED: usize = 3;
 
@@ -29,7 +30,7 @@ pub fn named(heights: &[f64], columns: usize) -> Option<String> {
     let more = found.len().saturating_sub(NAMED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     Some(format!(
-        "{} outlying heights: {}{more} (from the median, in the file's unit; 99 % lie within {:.4e}): a ray is \
+        "outlying heights ({}): {}{more} (from the median, in the file's unit; 99 % lie within {:.4e}): a ray is \
          clear of the map above the highest alone; set them to their neighbours' height in the scan",
         found.len(),
         places.join("; "),
@@ -57,7 +58,7 @@ mod tests {
         let mut heights = smooth();
         (heights[5 * 64 + 7], heights[9 * 64 + 3]) = (30.0, -1e5);
         let said = named(&heights, 64).expect("two outliers");
-        assert!(said.starts_with("2 outlying heights: -1.0000e5 at row 9, column 3; "), "{said}");
+        assert!(said.starts_with("outlying heights (2): -1.0000e5 at row 9, column 3; "), "{said}");
         assert!(said.contains("at row 5, column 7"), "{said}");
     }
 
@@ -65,7 +66,7 @@ mod tests {
     fn a_surface_of_its_own_law_has_no_outliers() {
         assert_eq!(named(&smooth(), 64), None);
         assert_eq!(named(&[0.25; 64], 8), None);
-        // Normal heights by their own quantiles: the largest of 4096 stands 3.5 deviations out, the limit is 7.7.
+        // Normal heights by their own quantiles: the largest of 4096 stands 3.5 deviations out, the limit is 15.
         let normal = statrs::distribution::Normal::standard();
         let quantile =
             |k: usize| statrs::distribution::ContinuousCDF::inverse_cdf(&normal, (k as f64 + 0.5) / 4096.0);
