@@ -6,9 +6,10 @@ use std::sync::{Mutex, Once};
 
 use gonio::error::Error;
 use gonio::files::image::{self, Attribute, Part, Samples};
+use gonio::files::sha256_hex;
 use gonio::instrument::{Grid, GridKind};
 use gonio::table::{
-    BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums, realisations, store,
+    BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums, TableRows, realisations, store,
 };
 
 /// A small repeatable source of bits (splitmix64).
@@ -135,6 +136,74 @@ fn a_changed_value_grid_or_patch_digest_is_noticed() {
     let mut part = opened(&table);
     part.attributes.remove("gonio.patch_digest");
     assert!(refusal(part).contains("gonio.digest"));
+}
+
+/// Every text of a part with one bit turned over, at its head, middle and end.
+fn with_a_bit_flipped(part: &Part) -> Vec<(String, Part)> {
+    let mut all = Vec::new();
+    for name in part.attributes.keys().filter(|name| name.starts_with("gonio.")) {
+        let text = part.text(name).expect("a text");
+        for at in [0, text.len() / 2, text.len() - 1] {
+            let mut bytes = text.as_bytes().to_vec();
+            bytes[at] ^= 1;
+            let mut other = part.clone();
+            // A letter outside ASCII may fall apart: then it is replaced.
+            other.set_text(name, &String::from_utf8_lossy(&bytes));
+            all.push((format!("{name}, byte {at}"), other));
+        }
+    }
+    all
+}
+
+#[test]
+fn one_flipped_bit_in_any_text_of_a_table_is_an_error() {
+    let part = opened(&table(3));
+    let flipped = with_a_bit_flipped(&part);
+    let names = ["campaign", "convention", "digest", "grid", "patch_digest", "seed", "version"];
+    assert_eq!(flipped.len(), 3 * names.len());
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let path = folder.path().join("table.exr");
+    for (what, part) in flipped {
+        std::fs::write(&path, image::encode(vec![part.clone()]).expect("encodes")).expect("written");
+        let by_rows = TableRows::open(&path).and_then(|mut rows| rows.verify());
+        assert!(by_rows.is_err(), "{what} by rows");
+        assert!(refusal(part).contains("gonio."), "{what}");
+    }
+}
+
+#[test]
+fn one_flipped_bit_in_any_text_of_realisations_is_an_error() {
+    let table = table(1);
+    let values = vec![table.colours[0].total.clone()];
+    let part = RealisationPart { total: values.clone(), single: values, schlick: None };
+    let whole = realisations::encode(&Realisations { parts: vec![part] }, &table, 3).expect("encodes");
+    let part = image::decode(&whole).expect("decodes").remove(0);
+    let flipped = with_a_bit_flipped(&part);
+    assert_eq!(flipped.len(), 3 * ["digest", "grid", "group_size", "table_digest"].len());
+    for (what, part) in flipped {
+        let bytes = image::encode(vec![part]).expect("encodes");
+        assert!(realisations::decode(here(), &bytes).is_err(), "{what}");
+    }
+}
+
+/// The digest before the texts went in: "gonio digest 2", grid and patches, then a line for each channel.
+#[test]
+fn a_table_whose_digest_left_the_campaign_out_is_named_as_old() {
+    let mut part = opened(&table(1));
+    let (grid, patches) =
+        (part.text("gonio.grid").expect("set"), part.text("gonio.patch_digest").expect("set"));
+    let mut all = format!("gonio digest 2\n{grid}\n{patches}\n");
+    for (name, samples) in &part.channels {
+        let (kind, bytes): (_, Vec<u8>) = match samples {
+            Samples::F32(values) => ("FLOAT", values.iter().flat_map(|v| v.to_le_bytes()).collect()),
+            Samples::U32(values) => ("UINT", values.iter().flat_map(|v| v.to_le_bytes()).collect()),
+            Samples::F16(_) => panic!("no table has HALF"),
+        };
+        all += &format!("{name} {kind} {} {}\n", bytes.len() / 4, sha256_hex(&bytes));
+    }
+    part.set_text("gonio.digest", &sha256_hex(all.as_bytes()));
+    let why = refusal(part);
+    assert!(why.contains("older version") && why.contains("measure it again"), "{why}");
 }
 
 #[test]

@@ -8,12 +8,11 @@ use crate::instrument::grid::GridKind;
 
 use super::brdf_table::named_wavelength;
 use super::content_digest::ContentDigest;
+pub(super) use super::content_digest::DIGEST;
 use super::{BrdfTable, SchlickSums};
 
 /// Name of the grid's attribute.
 pub(super) const GRID: &str = "gonio.grid";
-/// Name of the digest's attribute.
-pub(super) const DIGEST: &str = "gonio.digest";
 
 /// A reason, to be completed with the file's path.
 pub(super) type Reason<T> = Result<T, String>;
@@ -267,23 +266,25 @@ pub(super) fn take_schlick(part: &mut Part, first_stop: usize) -> Reason<Option<
     })
 }
 
-/// The digest of a content that is at hand.
-pub(super) fn digest(grid: &str, patches: &str, part: &Part) -> String {
+/// The sums of a content that is at hand.
+pub(super) fn content_of(part: &Part) -> ContentDigest {
     let mut content = ContentDigest::default();
     for (name, samples) in &part.channels {
         content.add_samples(name, samples);
     }
-    content.finish(grid, patches)
+    content
 }
 
 /// Compares a part's digest with its content; a missing one is a warning.
-pub(super) fn check_digest(part: &Part, patches: &str, warnings: &mut Vec<String>) -> Reason<()> {
+///
+/// `origin` is the text that older digests held beside the grid: the patches' digest, or the table's.
+pub(super) fn check_digest(part: &Part, origin: &str, warnings: &mut Vec<String>) -> Reason<()> {
     match part.text(DIGEST) {
         None => {
             warnings.push(no_digest());
             Ok(())
         }
-        Some(stored) => same_digest(stored, &digest(part.text(GRID).unwrap_or_default(), patches, part)),
+        Some(stored) => same_digest(stored, &content_of(part), part, origin),
     }
 }
 
@@ -292,10 +293,17 @@ pub(super) fn no_digest() -> String {
     format!("no {DIGEST} attribute: changes of the content cannot be noticed")
 }
 
-/// The digest that is stored must be the one that was found.
-pub(super) fn same_digest(stored: &str, found: &str) -> Reason<()> {
+/// The digest that is stored must be that of the content and of the part's texts.
+pub(super) fn same_digest(stored: &str, content: &ContentDigest, part: &Part, origin: &str) -> Reason<()> {
+    let found = content.finish(part);
     if stored == found {
         return Ok(());
+    }
+    if stored == content.finish_2(part.text(GRID).unwrap_or_default(), origin) {
+        return Err(format!(
+            "{DIGEST} is of an older version, which left the campaign and the other texts out: a change of them \
+             could not be noticed; measure it again"
+        ));
     }
     Err(format!(
         "{DIGEST} says {stored}, the content gives {found}: the file was changed or damaged, or is older than \

@@ -1,7 +1,8 @@
 //! The digest of a table's content, taken row by row: what the file's `gonio.digest` says.
 //!
-//! SHA-256 over the grid's text, the patches' digest and, for every channel by name, its name, type, number of values
-//! and the SHA-256 of its little-endian values. One sum runs for each channel, so that rows can come and go.
+//! SHA-256 over every `gonio.` text of the part but the digest itself (name, length in bytes, text: campaign, version,
+//! seed, grid, ...) and, for every channel by name, its name, type, number of values and the SHA-256 of its
+//! little-endian values. One sum runs for each channel, so that rows can come and go.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -9,7 +10,7 @@ use std::collections::BTreeMap;
 use sha2::{Digest, Sha256};
 
 use crate::files;
-use crate::files::image::Samples;
+use crate::files::image::{Attribute, Part, Samples};
 
 /// A digest under way.
 #[derive(Default)]
@@ -17,11 +18,15 @@ pub(super) struct ContentDigest {
     channels: BTreeMap<String, Channel>,
 }
 
+#[derive(Clone)]
 struct Channel {
     kind: &'static str,
     count: u64,
     sum: Sha256,
 }
+
+/// Name of the digest's attribute, the one text that it does not hold.
+pub(super) const DIGEST: &str = "gonio.digest";
 
 impl ContentDigest {
     /// Adds further values of a channel: their type, and their bytes in the machine's order.
@@ -58,12 +63,26 @@ impl ContentDigest {
         }
     }
 
-    /// 64 hex digits.
-    pub fn finish(self, grid: &str, patches: &str) -> String {
+    /// 64 hex digits; the texts are those of `part`.
+    pub fn finish(&self, part: &Part) -> String {
+        let texts = part.attributes.iter().filter_map(|(name, value)| match value {
+            Attribute::Text(text) if name.starts_with("gonio.") && name != DIGEST => Some((name, text)),
+            _ => None,
+        });
+        let line = |(name, text): (&String, &String)| format!("{name} {}\n{text}\n", text.len());
+        self.of_head(&format!("gonio digest 3\n{}", texts.map(line).collect::<String>()))
+    }
+
+    /// What versions before digest 3 wrote, which left out all texts but two: known to be named, not to be trusted.
+    pub fn finish_2(&self, grid: &str, patches: &str) -> String {
+        self.of_head(&format!("gonio digest 2\n{grid}\n{patches}\n"))
+    }
+
+    fn of_head(&self, head: &str) -> String {
         let mut all = Sha256::new();
-        all.update(format!("gonio digest 2\n{grid}\n{patches}\n"));
-        for (name, Channel { kind, count, sum }) in self.channels {
-            all.update(format!("{name} {kind} {count} {}\n", files::hex(&sum.finalize())));
+        all.update(head);
+        for (name, Channel { kind, count, sum }) in &self.channels {
+            all.update(format!("{name} {kind} {count} {}\n", files::hex(&sum.clone().finalize())));
         }
         files::hex(&all.finalize())
     }
@@ -85,14 +104,21 @@ mod tests {
         let values = [0.5f32, -1.0, 3.25];
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let channel = files::sha256_hex(&bytes);
-        let wanted = files::sha256_hex(format!("gonio digest 2\ng\np\nY FLOAT 3 {channel}\n").as_bytes());
+        let head = "gonio digest 3\ngonio.campaign 3\n\u{b5}\n\ngonio.grid 1\ng\n";
+        let wanted = files::sha256_hex(format!("{head}Y FLOAT 3 {channel}\n").as_bytes());
+        let mut part = Part::default();
+        for (name, text) in
+            [("gonio.grid", "g"), ("gonio.campaign", "\u{b5}\n"), (DIGEST, "d"), ("owner", "o")]
+        {
+            part.set_text(name, text);
+        }
         let mut whole = ContentDigest::default();
         whole.add_samples("Y", &Samples::F32(values.to_vec()));
-        assert_eq!(whole.finish("g", "p"), wanted);
+        assert_eq!(whole.finish(&part), wanted);
         let mut pieces = ContentDigest::default();
         for value in values {
             pieces.add("Y", &Samples::F32(vec![]), &value.to_ne_bytes());
         }
-        assert_eq!(pieces.finish("g", "p"), wanted);
+        assert_eq!(pieces.finish(&part), wanted);
     }
 }

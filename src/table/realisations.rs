@@ -200,10 +200,11 @@ fn to_part(
     }
     channels::insert_schlick(&mut part, values.schlick.as_ref(), table.is_by_order())?;
     let grid = channels::grid_text(&table.grid)?;
-    part.set_text(DIGEST, &channels::digest(&grid, table_digest, &part));
     part.set_text(GRID, &grid);
     part.set_text(TABLE_DIGEST, table_digest);
     part.set_text(GROUP_SIZE, &group_size.to_string());
+    let digest = channels::content_of(&part).finish(&part);
+    part.set_text(DIGEST, &digest);
     Ok(part)
 }
 

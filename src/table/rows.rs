@@ -13,7 +13,7 @@ use crate::files::image::{self, Part};
 use crate::files::image_blocks::Blocks;
 use crate::instrument::Grid;
 
-use super::channels::{self, ColourName, DIGEST, GRID};
+use super::channels::{self, ColourName, DIGEST};
 use super::content_digest::ContentDigest;
 use super::{BrdfTable, store};
 
@@ -103,9 +103,8 @@ impl TableRows {
                 }
             }
         }
-        let grid = self.outline.text(GRID).unwrap_or_default();
-        let found = content.finish(grid, &self.empty.patch_digest);
-        channels::same_digest(&stored, &found).map_err(|why| Error::format(&self.path, why))
+        channels::same_digest(&stored, &content, &self.outline, &self.empty.patch_digest)
+            .map_err(|why| Error::format(&self.path, why))
     }
 
     /// The rows of some stops, in increasing order, as a table of these stops.

@@ -73,8 +73,7 @@ pub fn digest(table: &BrdfTable) -> Result<String> {
             content.add(name, &plane.kind(), &bytes);
         }
     }
-    let grid = channels::grid_text(&table.grid).map_err(no)?;
-    Ok(content.finish(&grid, &table.patch_digest))
+    Ok(content.finish(&outline(table, &table.grid, &planes).map_err(no)?))
 }
 
 /// Reads a table's file, block by block.

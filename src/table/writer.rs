@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::files::NewFile;
+use crate::files::image::Part;
 use crate::files::row_writer::RowWriter;
 use crate::instrument::Grid;
 
@@ -18,7 +19,8 @@ use super::{BrdfTable, store};
 pub struct TableWriter<W> {
     rows: RowWriter<W>,
     content: ContentDigest,
-    grid: String,
+    /// The texts.
+    outline: Part,
     patch_digest: String,
     /// Stops taken so far.
     stops: usize,
@@ -35,14 +37,11 @@ impl TableWriter<NewFile> {
 impl<W: Write + Seek> TableWriter<W> {
     /// Begins a table of all stops of `grid`, with the channels and texts of `like`; `path` is for messages.
     pub fn new(out: W, path: &Path, like: &BrdfTable, grid: &Grid) -> Result<Self> {
-        let begin = || {
-            let outline = store::outline(like, grid, &channels::planes(like, 0)?)?;
-            Ok((outline, channels::grid_text(grid)?))
-        };
-        let (outline, text) = begin().map_err(refused)?;
-        let rows = RowWriter::new(out, outline).map_err(|e| Error::io(path, e))?;
+        let begin = || store::outline(like, grid, &channels::planes(like, 0)?);
+        let outline = begin().map_err(refused)?;
+        let rows = RowWriter::new(out, outline.clone()).map_err(|e| Error::io(path, e))?;
         let (content, patch_digest) = (ContentDigest::default(), like.patch_digest.clone());
-        Ok(TableWriter { rows, content, grid: text, patch_digest, stops: 0, path: path.into() })
+        Ok(TableWriter { rows, content, outline, patch_digest, stops: 0, path: path.into() })
     }
 
     /// Adds the rows of the next stops. NaN and infinite values are refused.
@@ -68,7 +67,7 @@ impl<W: Write + Seek> TableWriter<W> {
 
     /// Completes the header, and hands back the file and the table's digest.
     pub fn finish(self) -> Result<(W, String)> {
-        let digest = self.content.finish(&self.grid, &self.patch_digest);
+        let digest = self.content.finish(&self.outline);
         let out = self.rows.finish(DIGEST, &digest).map_err(|e| Error::io(&self.path, e))?;
         Ok((out, digest))
     }
