@@ -28,6 +28,12 @@ pub fn student_limit(p: f64, dof: usize) -> f64 {
     -t.inverse_cdf(0.5 * p)
 }
 
+/// The probability that |t| of `dof` degrees of freedom is larger (two-sided), dof >= 1.
+pub fn student_p(t: f64, dof: usize) -> f64 {
+    let law = StudentsT::new(0.0, 1.0, dof as f64).expect("dof >= 1");
+    2.0 * law.cdf(-t.abs())
+}
+
 /// Level of each of `tests` independent tests that keeps the family's level: 1 - (1 - level)^(1/tests).
 pub fn sidak(level: f64, tests: usize) -> f64 {
     -((-level).ln_1p() / tests as f64).exp_m1()

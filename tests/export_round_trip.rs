@@ -57,6 +57,7 @@ fn table(colours: usize) -> BrdfTable {
             multiple: channel(),
             stderr: channel(),
             stderr_single: vec![-1.0; pixels],
+            albedo_se: channel()[..grid.stops()].to_vec(),
             // Orders 2 and 3 by themselves; colours beyond R, G, B are told by their wavelengths.
             orders: vec![channel(), channel()],
             wavelength_nm: (colours > 3).then_some(400.0 + 12.5 * k as f64),
@@ -159,7 +160,7 @@ fn with_a_bit_flipped(part: &Part) -> Vec<(String, Part)> {
 fn one_flipped_bit_in_any_text_of_a_table_is_an_error() {
     let part = opened(&table(3));
     let flipped = with_a_bit_flipped(&part);
-    let names = ["campaign", "convention", "digest", "grid", "patch_digest", "seed", "version"];
+    let names = ["albedo_se", "campaign", "convention", "digest", "grid", "patch_digest", "seed", "version"];
     assert_eq!(flipped.len(), 3 * names.len());
     let folder = tempfile::tempdir().expect("temporary folder");
     let path = folder.path().join("table.exr");

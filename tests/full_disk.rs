@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use gonio::campaign;
 use gonio::measure::{self, Checkpoint, Disk};
+use gonio::table::realisations::SIZE_LIMIT;
 
 #[path = "common/failing.rs"]
 mod failing;
@@ -108,7 +109,7 @@ fn what_a_run_takes_on_the_disk_is_said_before() {
         let folder = tempfile::tempdir().expect("temporary folder");
         fs::write(folder.path().join("small.toml"), &text).expect("campaign");
         let campaign = campaign::parse(&text, "small", folder.path()).expect("sound").campaign;
-        let disk = Disk::of(&campaign, &measure::plan(&campaign).expect("fits"));
+        let disk = Disk::of(&campaign, &measure::plan(&campaign).expect("fits"), SIZE_LIMIT);
         assert_eq!(measure(folder.path(), "out").output().expect("runs").status.code(), Some(0));
         let results = size(&folder.path().join("out"), &["small"]);
         // Values are counted as if they did not compress; half of these and more are zero or alike.

@@ -11,8 +11,9 @@ use crate::error::{Error, Result};
 use crate::measure::{self, Measured, Patches, Plan, Specimen};
 use crate::stats;
 use crate::surface::SlopeCounts;
+use crate::validate::compare::Figures;
 use crate::validate::model::{Model, StopMeans};
-use crate::validate::{expect, verdict};
+use crate::validate::{Parts, expect, verdict};
 
 /// Patches of each row whose slopes are counted.
 const COUNTED_PATCHES: u64 = 4;
@@ -36,7 +37,7 @@ pub struct ResolutionRow {
     pub ks: Option<f64>,
     /// The discrepancy `l1_model`: distance from the model with the noise taken off, mean over stops.
     pub error: f64,
-    /// Its standard error, by the jackknife over realisations.
+    /// Its standard error over realisations.
     pub error_se: f64,
     /// `l1_noise`, what was taken off.
     pub noise: f64,
@@ -105,8 +106,10 @@ fn row(
     let (mut measured, cost) = measure::measure(campaign, plan, &patches, progress)?;
     let measured = measured.pop().ok_or_else(|| Error::Internal("a row without a table".into()))?;
     let missing = || Error::Internal("a comparison without a figure".into());
-    let (error, noise) = discrepancy(&measured, truth).ok_or_else(missing)?;
-    let error_se = jackknife(&measured, truth).ok_or_else(missing)?;
+    let figures = discrepancy(&measured, truth).ok_or_else(missing)?;
+    let error = figures.l1_model.ok_or_else(missing)?;
+    let error_se = figures.l1_model_se.ok_or_else(missing)?;
+    let noise = figures.l1_noise.ok_or_else(missing)?;
     Ok(ResolutionRow {
         cells: campaign.surface.cells,
         correlation_cells: campaign.surface.correlation_cells,
@@ -122,41 +125,12 @@ fn row(
     })
 }
 
-/// (l1_model, l1_noise) against the masking that the campaign is held to.
-fn discrepancy(measured: &Measured, (model, means): (&Model, &[StopMeans])) -> Option<(f64, f64)> {
-    let comparisons = verdict::compare(&measured.table, &measured.campaign, model, means);
+/// The figures against the masking that the campaign is held to.
+fn discrepancy(measured: &Measured, (model, means): (&Model, &[StopMeans])) -> Option<Figures> {
+    let parts = Parts::of(Some(&measured.realisations));
+    let comparisons = verdict::compare(&measured.table, &measured.campaign, parts, model, means);
     let wanted = expect::masking(&measured.campaign);
-    let figures = comparisons.iter().find(|comparison| comparison.masking == wanted)?.figures;
-    figures.l1_model.zip(figures.l1_noise)
-}
-
-/// Standard error of `l1_model`: se^2 = (R-1)/R sum (x_k - mean)^2 over the figures x_k without realisation k.
-fn jackknife(measured: &Measured, truth: (&Model, &[StopMeans])) -> Option<f64> {
-    let count = measured.realisations.parts.len();
-    let without = |left_out: usize| discrepancy(&without(measured, left_out), truth).map(|figures| figures.0);
-    let figures = (0..count).into_par_iter().map(without).collect::<Option<Vec<f64>>>()?;
-    let mean = stats::mean(&figures);
-    let squares: f64 = figures.iter().map(|x| (x - mean).powi(2)).sum();
-    Some((squares * (count as f64 - 1.0) / count as f64).sqrt())
-}
-
-/// Order 1 of the other realisations, with the error bars that they give.
-fn without(measured: &Measured, left_out: usize) -> Measured {
-    let mut rest = measured.clone();
-    rest.realisations.parts.remove(left_out);
-    rest.campaign.surface.realisations -= 1;
-    for (colour, channels) in rest.table.colours.iter_mut().enumerate() {
-        for bin in 0..channels.single.len() {
-            let values = rest.realisations.parts.iter().map(|part| f64::from(part.single[colour][bin]));
-            let (mean, se) = stats::mean_and_se(values);
-            channels.single[bin] = mean as f32;
-            // An empty bin keeps what it says of itself.
-            if let Some(se) = se.filter(|_| mean > 0.0) {
-                channels.stderr_single[bin] = se as f32;
-            }
-        }
-    }
-    rest
+    comparisons.iter().find(|comparison| comparison.masking == wanted).map(|comparison| comparison.figures)
 }
 
 fn ks(campaign: &Campaign, patches: &Patches) -> Result<Option<f64>> {

@@ -10,6 +10,7 @@ use super::plan_text;
 use crate::campaign::{self, Parsed};
 use crate::error::{Error, Result};
 use crate::measure::{self, Disk};
+use crate::table::realisations::SIZE_LIMIT;
 use crate::validate::aperture::worst;
 
 /// List all faults of a campaign, or show the plan: stops, bins, samples, memory, time
@@ -33,7 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut out = Output::default();
     if arguments.json {
         let code = plan.as_ref().err().map_or(0, Error::exit_code);
-        let disk = plan.as_ref().ok().map(|plan| Disk::of(&campaign, plan));
+        let disk = plan.as_ref().ok().map(|plan| Disk::of(&campaign, plan, SIZE_LIMIT));
         let plan = match plan {
             Ok(plan) => to_json(&plan)?,
             Err(error) => {
@@ -52,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     notes.iter().for_each(warn);
     let plan = plan?;
     out.lines(preset.iter().flat_map(plan_text::preset))?;
-    out.lines(plan_text::facts(&campaign, &plan))?;
+    out.lines(plan_text::facts(&campaign, &plan, Disk::of(&campaign, &plan, SIZE_LIMIT)))?;
     out.lines(worst(&campaign).iter().flat_map(plan_text::aperture))?;
     out.lines(plan_text::skipped(&plan))?;
     Ok(0)

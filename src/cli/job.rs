@@ -9,7 +9,7 @@ use super::measure::Arguments;
 use super::output::{Output, warn};
 use super::plan_text;
 use super::progress::Progress;
-use super::results::Results;
+use super::results::{self, Results};
 use super::targets::Target;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -94,21 +94,24 @@ impl Job<'_> {
     }
 
     fn results<'a>(&self, plan: &'a Plan, open: &'a [&'a Target]) -> Results<'a> {
-        Results { plan, open, json: self.arguments.json, memory: self.arguments.memory() }
+        let (memory, limit) = (self.arguments.memory(), self.arguments.realisations_limit());
+        Results { plan, open, json: self.arguments.json, memory, realisations_limit: limit }
     }
 
     /// The patches, with what is to be said of the campaign before it runs.
     fn patches(&self, plan: &Plan, out: &mut Output) -> Result<Patches> {
         let Job { arguments, campaign, .. } = self;
+        let disk = Disk::of(campaign, plan, arguments.realisations_limit());
+        results::realisations_fit(disk, arguments.memory())?;
         let mut notes = Vec::new();
         let patches = match &arguments.patches {
             Some(folder) => Patches::from_folder(campaign, folder)?,
             None => Patches::prepare(campaign, &mut notes)?,
         };
         notes.iter().for_each(warn);
-        self.keeping.room_for(Disk::of(campaign, plan)).iter().for_each(warn);
+        self.keeping.room_for(disk).iter().for_each(warn);
         if !arguments.json {
-            out.lines(plan_text::facts(campaign, plan))?;
+            out.lines(plan_text::facts(campaign, plan, disk))?;
             out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
         }
         Ok(patches)

@@ -15,6 +15,7 @@ use crate::error::{Error, Result};
 use crate::files;
 use crate::files::lock::Lock;
 use crate::measure::{self, Plan, Shard, shards};
+use crate::table::realisations;
 
 /// Measure a campaign: table, realisations, summary and report
 #[derive(Args)]
@@ -43,6 +44,9 @@ pub struct Arguments {
     /// Measure one of N shards, whole stops of it; `gonio merge` puts them together
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
+    /// Keep every realisation, however large their file: for fit, study, compare and validate
+    #[arg(long)]
+    keep_realisations: bool,
     /// Go on with a run that was ended (Ctrl-C, a crash), to the same bytes
     #[arg(long)]
     resume: bool,
@@ -167,6 +171,11 @@ impl Arguments {
         self.memory_mb.map_or_else(measure::memory_limit, |mb| mb.saturating_mul(1 << 20))
     }
 
+    /// Bytes that a file of realisations may take.
+    pub fn realisations_limit(&self) -> u64 {
+        realisations::limit(self.keep_realisations)
+    }
+
     /// The command that goes on with this one.
     pub fn again(&self) -> String {
         let mut words = vec!["gonio measure".to_string(), kept::quoted(&self.campaign)];
@@ -179,6 +188,7 @@ impl Arguments {
         words.extend(self.memory_mb.map(|mb| format!("--memory-mb {mb}")));
         words.extend(self.shard.map(|shard| format!("--shard {shard}")));
         words.extend(self.seed.map(|seed| format!("--seed {seed}")));
+        words.extend(self.keep_realisations.then(|| "--keep-realisations".to_string()));
         words.extend((self.threads > 0).then(|| format!("--threads {}", self.threads)));
         words.extend(self.force.then(|| "--force".to_string()));
         words.extend(self.json.then(|| "--json".to_string()));

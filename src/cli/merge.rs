@@ -7,13 +7,14 @@ use serde_json::json;
 
 use super::measure::summaries;
 use super::output::{Output, say, warn};
-use super::results::Results;
+use super::results::{self, Results};
 use super::targets::{self, Target};
 use crate::campaign;
 use crate::error::{Error, Result};
 use crate::files::lock::Lock;
-use crate::measure::{self, Merge, Shard, Shards, shards};
+use crate::measure::{self, Disk, Merge, Shard, Shards, shards};
 use crate::report::specimen;
+use crate::table::realisations;
 
 /// Put the shards of a campaign together: the very bytes of one run
 #[derive(Args)]
@@ -35,6 +36,9 @@ pub struct Arguments {
     /// MiB that may be used; larger tables go in bands [default: half of the free]
     #[arg(long, value_name = "N")]
     memory_mb: Option<u64>,
+    /// Keep every realisation, however large their file
+    #[arg(long)]
+    keep_realisations: bool,
     /// Replace results that are there
     #[arg(long)]
     force: bool,
@@ -70,7 +74,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let all = Target::of(&campaign, &folder);
     let open = open(&all, arguments, !missing.is_empty())?;
     let mut out = Output::default();
-    let results = Results { plan: merge.plan(), open: &open, json: arguments.json, memory };
+    let realisations_limit = realisations::limit(arguments.keep_realisations);
+    results::realisations_fit(Disk::of(&campaign, merge.plan(), realisations_limit), memory)?;
+    let results =
+        Results { plan: merge.plan(), open: &open, json: arguments.json, memory, realisations_limit };
     let band = |stops| merge.tables(&campaign, stops);
     results.write_all(band, |table| specimen::remade(&table.campaign), &mut out)?;
     if arguments.json {

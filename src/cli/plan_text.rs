@@ -12,7 +12,7 @@ use crate::validate::aperture::ApertureBias;
 const HEAD: usize = 14;
 
 /// The plan, a line or two for each question.
-pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
+pub fn facts(campaign: &Campaign, plan: &Plan, disk: Disk) -> Vec<String> {
     let trace = &campaign.trace;
     let apart = if trace.by_order { ", each by itself" } else { "" };
     let orders = match trace.bounces {
@@ -41,14 +41,13 @@ pub fn facts(campaign: &Campaign, plan: &Plan) -> Vec<String> {
         ("realisations", plan.realisations.to_string()),
         ("samples", samples),
         ("memory", format!("about {}{bands}", bytes(plan.memory_bytes))),
-        ("disk", disk(campaign, plan)),
+        ("disk", self::disk(disk, plan)),
         ("time", format!("about {} on two cores", duration(plan.estimated_s))),
     ];
     facts.iter().flat_map(|(head, text)| line(head, text)).collect()
 }
 
-fn disk(campaign: &Campaign, plan: &Plan) -> String {
-    let disk = Disk::of(campaign, plan);
+fn disk(disk: Disk, plan: &Plan) -> String {
     let what = if plan.bands().len() > 1 { "checkpoints and finished bands" } else { "checkpoints" };
     let (results, kept) = (bytes(disk.results_bytes), bytes(disk.until_then_bytes));
     format!("results up to about {results}; {what} up to about {kept} until these are there")

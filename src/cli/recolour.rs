@@ -64,7 +64,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         say("note: errors follow from groups of realisations, not from each");
     }
     // Both reach the disk before either takes its place: for want of room nothing is replaced.
-    let staged = |parts| realisations::staged(&beside, parts, &new, realisations::SIZE_LIMIT);
+    // Those that are there were kept: the new ones are of the same size.
+    let staged = |parts| realisations::staged(&beside, parts, &new, realisations::limit(true));
     let (table, others) = (store::staged(output, &new)?, parts.as_ref().map(staged).transpose()?);
     table.commit()?;
     let others = others.and_then(|(_, file)| file);

@@ -8,8 +8,8 @@ use super::output::{self, Output, duration, grouped, with_error};
 use super::sheet::Sheet;
 use super::targets::Target;
 use crate::campaign::Campaign;
-use crate::error::Result;
-use crate::measure::{Cost, Measured, Plan, StopResult, StoppedBy};
+use crate::error::{Error, Result};
+use crate::measure::{Cost, Disk, Measured, Plan, StopResult, StoppedBy};
 use crate::report::specimen::Shown;
 use crate::report::{Scene, terminal};
 use crate::table::BrdfTable;
@@ -25,6 +25,21 @@ pub struct Results<'a> {
     pub json: bool,
     /// Bytes that may be used.
     pub memory: u64,
+    /// Bytes that a file of realisations may take.
+    pub realisations_limit: u64,
+}
+
+/// Refuses realisations that would not fit the memory: they are held three times while their file is made.
+pub fn realisations_fit(disk: Disk, memory: u64) -> Result<()> {
+    let needed = disk.realisations_bytes.saturating_mul(3);
+    if disk.realisations_bytes <= realisations::SIZE_LIMIT || needed <= memory {
+        return Ok(());
+    }
+    Err(Error::Refused(format!(
+        "--keep-realisations: they take {} MiB of memory, {} MiB may be used; give --memory-mb more, or leave it out",
+        needed >> 20,
+        memory >> 20
+    )))
 }
 
 impl Results<'_> {
@@ -49,7 +64,7 @@ impl Results<'_> {
                 };
                 let mut sheet = match sheets[at].take() {
                     Some(sheet) => sheet,
-                    None => Sheet::new(self.open[at], &measured, self.plan)?,
+                    None => Sheet::new(self.open[at], &measured, self.plan, self.realisations_limit)?,
                 };
                 sheet.take(measured, first)?;
                 if is_last {
@@ -167,11 +182,13 @@ pub fn files_written(target: &Target, kept: Kept) -> Vec<String> {
         Kept::Groups => {
             let groups = realisations::GROUPS;
             format!(
-                "{}, in {groups} groups: all would exceed {limit} MB",
+                "{}, in {groups} groups: all would exceed {limit} MB (--keep-realisations)",
                 line("realisations", &target.realisations)
             )
         }
-        Kept::Nothing => format!("{:<14}left out: they would exceed {limit} MB", "realisations"),
+        Kept::Nothing => {
+            format!("{:<14}left out: they would exceed {limit} MB (--keep-realisations)", "realisations")
+        }
     };
     let summary = line("summary", &target.summary);
     vec![

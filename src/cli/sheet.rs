@@ -13,7 +13,7 @@ use crate::measure::{Cost, Measured, Plan};
 use crate::report::specimen::Shown;
 use crate::report::summary::summary;
 use crate::report::{self as pages, Facts};
-use crate::table::realisations::{self, GROUPS, Kept, SIZE_LIMIT};
+use crate::table::realisations::{self, GROUPS, Kept};
 use crate::table::{BrdfTable, Realisations, TableRows, TableWriter};
 use crate::validate::schlick_error::SchlickError;
 use crate::validate::{Examination, Parts, Prediction, Verdict};
@@ -34,8 +34,8 @@ pub struct Sheet<'a> {
 }
 
 impl<'a> Sheet<'a> {
-    /// Begins the files of `target` with a first band of it, not taken yet.
-    pub fn new(target: &'a Target, first: &Measured, plan: &'a Plan) -> Result<Self> {
+    /// Begins the files of `target` with a first band of it, not taken yet; realisations may take `limit` bytes.
+    pub fn new(target: &'a Target, first: &Measured, plan: &'a Plan, limit: u64) -> Result<Self> {
         let Measured { table, campaign, .. } = first;
         let count = first.realisations.parts.len();
         Ok(Sheet {
@@ -45,7 +45,7 @@ impl<'a> Sheet<'a> {
             examination: Examination::new(Some(campaign), &plan.grid),
             facts: Facts::new(&plan.grid, table.colours.len()),
             schlick: None,
-            kept: realisations::kept(&plan.grid, realisations::channels_of(table), count, SIZE_LIMIT),
+            kept: realisations::kept(&plan.grid, realisations::channels_of(table), count, limit),
             measured: Measured {
                 campaign: campaign.clone(),
                 table: table.heading(&plan.grid),
@@ -61,6 +61,11 @@ impl<'a> Sheet<'a> {
         let Measured { table, campaign, realisations, stops } = band;
         self.writer.append(&table)?;
         let prediction = Prediction::of(&campaign, &table.grid);
+        // The verdict is one that `validate` finds again in the files.
+        let realisations = match self.kept {
+            Kept::Groups => realisations::grouped(&realisations, GROUPS)?,
+            Kept::All | Kept::Nothing => realisations,
+        };
         let parts = Parts { all: &realisations, first_stop: 0 };
         self.examination.add(&table, first_stop, Some(parts), prediction.as_ref());
         self.facts.add(&table, first_stop);
@@ -72,10 +77,7 @@ impl<'a> Sheet<'a> {
         }
         self.measured.stops.extend(stops);
         match self.kept {
-            Kept::All => self.measured.realisations.append(realisations),
-            Kept::Groups => {
-                self.measured.realisations.append(realisations::grouped(&realisations, GROUPS)?);
-            }
+            Kept::All | Kept::Groups => self.measured.realisations.append(realisations),
             Kept::Nothing => {}
         }
         if table.grid.stops() == self.plan.stops {

@@ -122,7 +122,11 @@ pub fn realisations_beside_rows(rows: &TableRows) -> Result<Option<Realisations>
 fn beside_of(path: &Path, digest: impl FnOnce() -> Result<String>) -> Result<Option<Realisations>> {
     let beside = realisations_path(path);
     if !beside.is_file() {
-        say(format_args!("note: {} is absent: no pairing over realisations", beside.display()));
+        say(format_args!(
+            "note: {} is absent: nothing is paired over realisations, no interval, no test of reciprocity (measure \
+             --keep-realisations keeps them at any size)",
+            beside.display()
+        ));
         return Ok(None);
     }
     let file = realisations::load(&beside)?;

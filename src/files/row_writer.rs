@@ -83,19 +83,23 @@ impl<W: Write + Seek> RowWriter<W> {
         Ok(())
     }
 
-    /// Completes the header with a text of the length that the outline gave the attribute, and hands the file back.
+    /// Completes the header with texts of the lengths that the outline gave them, and hands the file back.
     ///
     /// Held by: `a_table_written_by_rows_has_the_bytes_of_one_written_at_once` (tests/large_tables.rs).
-    pub fn finish(mut self, attribute: &str, text: &str) -> io::Result<W> {
+    pub fn finish(mut self, completed: &Part) -> io::Result<W> {
         if self.taken != self.part.height {
             let why = format!("{} of {} rows were written", self.taken, self.part.height);
             return Err(io::Error::other(why));
         }
-        if self.part.text(attribute).map(str::len) != Some(text.len()) {
-            return Err(io::Error::other(format!("no room of {} bytes for {attribute}", text.len())));
-        }
-        self.part.set_text(attribute, text);
+        let begun = head(&self.part).map_err(io::Error::other)?.0.len();
+        self.part.attributes.clone_from(&completed.attributes);
         let (mut bytes, _) = head(&self.part).map_err(io::Error::other)?;
+        if bytes.len() != begun {
+            return Err(io::Error::other(format!(
+                "a header of {} bytes has no room in {begun}",
+                bytes.len()
+            )));
+        }
         bytes.extend(self.offsets.iter().flat_map(|offset| offset.to_le_bytes()));
         self.out.rewind()?;
         self.out.write_all(&bytes)?;

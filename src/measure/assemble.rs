@@ -103,7 +103,8 @@ pub(super) fn assemble(
             colours: colours.iter().enumerate().map(channels).collect(),
             hits: hits.clone(),
             schlick: source.schlick(&records),
-        };
+        }
+        .with_albedo_errors(&parts);
         let result = |(stop, end)| stop_result(&source, stop, &colours, end);
         let stops = ends.iter().enumerate().map(result).collect();
         Measured { campaign, table, realisations: Realisations { parts }, stops }

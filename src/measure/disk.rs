@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::plan::{Plan, saturated};
 use crate::campaign::Campaign;
-use crate::table::realisations::{self, GROUPS, Kept, SIZE_LIMIT};
+use crate::table::realisations::{self, GROUPS, Kept};
 
 /// A sum of 2^-90 in a file, at most 19 digits of base 128 and mostly 12 to 14; a count of a bin, mostly 1 to 3.
 const BYTES_PER_SUM: u128 = 14;
@@ -27,16 +27,19 @@ const LARGEST_PAGE: u128 = 6 << 20;
 pub struct Disk {
     /// Of the results.
     pub results_bytes: u64,
+    /// Of one table's realisations among them, at most.
+    pub realisations_bytes: u64,
     /// Of checkpoints and finished bands, which go when the results are there; a run of a second has none.
     pub until_then_bytes: u64,
 }
 
 impl Disk {
-    /// What a campaign takes under this plan; a shard's result are its sums.
+    /// What a campaign takes under this plan; a shard's result are its sums. Realisations are kept up to `limit` bytes a
+    /// file (`SIZE_LIMIT` unasked).
     ///
     /// Values count as if they did not compress. Held by: `what_a_run_takes_on_the_disk_is_said_before`
     /// (tests/full_disk.rs).
-    pub fn of(campaign: &Campaign, plan: &Plan) -> Self {
+    pub fn of(campaign: &Campaign, plan: &Plan, limit: u64) -> Self {
         let weighing = &plan.weighing;
         let sums = (weighing.first_sums() + weighing.multiple_sums()) as u128;
         // Of an open map the sums of what leaves it besides.
@@ -52,9 +55,14 @@ impl Disk {
         let finished = bands.iter().map(|stops| file(stops.len())).filter(|_| in_bands);
         let finished = finished.fold(0, u128::saturating_add);
         let at_a_time = file(if in_bands { plan.band_stops } else { plan.measured.len() });
-        let results = if plan.shard.is_some() { at_a_time } else { tables(campaign, plan) };
+        let results = if plan.shard.is_some() { at_a_time } else { tables(campaign, plan, limit) };
         let until_then = at_a_time.saturating_mul(CHECKPOINTS).saturating_add(finished);
-        Disk { results_bytes: saturated(results), until_then_bytes: saturated(until_then) }
+        let materials = if plan.shard.is_some() { 0 } else { campaign.optics.each().len() };
+        Disk {
+            results_bytes: saturated(results),
+            realisations_bytes: (0..materials).map(|k| realisations_of(plan, k, limit)).max().unwrap_or(0),
+            until_then_bytes: saturated(until_then),
+        }
     }
 
     /// All that is there at once.
@@ -63,10 +71,26 @@ impl Disk {
     }
 }
 
+/// Channels of Schlick's formula.
+fn schlick_channels(plan: &Plan) -> usize {
+    if plan.weighing.serves_any_f0() { 2 + plan.weighing.multiple_sums() } else { 0 }
+}
+
+/// The realisations' file of a table.
+fn realisations_of(plan: &Plan, material: usize, limit: u64) -> u64 {
+    let part = 2 * plan.weighing.colours(material).len() + schlick_channels(plan);
+    let count = plan.realisations as usize;
+    match realisations::kept(&plan.grid, part, count, limit) {
+        Kept::All => realisations::file_bytes(&plan.grid, part, count),
+        Kept::Groups => realisations::file_bytes(&plan.grid, part, GROUPS),
+        Kept::Nothing => 0,
+    }
+}
+
 /// Tables, realisations, summaries and pages.
-fn tables(campaign: &Campaign, plan: &Plan) -> u128 {
+fn tables(campaign: &Campaign, plan: &Plan, limit: u64) -> u128 {
     let weighing = &plan.weighing;
-    let schlick = if weighing.serves_any_f0() { 2 + weighing.multiple_sums() } else { 0 };
+    let schlick = schlick_channels(plan);
     let (stops, bins) = (plan.stops as u128, plan.bins as u128);
     let values = stops.saturating_mul(bins);
     let of_material = |material: usize| {
@@ -74,12 +98,7 @@ fn tables(campaign: &Campaign, plan: &Plan) -> u128 {
         let orders = if weighing.by_order() { weighing.groups() } else { 0 };
         let left_map = usize::from(campaign.surface.kind.is_open_map());
         let channels = (colours * (5 + left_map + orders) + 1 + schlick) as u128;
-        let (part, count) = (2 * colours + schlick, plan.realisations as usize);
-        let parts = match realisations::kept(&plan.grid, part, count, SIZE_LIMIT) {
-            Kept::All => realisations::file_bytes(&plan.grid, part, count),
-            Kept::Groups => realisations::file_bytes(&plan.grid, part, GROUPS),
-            Kept::Nothing => 0,
-        };
+        let parts = realisations_of(plan, material, limit);
         let shown = values.saturating_mul(BYTES_PER_SHOWN_VALUE * colours as u128);
         let page = shown.saturating_add(BYTES_PER_PAGE).min(LARGEST_PAGE);
         let table = values.saturating_mul(4 * channels);

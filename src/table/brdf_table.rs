@@ -1,6 +1,6 @@
 //! The result of a measurement: BRDF values, error bars and hits over (stop, bin).
 
-use crate::instrument::Grid;
+use crate::instrument::{Grid, Region};
 use crate::stats;
 
 /// A measured (or imported) BRDF table. Every channel is row-major: `stop * bins + bin`.
@@ -37,6 +37,9 @@ pub struct ColourChannels {
     pub stderr: Vec<f32>,
     /// The same of `single`.
     pub stderr_single: Vec<f32>,
+    /// Standard error over the realisations of each stop's albedo, all orders together. The bins of a stop vary together:
+    /// it does not follow from `stderr`. Empty where it is not known, as with one realisation.
+    pub albedo_se: Vec<f32>,
     /// Orders 2, 3, ... by themselves, where they were asked for.
     pub orders: Vec<Vec<f32>>,
     /// What light over the edge of an open map may have added to `total` at most, were there nothing beyond, and all of
@@ -105,6 +108,28 @@ impl BrdfTable {
             hits: Vec::new(),
             schlick: None,
         }
+    }
+
+    /// The same table with the errors of its albedos, over the very values that realisations hold in their file.
+    ///
+    /// Held by: `errors_of_albedos_do_not_change_with_a_missing_file` (tests/cli.rs).
+    pub fn with_albedo_errors(mut self, parts: &[RealisationPart]) -> Self {
+        if parts.len() < 2 {
+            return self;
+        }
+        let bins = self.grid.bins();
+        for stop in 0..self.grid.stops() {
+            let sizes: Vec<f64> = self.grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
+            for (colour, channels) in self.colours.iter_mut().enumerate() {
+                let flux = |part: &RealisationPart| {
+                    let values = &part.total[colour][stop * bins..][..bins];
+                    values.iter().zip(&sizes).map(|(&f, size)| f64::from(f) * size).sum::<f64>()
+                };
+                let (_, se) = stats::mean_and_se(parts.iter().map(flux));
+                channels.albedo_se.extend(se.map(|se| se as f32));
+            }
+        }
+        self
     }
 
     /// The table without everything but totals and hits: what readers of values alone need, a third of the memory or

@@ -14,6 +14,9 @@ use super::{BrdfTable, SchlickSums};
 /// Name of the grid's attribute.
 pub(super) const GRID: &str = "gonio.grid";
 
+/// Name of the attribute of the albedos' errors: a number for each stop and colour, stop major.
+const ALBEDO_SE: &str = "gonio.albedo_se";
+
 /// A reason, to be completed with the file's path.
 pub(super) type Reason<T> = Result<T, String>;
 
@@ -264,6 +267,34 @@ pub(super) fn take_schlick(part: &mut Part, first_stop: usize) -> Reason<Option<
         true => take(part, name, first_stop).map(Some),
         false => Ok(None),
     })
+}
+
+/// Sets the errors of albedos where there are any: every number as wide as the next, so that the length of the text is
+/// known before the numbers are.
+pub(super) fn set_albedo_errors(part: &mut Part, errors: &[Vec<f32>], stops: usize) {
+    if errors.iter().any(Vec::is_empty) {
+        return;
+    }
+    let of_stop = |stop: usize| errors.iter().map(move |colour| colour.get(stop).copied().unwrap_or(0.0));
+    let numbers = (0..stops).flat_map(of_stop).map(|se| format!("{se:>15.8e}"));
+    part.set_text(ALBEDO_SE, &numbers.collect::<Vec<_>>().join("\n"));
+}
+
+/// The errors of the albedos of each colour at some stops, empty where the part has none.
+pub(super) fn albedo_errors(
+    part: &Part,
+    colours: usize,
+    stops: &[usize],
+    of: usize,
+) -> Reason<Vec<Vec<f32>>> {
+    let Some(text) = part.text(ALBEDO_SE) else { return Ok(vec![Vec::new(); colours]) };
+    let number = |word: &str| word.parse().ok().filter(|se: &f32| se.is_finite() && *se >= 0.0);
+    let all: Option<Vec<f32>> = text.split_whitespace().map(number).collect();
+    let all = all.filter(|all| all.len() == of * colours).ok_or_else(|| {
+        format!("{ALBEDO_SE}: {} numbers from 0 up needed, one for each stop and colour", of * colours)
+    })?;
+    let of_colour = |colour: usize| stops.iter().map(|stop| all[stop * colours + colour]).collect();
+    Ok((0..colours).map(of_colour).collect())
 }
 
 /// The sums of a content that is at hand.

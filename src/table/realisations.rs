@@ -18,6 +18,11 @@ const GROUP_SIZE: &str = "gonio.group_size";
 
 /// The largest file that is written unasked, bytes.
 pub const SIZE_LIMIT: u64 = 64_000_000;
+/// The largest file that is written, asked to keep every realisation or not.
+pub fn limit(keep_all: bool) -> u64 {
+    if keep_all { u64::MAX } else { SIZE_LIMIT }
+}
+
 /// How many groups are made where single realisations would exceed the limit.
 pub const GROUPS: usize = 16;
 

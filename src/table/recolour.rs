@@ -38,6 +38,10 @@ pub fn recolour(
     };
     let colours = f0.into_iter().enumerate().map(channels).collect();
     let new = BrdfTable { campaign, colours, ..table.clone() };
+    let new = match &parts {
+        Some(parts) => new.with_albedo_errors(parts),
+        None => new,
+    };
     Ok((new, parts.map(|parts| Realisations { parts })))
 }
 

@@ -131,8 +131,8 @@ impl TableRows {
                 }
             }
         }
-        let first = stops.first().copied().unwrap_or(0);
-        store::filled(BrdfTable { grid, ..self.empty.clone() }, &mut part, &self.names, first)
+        let of = self.outline.height;
+        store::filled(BrdfTable { grid, ..self.empty.clone() }, &mut part, &self.names, (stops, of))
     }
 }
 

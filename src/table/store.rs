@@ -104,7 +104,8 @@ pub(super) fn several(path: &Path, parts: usize) -> Error {
 fn from_part(mut part: Part) -> Reason<Loaded> {
     let Heading { empty, names, mut warnings } = heading(&mut part)?;
     channels::check_digest(&part, &empty.patch_digest, &mut warnings)?;
-    let table = filled(empty, &mut part, &names, 0)?;
+    let stops: Vec<usize> = (0..part.height).collect();
+    let table = filled(empty, &mut part, &names, (&stops, stops.len()))?;
     Ok(Loaded { table, warnings })
 }
 
@@ -142,15 +143,19 @@ pub(super) fn heading(part: &mut Part) -> Reason<Heading> {
     Ok(Heading { empty, names, warnings })
 }
 
-/// The table with the channels of `part`, the first row of which is that of `first_stop`.
+/// The table with the channels of `part`, whose rows are those of some `stops`, of so many in the file.
 pub(super) fn filled(
     empty: BrdfTable,
     part: &mut Part,
     names: &[ColourName],
-    first_stop: usize,
+    (stops, of): (&[usize], usize),
 ) -> Reason<BrdfTable> {
-    let mut colour = |name| take_colour(part, name, first_stop);
-    let colours = names.iter().map(&mut colour).collect::<Reason<_>>()?;
+    let first_stop = stops.first().copied().unwrap_or(0);
+    let errors = channels::albedo_errors(part, names.len(), stops, of)?;
+    let mut colour = |(name, albedo_se)| {
+        take_colour(part, name, first_stop).map(|colour| ColourChannels { albedo_se, ..colour })
+    };
+    let colours = names.iter().zip(errors).map(&mut colour).collect::<Reason<_>>()?;
     let hits = match part.channels.remove("hits") {
         Some(Samples::U32(hits)) => hits,
         Some(_) => return Err("channel `hits` is not UINT".into()),
@@ -172,6 +177,8 @@ pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, 
     part.set_text(CONVENTION, CONVENTION_TEXT);
     part.set_text(SEED, &table.seed.to_string());
     part.set_text(PATCH_DIGEST, &table.patch_digest);
+    let errors: Vec<Vec<f32>> = table.colours.iter().map(|colour| colour.albedo_se.clone()).collect();
+    channels::set_albedo_errors(&mut part, &errors, grid.stops());
     Ok(part)
 }
 
@@ -205,6 +212,7 @@ fn take_colour(part: &mut Part, (name, wavelength_nm): &ColourName, first: usize
         stderr_single: channels::take(part, &format!("stderr.single.{name}"), first)?,
         orders,
         wavelength_nm: *wavelength_nm,
+        ..ColourChannels::default()
     })
 }
 

@@ -22,6 +22,8 @@ pub struct TableWriter<W> {
     /// The texts.
     outline: Part,
     patch_digest: String,
+    /// Errors of the albedos by colour.
+    albedo_se: Vec<Vec<f32>>,
     /// Stops taken so far.
     stops: usize,
     path: PathBuf,
@@ -41,7 +43,8 @@ impl<W: Write + Seek> TableWriter<W> {
         let outline = begin().map_err(refused)?;
         let rows = RowWriter::new(out, outline.clone()).map_err(|e| Error::io(path, e))?;
         let (content, patch_digest) = (ContentDigest::default(), like.patch_digest.clone());
-        Ok(TableWriter { rows, content, outline, patch_digest, stops: 0, path: path.into() })
+        let albedo_se = vec![Vec::new(); like.colours.len()];
+        Ok(TableWriter { rows, content, outline, patch_digest, albedo_se, stops: 0, path: path.into() })
     }
 
     /// Adds the rows of the next stops. NaN and infinite values are refused.
@@ -61,14 +64,19 @@ impl<W: Write + Seek> TableWriter<W> {
             };
             self.rows.row(fill).map_err(|e| Error::io(&self.path, e))?;
         }
+        for (all, colour) in self.albedo_se.iter_mut().zip(&band.colours) {
+            all.extend(&colour.albedo_se);
+        }
         self.stops += band.grid.stops();
         Ok(())
     }
 
     /// Completes the header, and hands back the file and the table's digest.
-    pub fn finish(self) -> Result<(W, String)> {
+    pub fn finish(mut self) -> Result<(W, String)> {
+        channels::set_albedo_errors(&mut self.outline, &self.albedo_se, self.stops);
         let digest = self.content.finish(&self.outline);
-        let out = self.rows.finish(DIGEST, &digest).map_err(|e| Error::io(&self.path, e))?;
+        self.outline.set_text(DIGEST, &digest);
+        let out = self.rows.finish(&self.outline).map_err(|e| Error::io(&self.path, e))?;
         Ok((out, digest))
     }
 }

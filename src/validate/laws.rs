@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::model::StopMeans;
 use super::pairs::PairValues;
-use crate::instrument::{GridKind, Region};
+use crate::instrument::GridKind;
 use crate::stats;
 use crate::table::{BrdfTable, Realisations};
 
@@ -32,7 +31,12 @@ pub struct Reciprocity {
     pub kind: String,
     /// Pairs of directions.
     pub pairs: usize,
-    /// Largest |t| of the differences.
+    /// Those that are judged (`PairValues::is_judged`); `max_t`, `limit` and `mean_t2` speak of them alone.
+    pub judged_pairs: usize,
+    /// Why none is judged, where none is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub not_judged: Option<String>,
+    /// Largest |t| of the differences beyond what the correction by the model may be off.
     pub max_t: Option<f64>,
     /// Sidak's limit for it at the 1 % level.
     pub limit: Option<f64>,
@@ -56,14 +60,15 @@ impl<'a> Parts<'a> {
     pub fn of(all: Option<&'a Realisations>) -> Option<Self> {
         all.map(|all| Parts { all, first_stop: 0 })
     }
+
+    /// Order 1 of one colour at a stop of the table at hand, in each of them.
+    pub fn single(&self, colour: usize, stop: usize, bins: usize) -> Vec<&'a [f32]> {
+        let first = (self.first_stop + stop) * bins;
+        self.all.parts.iter().map(|part| &part.single[colour][first..first + bins]).collect()
+    }
 }
 
 impl Energy {
-    /// The law for a hemisphere table; arms see too little to judge.
-    pub fn of(table: &BrdfTable, realisations: Option<&Realisations>, visibility: bool) -> Self {
-        Self::of_band(table, Parts::of(realisations), visibility)
-    }
-
     /// No stop yet.
     pub fn none() -> Self {
         Energy { skipped: None, largest_albedo: None, largest_albedo_se: None, violations: 0 }
@@ -78,8 +83,8 @@ impl Energy {
         }
     }
 
-    /// The law for some stops of a table.
-    pub fn of_band(table: &BrdfTable, realisations: Option<Parts>, visibility: bool) -> Self {
+    /// The law for a hemisphere table or some of its stops; arms see too little to judge.
+    pub fn of(table: &BrdfTable, visibility: bool) -> Self {
         let none = Energy::none();
         if !visibility {
             return Energy { skipped: Some("visibility is switched off".into()), ..none };
@@ -91,9 +96,10 @@ impl Energy {
         let mut energy = none;
         for stop in 0..table.grid.stops() {
             for colour in 0..table.colours.len() {
-                let (albedo, se) = albedo(table, realisations, stop, colour);
+                let (albedo, se) = albedo(table, stop, colour);
+                let noise = se.unwrap_or_else(|| counting_error(table, stop, albedo));
                 // f32 storage: 2^-24 of the value.
-                energy.violations += usize::from(albedo > 1.0 + 3.0 * se.unwrap_or(0.0) + 1e-6);
+                energy.violations += usize::from(albedo > 1.0 + 3.0 * noise + 1e-6);
                 if energy.largest_albedo.is_none_or(|largest| albedo > largest) {
                     (energy.largest_albedo, energy.largest_albedo_se) = (Some(albedo), se);
                 }
@@ -103,67 +109,64 @@ impl Energy {
     }
 }
 
-/// Flux of all orders into all bins, with its error over the realisations where they are at hand.
+/// Flux of all orders into all bins, with its error over the realisations, which the table holds: it is the same
+/// whether their file is there or not.
+fn albedo(table: &BrdfTable, stop: usize, colour: usize) -> (f64, Option<f64>) {
+    let regions = table.grid.regions(stop);
+    let values = &table.colours[colour].total[stop * regions.len()..][..regions.len()];
+    let flux = values.iter().zip(&regions).map(|(&f, bin)| f64::from(f) * bin.projected_solid_angle()).sum();
+    (flux, table.colours[colour].albedo_se.get(stop).map(|&se| f64::from(se)))
+}
+
+/// What a table of one realisation may be off by, counting alone: it is allowed for and never printed as an error.
 ///
-/// Without them, with that of the number of arrivals n: all starts of a stop carry one flux, and what a torus shows
-/// the light has no noise of its own, so se = flux sqrt(2/n); the 2 stands for arrivals that count on both sides of
-/// a folded stop. Held by: `few_arrivals_of_one_realisation_break_no_law` (tests/grazing_stability.rs).
-fn albedo(table: &BrdfTable, realisations: Option<Parts>, stop: usize, colour: usize) -> (f64, Option<f64>) {
-    let sizes: Vec<f64> = table.grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
-    let bins = sizes.len();
-    let flux = |values: &[f32], stop: usize| {
-        values[stop * bins..][..bins].iter().zip(&sizes).map(|(&f, w)| f64::from(f) * w).sum::<f64>()
-    };
-    match realisations {
-        Some(Parts { all, first_stop }) if all.parts.len() > 1 => {
-            stats::mean_and_se(all.parts.iter().map(|part| flux(&part.total[colour], first_stop + stop)))
-        }
-        _ => {
-            let flux = flux(&table.colours[colour].total, stop);
-            let arrivals: u64 = table.hits[stop * bins..][..bins].iter().map(|&hits| u64::from(hits)).sum();
-            (flux, (arrivals > 0).then(|| flux * (2.0 / arrivals as f64).sqrt()))
-        }
-    }
+/// With n arrivals, all starts of a stop carry one flux, and what a torus shows the light has no noise of its own, so
+/// that it is flux sqrt(2/n); the 2 stands for arrivals that count on both sides of a folded stop. 0 for a table that
+/// was not measured here: of its errors nothing is known.
+/// Held by: `few_arrivals_of_one_realisation_break_no_law` (tests/grazing_stability.rs).
+fn counting_error(table: &BrdfTable, stop: usize, flux: f64) -> f64 {
+    let bins = table.grid.bins();
+    let arrivals: u64 = table.hits[stop * bins..][..bins].iter().map(|&hits| u64::from(hits)).sum();
+    let counted = !table.campaign.is_empty() && arrivals > 0;
+    if counted { flux * (2.0 / arrivals as f64).sqrt() } else { 0.0 }
 }
 
 impl Reciprocity {
-    /// Checks order 1 of the first colour. `means` are a model's bin means by stop, needed where the bins of the
-    /// two ways differ in shape; without realisations the two errors are taken as independent.
-    pub fn of(
-        table: &BrdfTable,
-        realisations: Option<&Realisations>,
-        exact: bool,
-        means: Option<&[StopMeans]>,
-    ) -> Option<Self> {
-        let mut values = PairValues::new(&table.grid, exact);
-        values.add(table, 0, Parts::of(realisations), means);
-        Self::of_pairs(&values)
-    }
-
-    /// The same of what was gathered stop by stop.
+    /// Checks order 1 of the first colour; `None` where no two directions see each other.
     pub fn of_pairs(values: &PairValues) -> Option<Self> {
         let usable: Vec<usize> = (0..values.len()).filter(|&pair| values.is_usable(pair)).collect();
         if usable.is_empty() {
             return None;
         }
-        let (mut t, mut distance, mut sum) = (Vec::new(), 0.0, 0.0);
+        let (mut t, mut squares, mut distance, mut sum) = (Vec::new(), Vec::new(), 0.0, 0.0);
         for &pair in &usable {
             distance += values.difference(pair).abs();
             sum += values.there(pair);
-            let (mean, se) = values.mean_difference(pair);
-            t.extend(se.filter(|&se| se > 0.0).map(|se| mean / se));
+            if values.is_judged(pair) {
+                let (mean, se) = values.mean_difference(pair);
+                if let Some(se) = se.filter(|&se| se > 0.0) {
+                    squares.push((mean / se).powi(2));
+                    t.push((mean.abs() - values.allowance(pair)).max(0.0) / se);
+                }
+            }
         }
         let dof = values.realisations().saturating_sub(1);
         let known = dof > 2 && !t.is_empty();
         Some(Reciprocity {
             kind: if values.exact { "exact" } else { "bin_means" }.into(),
             pairs: usable.len(),
-            max_t: t.iter().map(|t| t.abs()).reduce(f64::max),
-            limit: known.then(|| stats::student_limit(stats::sidak(LEVEL, t.len()), dof)),
-            mean_t2: known.then(|| {
-                let squares: Vec<f64> = t.iter().map(|t| t * t).collect();
-                stats::mean(&squares) * (dof as f64 - 2.0) / dof as f64
+            judged_pairs: t.len(),
+            not_judged: t.is_empty().then(|| {
+                let why = if values.realisations() < 2 {
+                    "the realisations are not at hand"
+                } else {
+                    "no pair of bins holds enough facets and arrivals in each realisation"
+                };
+                why.into()
             }),
+            max_t: t.iter().copied().reduce(f64::max),
+            limit: known.then(|| stats::student_limit(stats::sidak(LEVEL, t.len()), dof)),
+            mean_t2: known.then(|| stats::mean(&squares) * (dof as f64 - 2.0) / dof as f64),
             l1: (sum > 0.0).then(|| distance / sum),
         })
     }

@@ -1,7 +1,7 @@
 //! The verdict in words and columns, at most 100 wide.
 
-use super::compare::Comparison;
-use super::verdict::{Verdict, nearest};
+use super::compare::{self, Comparison};
+use super::verdict::Verdict;
 
 impl Verdict {
     /// The printable report.
@@ -43,7 +43,7 @@ impl Verdict {
                 format!("{:>8} {:>7} {:>8}", stop.theta_i_deg, stop.phi_i_deg, number(stop.figures.l1_noise));
             for comparison in &self.comparisons {
                 let figures = comparison.stops[k].figures;
-                line += &format!(" {:>10}", number(figures.l1_model.or(figures.l1)));
+                line += &format!(" {:>10}", figures.shown());
             }
             if self.comparisons.len() > 1 {
                 line += &format!("  {}", self.nearest_at(k));
@@ -52,19 +52,22 @@ impl Verdict {
         }
         let mut line = format!("{:>8} {:>7} {:>8}", "mean", "", number(first.figures.l1_noise));
         for comparison in &self.comparisons {
-            line += &format!(" {:>10}", number(comparison.figures.l1_model.or(comparison.figures.l1)));
+            line += &format!(" {:>10}", comparison.figures.shown());
         }
         lines.push(
             line + &self
                 .nearest_masking
                 .as_ref()
                 .filter(|_| self.comparisons.len() > 1)
-                .map_or(String::new(), |m| format!("  {m}")),
+                .map_or(String::new(), |m| {
+                    format!("  {m}{}", self.nearest_p.map_or(String::new(), |p| format!(" (p {p:.2})")))
+                }),
         );
         lines
     }
 
-    /// The nearest masking at a stop; `alike` where they differ by less than a hundredth of the noise.
+    /// The nearest masking at a stop; `alike` where all are below their floors, the two nearest are not told apart by the
+    /// paired test at the 5 % level, or all differ by less than a hundredth of the noise.
     fn nearest_at(&self, stop: usize) -> String {
         let figures = |c: &Comparison| c.stops[stop].figures;
         let l1: Vec<f64> = self.comparisons.iter().filter_map(|c| figures(c).l1).collect();
@@ -74,7 +77,13 @@ impl Verdict {
         if spread <= 0.01 * noise {
             return "alike".into();
         }
-        nearest(&self.comparisons, |c| figures(c).l1).unwrap_or_default()
+        let models: Vec<_> = self.comparisons.iter().map(|c| &c.stops[stop]).collect();
+        let models: Vec<_> = models.iter().map(|stop| (&stop.figures, &stop.by_part[..])).collect();
+        let told = |nearest: &compare::Nearest| nearest.p.is_none_or(|p| p < 0.05);
+        match compare::nearest(&models).filter(told) {
+            Some(nearest) => self.comparisons[nearest.index].masking.clone(),
+            None => "alike".into(),
+        }
     }
 
     fn energy_line(&self) -> String {

@@ -8,6 +8,7 @@ pub mod gauss_legendre;
 pub mod laws;
 mod lines;
 pub mod model;
+pub mod model_distance;
 pub mod pairs;
 pub mod quadrature;
 pub mod schlick_error;

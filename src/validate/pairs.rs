@@ -2,6 +2,8 @@
 //!
 //! A pair lies in two stops, far apart in a large table: its values are kept as the stops come by. A table with more
 //! pairs than `MOST` is judged by as many at most, evenly spread.
+//!
+//! Bins that are not the same thing both ways are judged where a test can tell: see [`PairValues::is_judged`].
 
 use super::laws::Parts;
 use super::model::StopMeans;
@@ -13,6 +15,14 @@ use crate::table::BrdfTable;
 /// Pairs at most: a megabyte for each value of both ways.
 const MOST: usize = 1 << 20;
 
+/// Independent facets that a bin needs in each realisation: with fewer its values are far from normal, and Student's
+/// limit says nothing of them. A square of the correlation length holds several slopes: they are more than that.
+const FEWEST_FACETS: f64 = 4.0;
+/// Arrivals that it needs in each realisation: counts of a few are equal by chance, and their spread 0.
+const FEWEST_ARRIVALS: f64 = 64.0;
+/// The largest correction by the model, as a ratio above 1.
+const LARGEST_RATIO: f64 = 1.25;
+
 /// (stop, bin) with the arms one way and the other way round.
 struct Pair {
     there: (usize, usize),
@@ -23,20 +33,23 @@ struct Pair {
 pub struct PairValues {
     /// Whether both ways are the same thing: equal apertures, or single directions.
     pub exact: bool,
+    /// Independent facets of a realisation: squares of the correlation length. `None` where every start meets its own.
+    facets: Option<f64>,
     /// (stop, bin, entry) in the order of the stops.
     places: Vec<(usize, usize, usize)>,
     value: Vec<f32>,
-    stderr: Vec<f32>,
-    seen: Vec<bool>,
-    /// A model's bin means; empty where there is none.
-    mean: Vec<f64>,
+    arrivals: Vec<u32>,
+    /// Share of the stop's arrivals.
+    share: Vec<f32>,
+    /// A model's bin means, a list for each of its maskings; empty where there is none.
+    mean: Vec<Vec<f64>>,
     /// The value in each realisation; none where they are not known.
     parts: Vec<Vec<f32>>,
 }
 
 impl PairValues {
-    /// The pairs of a table of all stops of `grid`.
-    pub fn new(grid: &Grid, exact: bool) -> Self {
+    /// The pairs of a table of all stops of `grid`, whose realisations have so many independent `facets`.
+    pub fn new(grid: &Grid, exact: bool, facets: Option<f64>) -> Self {
         let pairs = pairs(grid);
         let both = |(k, pair): (usize, &Pair)| {
             [(pair.there.0, pair.there.1, 2 * k), (pair.back.0, pair.back.1, 2 * k + 1)]
@@ -44,8 +57,8 @@ impl PairValues {
         let mut places: Vec<_> = pairs.iter().enumerate().flat_map(both).collect();
         places.sort_unstable();
         let entries = places.len();
-        let (value, stderr, seen) = (vec![0.0; entries], vec![-1.0; entries], vec![false; entries]);
-        PairValues { exact, places, value, stderr, seen, mean: Vec::new(), parts: Vec::new() }
+        let (value, arrivals, share) = (vec![0.0; entries], vec![0; entries], vec![0.0; entries]);
+        PairValues { exact, facets, places, value, arrivals, share, mean: Vec::new(), parts: Vec::new() }
     }
 
     /// Takes the values of some stops; `means` are a model's bin means at them.
@@ -58,8 +71,8 @@ impl PairValues {
     ) {
         let (bins, stops) = (band.grid.bins(), band.grid.stops());
         let entries = self.places.len();
-        if means.is_some() && self.mean.is_empty() {
-            self.mean = vec![f64::NAN; entries];
+        if let (Some(means), true) = (means.and_then(|means| means.first()), self.mean.is_empty()) {
+            self.mean = vec![vec![f64::NAN; entries]; means.values.len()];
         }
         let known = realisations.filter(|parts| parts.all.parts.len() > 1);
         if let (Some(parts), true) = (known, self.parts.is_empty()) {
@@ -67,15 +80,18 @@ impl PairValues {
         }
         let from = self.places.partition_point(|place| place.0 < first_stop);
         let colour = &band.colours[0];
+        let of_stop =
+            |stop: usize| band.hits[stop * bins..][..bins].iter().map(|&hits| f64::from(hits)).sum();
+        let all: Vec<f64> = (0..stops).map(of_stop).collect();
         for &(stop, bin, entry) in self.places[from..].iter().take_while(|place| place.0 < first_stop + stops)
         {
             let here = stop - first_stop;
             let at = here * bins + bin;
             self.value[entry] = colour.single[at];
-            self.stderr[entry] = colour.stderr_single[at];
-            self.seen[entry] = band.hits[at] > 0;
-            if let Some(means) = means {
-                self.mean[entry] = means[here].values[0][0][bin];
+            self.arrivals[entry] = band.hits[at];
+            self.share[entry] = (f64::from(band.hits[at]) / all[here]) as f32;
+            for (masking, mean) in self.mean.iter_mut().enumerate() {
+                mean[entry] = means.map_or(f64::NAN, |means| means[here].values[masking][0][bin]);
             }
             if let Some(Parts { all, first_stop }) = known {
                 let at = (first_stop + here) * bins + bin;
@@ -104,12 +120,44 @@ impl PairValues {
     /// Whether light arrived both ways, and the two can be compared.
     pub fn is_usable(&self, pair: usize) -> bool {
         let comparable = self.exact || !self.mean.is_empty();
-        comparable && self.seen[2 * pair] && self.seen[2 * pair + 1] && self.ratio(pair).is_finite()
+        let seen = self.arrivals[2 * pair] > 0 && self.arrivals[2 * pair + 1] > 0;
+        comparable && seen && self.ratio(pair).is_finite()
+    }
+
+    /// Whether a usable pair is judged: with the realisations at hand, and, where the two bins differ in shape,
+    ///
+    /// - both hold 4 independent facets in each realisation (share of the stop's arrivals times the squares of the
+    ///   correlation length in a patch) and 64 arrivals, or values are far from normal;
+    /// - every masking of the model corrects by less than 25 %, or the table's own discrepancy would be tested.
+    ///
+    /// Held by: `binned_reciprocity_raises_no_false_alarm_and_finds_a_stop_that_is_scaled` (tests/reciprocity.rs).
+    pub fn is_judged(&self, pair: usize) -> bool {
+        let realisations = self.parts.len() as f64;
+        let ways = [2 * pair, 2 * pair + 1];
+        let facets =
+            |way: usize| self.facets.is_none_or(|all| all * f64::from(self.share[way]) >= FEWEST_FACETS);
+        let arrivals = |way: usize| f64::from(self.arrivals[way]) >= FEWEST_ARRIVALS * realisations;
+        let small = |ratio: f64| (1.0 / LARGEST_RATIO..=LARGEST_RATIO).contains(&ratio);
+        let enough = ways.into_iter().all(|way| facets(way) && arrivals(way));
+        self.parts.len() > 1 && (self.exact || (enough && self.ratios(pair).all(small)))
     }
 
     /// What the model says of one way over the other; 1 where both are the same thing.
     fn ratio(&self, pair: usize) -> f64 {
-        if self.exact || self.mean.is_empty() { 1.0 } else { self.mean[2 * pair] / self.mean[2 * pair + 1] }
+        self.ratios(pair).next().unwrap_or(1.0)
+    }
+
+    /// The same by each of its maskings.
+    fn ratios(&self, pair: usize) -> impl Iterator<Item = f64> {
+        let means = if self.exact { &[][..] } else { &self.mean[..] };
+        means.iter().map(move |mean| mean[2 * pair] / mean[2 * pair + 1])
+    }
+
+    /// How far the correction may be off: by as much as the maskings differ in it.
+    pub fn allowance(&self, pair: usize) -> f64 {
+        let back = f64::from(self.value[2 * pair + 1]);
+        let off = self.ratios(pair).map(|ratio| (ratio - self.ratio(pair)).abs()).fold(0.0, f64::max);
+        off * back
     }
 
     /// The value one way.
@@ -126,14 +174,13 @@ impl PairValues {
         f64::from(values[2 * pair]) - self.ratio(pair) * f64::from(values[2 * pair + 1])
     }
 
-    /// The difference and its standard error: over the realisations, or of both errors as independent ones.
+    /// The difference over the realisations, and its standard error where they are known: the two ways vary together, and
+    /// their own errors do not give it.
     pub fn mean_difference(&self, pair: usize) -> (f64, Option<f64>) {
-        if !self.parts.is_empty() {
-            return stats::mean_and_se(self.parts.iter().map(|part| self.difference_in(part, pair)));
+        if self.parts.is_empty() {
+            return (self.difference(pair), None);
         }
-        let se = |entry: usize| Some(f64::from(self.stderr[entry])).filter(|&se| se > 0.0);
-        let both = se(2 * pair).zip(se(2 * pair + 1)).map(|(a, b)| a.hypot(self.ratio(pair) * b));
-        (self.difference(pair), both)
+        stats::mean_and_se(self.parts.iter().map(|part| self.difference_in(part, pair)))
     }
 }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::compare::{ColourFigures, Comparison, Figures, StopComparison, StopData};
+use super::compare::{self, ColourFigures, Comparison, Figures, StopComparison, StopData};
 use super::expect::{self, Bar};
 use super::laws::{Energy, Parts, Reciprocity};
 use super::model::{Model, StopMeans};
@@ -32,8 +32,10 @@ pub struct Verdict {
     pub energy: Energy,
     /// Arms exchanged; null where no two stops see each other.
     pub reciprocity: Option<Reciprocity>,
-    /// The masking with the smallest discrepancy.
+    /// The masking with the smallest discrepancy; null where none can be told from 0.
     pub nearest_masking: Option<String>,
+    /// The probability of its lead over the second where both are as near (`compare::nearest`).
+    pub nearest_p: Option<f64>,
     /// What the table was held to.
     pub bar: Option<Bar>,
 }
@@ -141,7 +143,7 @@ impl Examination {
             model: String::new(),
             compared: Vec::new(),
             energy: Energy::none(),
-            pairs: visibility.then(|| PairValues::new(grid, exact)),
+            pairs: visibility.then(|| PairValues::new(grid, exact, campaign.and_then(independent_facets))),
         }
     }
 
@@ -154,13 +156,13 @@ impl Examination {
         prediction: Option<&Prediction>,
     ) {
         let visibility = self.campaign.as_ref().is_none_or(|campaign| campaign.trace.visibility);
-        self.energy.join(Energy::of_band(band, realisations, visibility));
+        self.energy.join(Energy::of(band, visibility));
         if let Some(pairs) = &mut self.pairs {
             pairs.add(band, first_stop, realisations, prediction.map(|prediction| &prediction.means[..]));
         }
         let (Some(campaign), Some(prediction)) = (&self.campaign, prediction) else { return };
         self.model = prediction.model.name().into();
-        for comparison in compare(band, campaign, &prediction.model, &prediction.means) {
+        for comparison in compare(band, campaign, realisations, &prediction.model, &prediction.means) {
             match self.compared.iter_mut().find(|(masking, _)| *masking == comparison.masking) {
                 Some((_, stops)) => stops.extend(comparison.stops),
                 None => self.compared.push((comparison.masking, comparison.stops)),
@@ -170,14 +172,13 @@ impl Examination {
 
     /// What all stops together show.
     pub fn verdict(self) -> Verdict {
-        let comparison = |(masking, stops): (String, Vec<StopComparison>)| Comparison {
-            model: self.model.clone(),
-            masking,
-            scope: "single".into(),
-            figures: Figures::mean(stops.iter().map(|stop| &stop.figures)),
-            stops,
-        };
-        let comparisons: Vec<Comparison> = self.compared.into_iter().map(comparison).collect();
+        let comparisons: Vec<Comparison> = self
+            .compared
+            .into_iter()
+            .map(|(masking, stops)| Comparison::new(&self.model, &masking, stops))
+            .collect();
+        let models: Vec<_> = comparisons.iter().map(|c| (&c.figures, &c.by_part[..])).collect();
+        let nearest = compare::nearest(&models);
         let reciprocity = self.pairs.as_ref().and_then(Reciprocity::of_pairs);
         let bar = self.campaign.as_ref().and_then(|campaign| expect::bar(campaign, &self.grid));
         let mut failures = Vec::new();
@@ -191,7 +192,8 @@ impl Examination {
         Verdict {
             ok: failures.is_empty(),
             failures,
-            nearest_masking: nearest(&comparisons, |comparison| comparison.figures.l1),
+            nearest_masking: nearest.map(|nearest| comparisons[nearest.index].masking.clone()),
+            nearest_p: nearest.and_then(|nearest| nearest.p),
             comparisons,
             energy: self.energy,
             reciprocity,
@@ -200,38 +202,41 @@ impl Examination {
     }
 }
 
+/// Squares of the correlation length in a patch of random heights; `None` where every start meets its own facet.
+fn independent_facets(campaign: &Campaign) -> Option<f64> {
+    let surface = &campaign.surface;
+    let along = f64::from(surface.cells) / surface.correlation_cells;
+    surface.kind.is_random_heights().then_some(along * along)
+}
+
 /// The number of realisations behind a table: the campaign's (a map's start regions included).
 fn realisations_of(campaign: &Campaign) -> usize {
     campaign.surface.realisations as usize
 }
 
-/// A table against every masking of a model; `means` are those of its stops.
+/// A table against every masking of a model; `realisations` and `means` are those of its stops.
 pub fn compare(
     table: &BrdfTable,
     campaign: &Campaign,
+    realisations: Option<Parts>,
     model: &Model,
     means: &[StopMeans],
 ) -> Vec<Comparison> {
     let names = model.maskings();
     let folded = folded_stops(campaign, &table.grid);
     let of = |(index, masking): (usize, &&str)| {
-        let stops: Vec<StopComparison> = (0..table.grid.stops())
-            .map(|stop| compare_stop(table, campaign, (stop, folded[stop]), &means[stop].values[index]))
-            .collect();
-        Comparison {
-            model: model.name().into(),
-            masking: (*masking).into(),
-            scope: "single".into(),
-            figures: Figures::mean(stops.iter().map(|stop| &stop.figures)),
-            stops,
-        }
+        let of_stop = |stop: usize| {
+            compare_stop((table, realisations), campaign, (stop, folded[stop]), &means[stop].values[index])
+        };
+        let stops = (0..table.grid.stops()).into_par_iter().map(of_stop).collect();
+        Comparison::new(model.name(), masking, stops)
     };
     names.iter().enumerate().map(of).collect()
 }
 
 /// One stop (and whether it is folded) against the model's means by colour.
 fn compare_stop(
-    table: &BrdfTable,
+    (table, parts): (&BrdfTable, Option<Parts>),
     campaign: &Campaign,
     (stop, folded): (usize, bool),
     model: &[Vec<f64>],
@@ -252,6 +257,7 @@ fn compare_stop(
             size: &size,
             counted: &counted,
             realisations,
+            parts: parts.map_or(vec![], |parts| parts.single(colour, stop, bins)),
         }
         .figures()
     };
@@ -261,15 +267,17 @@ fn compare_stop(
     let outside: usize = colours.iter().map(|c| c.outside).sum();
     let whole = grid.kind == GridKind::Hemisphere;
     let (theta_i_deg, phi_i_deg) = grid.stop_deg(stop);
+    let (figures, by_part) = Figures::mean(colours.iter().map(|c| (&c.figures, &c.by_part[..])));
     StopComparison {
         theta_i_deg,
         phi_i_deg,
         albedo_model: whole.then(|| colours.iter().map(|c| c.albedo_model).sum::<f64>() / count),
-        figures: Figures::mean(colours.iter().map(|c| &c.figures)),
+        figures,
         max_t: colours.iter().filter_map(|c| c.max_t).reduce(f64::max),
         share_outside_95: (bins_judged > 0).then(|| outside as f64 / bins_judged as f64),
         dof: realisations.saturating_sub(1),
         judged: bins_judged,
+        by_part,
     }
 }
 
