@@ -17,7 +17,8 @@ use crate::validate::two_tables::{Difference, DifferenceFigures, Side, differenc
 /// Compare two tables on the same grid bin by bin, with the errors of both
 #[derive(Args)]
 #[command(
-    after_help = "Distances are relative to B. Tables of the same patches are paired by realisation.\n\n\
+    after_help = "Distances are relative to B. Tables of the same patches are paired by realisation. Exits with 1 where \
+    they differ by more than noise explains.\n\n\
     Example: gonio compare out/a/a.exr out/b/b.exr"
 )]
 pub struct Arguments {
@@ -65,7 +66,7 @@ fn say_difference(out: &mut Output, found: &Difference, json: bool) -> Result<u8
     } else {
         out.lines(lines(found))?;
     }
-    Ok(0)
+    found.disagreement().map_or(Ok(0), |why| Err(Error::Disagreement(why)))
 }
 
 /// Tables that do not fit the memory together.
@@ -148,9 +149,9 @@ fn lines(found: &Difference) -> Vec<String> {
         .collect();
     rows.push(row(["all".into(), String::new()], &found.figures));
     lines.extend(columns(&["theta_i", "phi_i", "l1", "noise", "without it", "max t", "% outside 95"], &rows));
-    if let Some((limit, most)) = found.t_limit.zip(found.figures.max_t) {
-        let says = if most > limit { "above: they differ" } else { "below: noise explains it" };
-        lines.push(format!("largest t {most:.2}, 1 % limit of {} bins {limit:.2}: {says}", found.bins));
+    if let (Some((limit, most)), None) = (found.t_limit.zip(found.figures.max_t), found.disagreement()) {
+        let bins = found.bins;
+        lines.push(format!("largest t {most:.2}, 1 % limit of {bins} bins {limit:.2}: noise explains it"));
     }
     lines
 }

@@ -66,7 +66,9 @@ pub fn schlick_lines(error: &SchlickError) -> Vec<String> {
         };
         let rows: Vec<Vec<String>> = error.stops.iter().map(row).collect();
         lines.push("the same paths with both (L1: flux-weighted difference of the bins)".into());
-        lines.extend(columns(&["theta_i", "phi_i", "albedo exact", "albedo Schlick", "L1"], &rows));
+        let what = if error.stops.iter().all(|stop| stop.whole) { "albedo" } else { "into apertures" };
+        let [fresnel, schlick] = ["Fresnel", "Schlick"].map(|law| format!("{what}, {law}"));
+        lines.extend(columns(&["theta_i", "phi_i", &fresnel, &schlick, "L1"], &rows));
     }
     lines
 }

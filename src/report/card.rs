@@ -6,6 +6,7 @@ use serde_json::Value;
 use crate::error::Result;
 use crate::instrument::Grid;
 use crate::table::{BrdfTable, store};
+use crate::validate::judgement::LAWS;
 
 /// Bins below this share of their stop's peak do not count for the quality, as in `stop.relative_error`.
 const COUNTED_ABOVE: f64 = 0.01;
@@ -213,10 +214,11 @@ fn goodness(table: &BrdfTable, quality: Option<Quality>, summary: &Value) -> Vec
     if let Some(albedo) = summary["energy"]["largest_albedo"].as_f64() {
         rows.push(("largest albedo", format!("{albedo:.5}")));
     }
-    if let Some(ok) = summary["ok"].as_bool() {
-        let failures = summary["failures"].as_array().map_or(0, Vec::len);
-        let text = if ok { "all held".into() } else { format!("{failures} not held: see the summary") };
-        rows.push(("laws and expectations", text));
+    rows.extend(summary["verdict"].as_str().map(|verdict| ("verdict", verdict.to_string())));
+    for judgement in summary["judgements"].as_array().into_iter().flatten() {
+        let [law, words, reason] = ["law", "verdict", "reason"].map(|key| judgement[key].as_str());
+        let words = words.zip(reason).map(|(words, reason)| format!("{words}: {reason}"));
+        rows.extend(LAWS.iter().find(|name| Some(**name) == law).copied().zip(words));
     }
     rows
 }

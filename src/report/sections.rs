@@ -22,20 +22,30 @@ const MOST_ROWS: usize = 48;
 /// Name, what was measured, the verdict.
 pub fn head(page: &Page) -> String {
     let ok = page.summary["ok"].as_bool();
+    let passed = page.summary["verdict"].as_str().is_some_and(|verdict| verdict.starts_with("passed"));
     let class = match ok {
-        Some(true) => "ok",
+        Some(true) if passed => "ok",
         Some(false) => "failed",
-        None => "unknown",
+        _ => "unknown",
     };
-    let failures = page.summary["failures"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    let failures: String = failures.map(|failure| format!("<li>{}</li>", escaped(failure))).collect();
-    let failures = if failures.is_empty() { failures } else { format!("<ul>{failures}</ul>") };
+    let judgements = page.summary["judgements"].as_array().into_iter().flatten().map(judgement);
+    let judgements: String = judgements.collect();
+    let judgements =
+        if judgements.is_empty() { judgements } else { format!("<ul id=\"judgements\">{judgements}</ul>") };
     format!(
-        "<h1>{}</h1>\n<p id=\"what\">{}</p>\n<p id=\"verdict\" class=\"{class}\">{}</p>{failures}",
+        "<h1>{}</h1>\n<p id=\"what\">{}</p>\n<p id=\"verdict\" class=\"{class}\">{}</p>{judgements}",
         escaped(page.name()),
         escaped(&measured(page)),
         escaped(&verdict(page, ok))
     )
+}
+
+/// One law: its name, what is said of it, and why.
+fn judgement(judgement: &Value) -> String {
+    let text = |key: &str| escaped(judgement[key].as_str().unwrap_or_default());
+    let words = text("verdict");
+    let class = words.replace(' ', "-");
+    format!("<li class=\"{class}\"><b>{}</b>: {words}: {}</li>", text("law"), text("reason"))
 }
 
 /// What was measured, one sentence.
@@ -115,11 +125,10 @@ fn surface(campaign: &crate::campaign::Campaign) -> String {
 
 /// The verdict, one sentence.
 fn verdict(page: &Page, ok: Option<bool>) -> String {
-    let laws = match ok {
-        Some(true) => "The table breaks no law and meets its expectation",
-        Some(false) => "FAILED",
-        None => return "Nothing is known that this table should agree with.".into(),
+    let (Some(_), Some(laws)) = (ok, page.summary["verdict"].as_str()) else {
+        return "Nothing is known that this table should agree with.".into();
     };
+    let laws = format!("Verdict: {laws}");
     let comparisons = &page.summary["comparisons"];
     let nearest = page.summary["nearest_masking"].as_str().unwrap_or_default();
     let with = |masking: &str| comparisons.as_array()?.iter().find(|c| c["masking"] == masking).cloned();
@@ -129,7 +138,7 @@ fn verdict(page: &Page, ok: Option<bool>) -> String {
     let number = |key: &str| comparison[key].as_f64().map_or("n/a".into(), |value| format!("{value:.4}"));
     let distance = if comparison["l1_model"].is_null() { "l1" } else { "l1_model" };
     format!(
-        "{laws}: of the maskings, {} is nearest, {} of the flux away ({distance}; noise {}).",
+        "{laws}. Of the maskings, {} is nearest, {} of the flux away ({distance}; noise {}).",
         nearest.replace('_', "-"),
         number(distance),
         number("l1_noise")

@@ -36,6 +36,8 @@ pub fn summary(measured: &Measured, plan: &Plan, cost: &Cost, verdict: &Verdict)
         "nearest_p": verdict.nearest_p,
         "patch_digest": measured.table.patch_digest,
         "ok": verdict.ok,
+        "verdict": verdict.verdict,
+        "judgements": verdict.judgements,
         "failures": verdict.failures,
     })
 }
@@ -76,6 +78,8 @@ pub fn of_stops(
         "nearest_p": verdict.and_then(|verdict| verdict.nearest_p),
         "patch_digest": table.patch_digest,
         "ok": verdict.map(|verdict| verdict.ok),
+        "verdict": verdict.map(|verdict| &verdict.verdict),
+        "judgements": verdict.map(|verdict| &verdict.judgements),
         "failures": verdict.map(|verdict| &verdict.failures),
     })
 }
@@ -156,9 +160,14 @@ impl StopResult {
         self.covered(known(self.albedo_by_order[0].iter().copied()), self.lost_light[0])
     }
 
+    /// Whether the light saw no start: then nothing is known of the albedo.
+    fn is_dark(&self) -> bool {
+        self.orders.iter().sum::<u64>() + self.cut + self.left_map + self.outside == 0
+    }
+
     /// An albedo whose error covers what light over the edge of an open map may have added.
     fn covered(&self, (mean, se): (Option<f64>, Option<f64>), bound: f64) -> (Option<f64>, Option<f64>) {
-        (mean, se.map(|se| lost_light::with_bound(se, bound)))
+        if self.is_dark() { (None, None) } else { (mean, se.map(|se| lost_light::with_bound(se, bound))) }
     }
 
     /// Albedo of all orders and its standard error, where they are known.

@@ -22,6 +22,9 @@ pub struct Energy {
     pub largest_albedo_se: Option<f64>,
     /// Stops and colours above 1 by more than three standard errors.
     pub violations: usize,
+    /// Whether the errors of counting are allowed for where no others are known: the table was measured.
+    #[serde(skip)]
+    pub counted: bool,
 }
 
 /// Reciprocity: f(wi, wo) = f(wo, wi) over pairs of stops.
@@ -71,13 +74,14 @@ impl<'a> Parts<'a> {
 impl Energy {
     /// No stop yet.
     pub fn none() -> Self {
-        Energy { skipped: None, largest_albedo: None, largest_albedo_se: None, violations: 0 }
+        Energy { skipped: None, largest_albedo: None, largest_albedo_se: None, violations: 0, counted: false }
     }
 
     /// Takes further stops in.
     pub fn join(&mut self, other: Energy) {
         self.skipped = other.skipped;
         self.violations += other.violations;
+        self.counted |= other.counted;
         if other.largest_albedo > self.largest_albedo {
             (self.largest_albedo, self.largest_albedo_se) = (other.largest_albedo, other.largest_albedo_se);
         }
@@ -93,7 +97,7 @@ impl Energy {
             let why = if table.grid.kind == GridKind::Arm { "an arm does" } else { "points do" };
             return Energy { skipped: Some(format!("{why} not see the whole hemisphere")), ..none };
         }
-        let mut energy = none;
+        let mut energy = Energy { counted: is_measured(table), ..none };
         for stop in 0..table.grid.stops() {
             for colour in 0..table.colours.len() {
                 let (albedo, se) = albedo(table, stop, colour);
@@ -118,6 +122,11 @@ fn albedo(table: &BrdfTable, stop: usize, colour: usize) -> (f64, Option<f64>) {
     (flux, table.colours[colour].albedo_se.get(stop).map(|&se| f64::from(se)))
 }
 
+/// Whether a table says how it was measured; an imported one does not, and its `hits` are no counts.
+pub(super) fn is_measured(table: &BrdfTable) -> bool {
+    !table.campaign.is_empty()
+}
+
 /// What a table of one realisation may be off by, counting alone: it is allowed for and never printed as an error.
 ///
 /// With n arrivals, all starts of a stop carry one flux, and what a torus shows the light has no noise of its own, so
@@ -127,7 +136,7 @@ fn albedo(table: &BrdfTable, stop: usize, colour: usize) -> (f64, Option<f64>) {
 fn counting_error(table: &BrdfTable, stop: usize, flux: f64) -> f64 {
     let bins = table.grid.bins();
     let arrivals: u64 = table.hits[stop * bins..][..bins].iter().map(|&hits| u64::from(hits)).sum();
-    let counted = !table.campaign.is_empty() && arrivals > 0;
+    let counted = is_measured(table) && arrivals > 0;
     if counted { flux * (2.0 / arrivals as f64).sqrt() } else { 0.0 }
 }
 

@@ -1,6 +1,7 @@
 //! The verdict in words and columns, at most 100 wide.
 
 use super::compare::{self, Comparison};
+use super::judgement::Judgement;
 use super::verdict::Verdict;
 
 impl Verdict {
@@ -14,18 +15,8 @@ impl Verdict {
             ));
             lines.extend(self.comparison_lines(first));
         }
-        lines.push(self.energy_line());
-        lines.extend(self.reciprocity_line());
-        match (self.ok, self.bar) {
-            (true, Some(bar)) if bar.l1_model > 0.0 => {
-                lines.push(format!("verdict: ok (l1_model of {} held to {:.4})", bar.masking, bar.l1_model));
-            }
-            (true, _) => lines.push("verdict: ok".into()),
-            (false, _) => {
-                lines.push("verdict: FAILED".into());
-                lines.extend(self.failures.iter().map(|failure| format!("  {failure}")));
-            }
-        }
+        lines.extend(self.judgements.iter().map(Judgement::line));
+        lines.push(format!("verdict: {}", self.verdict));
         lines
     }
 
@@ -84,30 +75,6 @@ impl Verdict {
             Some(nearest) => self.comparisons[nearest.index].masking.clone(),
             None => "alike".into(),
         }
-    }
-
-    fn energy_line(&self) -> String {
-        match (&self.energy.skipped, self.energy.largest_albedo) {
-            (Some(why), _) => format!("energy: not judged, {why}"),
-            (None, Some(albedo)) => {
-                let se = self.energy.largest_albedo_se.map_or("n/a".into(), |se| format!("{se:.5}"));
-                format!("energy: largest albedo {albedo:.5} +- {se}, {} violations", self.energy.violations)
-            }
-            (None, None) => "energy: no stops".into(),
-        }
-    }
-
-    fn reciprocity_line(&self) -> Option<String> {
-        let r = self.reciprocity.as_ref()?;
-        let number = |value: Option<f64>| value.map_or("n/a".into(), |v| format!("{v:.2}"));
-        let what = if r.kind == "exact" { "equal apertures" } else { "bins corrected by the model" };
-        Some(format!(
-            "reciprocity ({what}): {} pairs, L1 {}, largest |t| {} (limit {})",
-            r.pairs,
-            r.l1.map_or("n/a".into(), |v| format!("{v:.4}")),
-            number(r.max_t),
-            number(r.limit)
-        ))
     }
 }
 

@@ -6,6 +6,7 @@ use std::f64::consts::FRAC_PI_2;
 use serde::Serialize;
 
 use crate::campaign::{Campaign, Index, Law, Optics, Polarisation, materials};
+use crate::instrument::GridKind;
 use crate::measure::optics::{fresnel_of, reflectances_of};
 use crate::optics::fresnel::f_schlick;
 use crate::optics::{FacetAngle, Fresnel};
@@ -46,7 +47,9 @@ pub struct StopError {
     pub theta_i_deg: f64,
     /// The stop.
     pub phi_i_deg: f64,
-    /// Albedo of order 1 as measured.
+    /// Whether the bins fill the hemisphere, so that their flux is the albedo; an arm's apertures gather a part of it.
+    pub whole: bool,
+    /// Flux of order 1 into the bins as measured: with `whole` the albedo.
     pub albedo_exact: f64,
     /// The same paths with Schlick's formula.
     pub albedo_schlick: f64,
@@ -132,7 +135,8 @@ fn of_stops(campaign: &Campaign, table: &BrdfTable, media: &[Fresnel]) -> Vec<St
             albedo_schlick += of_schlick / count;
             l1 += if of_exact > 0.0 { distance / of_exact / count } else { 0.0 };
         }
-        StopError { theta_i_deg, phi_i_deg, albedo_exact, albedo_schlick, l1 }
+        let whole = table.grid.kind != GridKind::Arm;
+        StopError { theta_i_deg, phi_i_deg, whole, albedo_exact, albedo_schlick, l1 }
     };
     (0..table.grid.stops()).map(stop).collect()
 }

@@ -50,6 +50,25 @@ pub struct Difference {
     pub stops: Vec<StopDifference>,
 }
 
+impl Difference {
+    /// What the tables differ by beyond their noise; `None` where noise explains it, or nothing differs.
+    ///
+    /// Where no bin has an error bar, any difference is one.
+    pub fn disagreement(&self) -> Option<String> {
+        let l1 = self.figures.l1.unwrap_or(0.0);
+        match self.t_limit.zip(self.figures.max_t) {
+            Some((limit, most)) if most > limit => Some(format!(
+                "the tables differ: largest t {most:.2}, the 1 % limit of {} bins is {limit:.2}",
+                self.bins
+            )),
+            None if l1 > 0.0 => {
+                Some(format!("the tables differ by an L1 of {l1:.6}, and no errors are known"))
+            }
+            _ => None,
+        }
+    }
+}
+
 /// The measures of a difference; null what is not available.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct DifferenceFigures {

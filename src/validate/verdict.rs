@@ -5,14 +5,15 @@ use serde::Serialize;
 
 use super::compare::{self, ColourFigures, Comparison, Figures, StopComparison, StopData};
 use super::expect::{self, Bar};
+use super::judgement::{self, Judgement, Ruling};
 use super::laws::{Energy, Parts, Reciprocity};
 use super::model::{Model, StopMeans};
 use super::pairs::PairValues;
+use super::seen::Seen;
 use crate::campaign::Campaign;
 use crate::error::Result;
 use crate::instrument::{Grid, GridKind, Region};
 use crate::measure::plan::folded_stops;
-use crate::stats;
 use crate::table::{BrdfTable, Realisations, TableRows};
 
 /// Why a table of random heights without shadowing and masking misses its bar, and where to look.
@@ -22,8 +23,12 @@ const OWN_SLOPES: &str = "; without shadowing and masking only the patches' own 
 /// Everything that validation finds.
 #[derive(Debug, Clone, Serialize)]
 pub struct Verdict {
-    /// Whether no law is broken and every expectation met.
+    /// Whether no law is broken and every expectation met, as far as they could be judged.
     pub ok: bool,
+    /// The same in words: which laws passed, which failed, which were not judged.
+    pub verdict: String,
+    /// Each law.
+    pub judgements: Vec<Judgement>,
     /// One sentence for each failure.
     pub failures: Vec<String>,
     /// The table against each named model.
@@ -123,6 +128,7 @@ pub struct Examination {
     model: String,
     compared: Vec<(String, Vec<StopComparison>)>,
     energy: Energy,
+    seen: Seen,
     pairs: Option<PairValues>,
 }
 
@@ -143,6 +149,7 @@ impl Examination {
             model: String::new(),
             compared: Vec::new(),
             energy: Energy::none(),
+            seen: Seen::default(),
             pairs: visibility.then(|| PairValues::new(grid, exact, campaign.and_then(independent_facets))),
         }
     }
@@ -157,6 +164,7 @@ impl Examination {
     ) {
         let visibility = self.campaign.as_ref().is_none_or(|campaign| campaign.trace.visibility);
         self.energy.join(Energy::of(band, visibility));
+        self.seen.add(band);
         if let Some(pairs) = &mut self.pairs {
             pairs.add(band, first_stop, realisations, prediction.map(|prediction| &prediction.means[..]));
         }
@@ -170,8 +178,16 @@ impl Examination {
         }
     }
 
+    /// What is to be said beside a failure of random heights without shadowing and masking.
+    fn own_slopes(&self) -> &'static str {
+        let own =
+            |campaign: &Campaign| !campaign.trace.visibility && campaign.surface.kind.is_random_heights();
+        if self.campaign.as_ref().is_some_and(own) { OWN_SLOPES } else { "" }
+    }
+
     /// What all stops together show.
     pub fn verdict(self) -> Verdict {
+        let own_slopes = self.own_slopes();
         let comparisons: Vec<Comparison> = self
             .compared
             .into_iter()
@@ -181,16 +197,18 @@ impl Examination {
         let nearest = compare::nearest(&models);
         let reciprocity = self.pairs.as_ref().and_then(Reciprocity::of_pairs);
         let bar = self.campaign.as_ref().and_then(|campaign| expect::bar(campaign, &self.grid));
-        let mut failures = Vec::new();
-        failures.extend(energy_failure(&self.energy));
-        failures.extend(reciprocity.as_ref().and_then(reciprocity_failure));
-        let own_slopes = self
-            .campaign
-            .is_some_and(|campaign| !campaign.trace.visibility && campaign.surface.kind.is_random_heights());
-        let cause = if own_slopes { OWN_SLOPES } else { "" };
-        failures.extend(bar.and_then(|bar| bar_failure(bar, &comparisons)).map(|failure| failure + cause));
+        let judgements = vec![
+            judgement::light(&self.seen),
+            judgement::energy(&self.energy),
+            judgement::reciprocity(reciprocity.as_ref(), self.pairs.is_some()),
+            judgement::model(bar, &comparisons, own_slopes),
+        ];
+        let failed = judgements.iter().filter(|judgement| judgement.ruling == Ruling::Failed);
+        let failures: Vec<String> = failed.map(|j| format!("{}: {}", j.law, j.reason)).collect();
         Verdict {
             ok: failures.is_empty(),
+            verdict: judgement::overall(&judgements),
+            judgements,
             failures,
             nearest_masking: nearest.map(|nearest| comparisons[nearest.index].masking.clone()),
             nearest_p: nearest.and_then(|nearest| nearest.p),
@@ -296,52 +314,6 @@ pub(super) fn counted_bins(grid: &Grid, stop: usize, folded: bool) -> Vec<bool> 
         }
     };
     grid.regions(stop).iter().map(|region| !folded || half_turn(region)).collect()
-}
-
-fn energy_failure(energy: &Energy) -> Option<String> {
-    (energy.violations > 0).then(|| {
-        let largest = energy.largest_albedo.unwrap_or(f64::NAN);
-        format!(
-            "energy: {} stops reflect more than they get (largest albedo {largest:.4})",
-            energy.violations
-        )
-    })
-}
-
-/// Only the exact kind is a law; the other compares bins of different shape.
-fn reciprocity_failure(reciprocity: &Reciprocity) -> Option<String> {
-    let (max_t, limit) = reciprocity.max_t.zip(reciprocity.limit)?;
-    (reciprocity.kind == "exact" && max_t > limit)
-        .then(|| format!("reciprocity: a pair differs by {max_t:.1} standard errors, limit {limit:.1}"))
-}
-
-/// A bar counts only where the noise is no larger than it.
-fn bar_failure(bar: Bar, comparisons: &[Comparison]) -> Option<String> {
-    let comparison = comparisons.iter().find(|c| c.masking == bar.masking)?;
-    if bar.l1_model == 0.0 {
-        return exactness_failure(comparison);
-    }
-    let (found, noise) = comparison.figures.l1_model.zip(comparison.figures.l1_noise)?;
-    (noise <= bar.l1_model && found > bar.l1_model).then(|| {
-        let (model, masking) = (&comparison.model, bar.masking);
-        format!("{model} {masking}: l1_model {found:.4} (noise {noise:.4}) is above {:.4}", bar.l1_model)
-    })
-}
-
-/// A bar of 0 says that nothing but noise is there: no bin may differ by more than Sidak's limit, and without error
-/// bars there is no verdict.
-fn exactness_failure(comparison: &Comparison) -> Option<String> {
-    let judged: usize = comparison.stops.iter().map(|stop| stop.judged).sum();
-    let dof = comparison.stops.first().map_or(0, |stop| stop.dof);
-    let max_t = comparison.stops.iter().filter_map(|stop| stop.max_t).reduce(f64::max);
-    if let (Some(max_t), true) = (max_t, dof > 0 && judged > 0) {
-        let limit = stats::student_limit(stats::sidak(0.01, judged), dof);
-        return (max_t > limit).then(|| {
-            let (model, masking) = (&comparison.model, &comparison.masking);
-            format!("{model} {masking}: a bin differs by {max_t:.1} standard errors, limit {limit:.1}")
-        });
-    }
-    None
 }
 
 /// The masking whose figure is smallest.

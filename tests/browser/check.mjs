@@ -56,8 +56,11 @@ async function numbers(browser) {
   hold("the cost is the summary's", figures.every((text) => cost.includes(text)), [cost, figures]);
   const verdict = await browser.evaluate("document.getElementById('verdict').textContent");
   const nearest = maskings.find((masking) => masking.masking === summary.nearest_masking);
-  hold("the verdict names the nearest masking and its distance",
-    verdict.includes(nearest.masking.replace("_", "-")) && verdict.includes(nearest.l1_model.toFixed(4)), verdict);
+  hold("the verdict is the summary's", verdict.includes(summary.verdict), verdict);
+  const laws = await browser.evaluate("document.getElementById('judgements').textContent");
+  hold("every law has its line", summary.judgements.every(({ law, reason }) => laws.includes(law) && laws.includes(reason)), laws);
+  hold("the verdict names the nearest masking and its distance", !nearest
+    || (verdict.includes(nearest.masking.replace("_", "-")) && verdict.includes(nearest.l1_model.toFixed(4))), verdict);
 }
 
 const shot = (id) => `document.getElementById("${id}").toDataURL()`;

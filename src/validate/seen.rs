@@ -1,0 +1,47 @@
+//! Whether light arrived at all, and how much of it went where nothing is known of it.
+
+use super::laws;
+use crate::instrument::Region;
+use crate::table::BrdfTable;
+
+/// What a table says of the light itself.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Seen {
+    /// Whether the table says how it was measured: an imported one does not.
+    pub measured: bool,
+    /// Stops so far.
+    pub stops: usize,
+    /// Those without a value above 0 in any bin and colour.
+    pub dark: usize,
+    /// What may be missing of the light at the stop that lacks most beside its noise, as a share of the incident flux.
+    pub lost_light: f64,
+    /// The standard error of that stop's albedo without it, or a thousandth of the incident flux if that is more.
+    pub lost_limit: f64,
+}
+
+/// Lost light below this share of the incident flux is never the larger error.
+const NEGLIGIBLE: f64 = 1e-3;
+
+impl Seen {
+    /// Takes further stops in.
+    pub fn add(&mut self, band: &BrdfTable) {
+        self.measured |= laws::is_measured(band);
+        let bins = band.grid.bins();
+        for stop in 0..band.grid.stops() {
+            let here = stop * bins..(stop + 1) * bins;
+            let lit = band.colours.iter().any(|colour| colour.total[here.clone()].iter().any(|&f| f > 0.0));
+            self.stops += 1;
+            self.dark += usize::from(!lit);
+            let sizes: Vec<f64> = band.grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
+            for colour in band.colours.iter().filter(|colour| !colour.left_map.is_empty()) {
+                let bounds = colour.left_map[here.clone()].iter().zip(&sizes);
+                let lost: f64 = bounds.map(|(&bound, size)| f64::from(bound) * size).sum();
+                let se = colour.albedo_se.get(stop).map_or(0.0, |&se| f64::from(se));
+                let limit = se.max(NEGLIGIBLE);
+                if lost - limit > self.lost_light - self.lost_limit || self.lost_limit == 0.0 {
+                    (self.lost_light, self.lost_limit) = (lost, limit);
+                }
+            }
+        }
+    }
+}
