@@ -1,7 +1,7 @@
 //! Materials by name: reflectance at normal incidence for Schlick's Fresnel, n and k over wavelengths where they are
 //! published.
 
-use super::index_file;
+use super::index_file::Dispersion;
 use super::report::nearest;
 use super::schema::Medium;
 
@@ -67,8 +67,8 @@ pub const RGB_NM: [f64; 3] = [450.0, 550.0, 650.0];
 
 /// n and k for R, G and B, in this order.
 pub fn rgb_of(name: &str) -> Option<Vec<Medium>> {
-    let known = index_of(name)?;
-    RGB_NM.iter().rev().map(|&nm| index_file::at(&known, nm)).collect()
+    let known = Dispersion::of(&index_of(name)?);
+    RGB_NM.iter().rev().map(|&nm| known.at(nm)).collect()
 }
 
 // [wavelength_nm, n, k].
@@ -257,7 +257,7 @@ mod tests {
             };
             assert!(media.windows(2).all(|pair| pair[0].wavelength_nm < pair[1].wavelength_nm), "{name}");
             for (f0, nm) in f0.into_iter().zip([650.0, 550.0, 450.0]) {
-                let Medium { eta, k, .. } = index_file::at(&media, nm).expect("visible");
+                let Medium { eta, k, .. } = Dispersion::of(&media).at(nm).expect("visible");
                 let found = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
                 // Single wavelengths stand for broad R, G and B, and names for samples of other makers: both move a
                 // metal's reflectance by up to a tenth.

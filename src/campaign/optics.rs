@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::artist::Artist;
-use super::index_file::{self, ETA, K, WAVELENGTH};
+use super::index_file::{self, Dispersion, ETA, K, WAVELENGTH};
 use super::materials;
 use super::reader::{Bounds, Item, Slot, Table, plain};
 use super::schema::{Index, Law, Medium, Optics, Polarisation};
@@ -155,7 +155,7 @@ impl Source<'_> {
                 "has no n and k here, which fresnel = \"exact\" needs; known: {names}; or give eta and k, or a file"
             ));
         };
-        let media = self.chosen(&known, Some(&materials::RGB_NM))?;
+        let media = self.chosen(&Dispersion::of(&known), Some(&materials::RGB_NM))?;
         Some(index(Some(name.to_string()), media, law))
     }
 
@@ -182,36 +182,38 @@ impl Source<'_> {
             return item.refuse("must be a file name without control characters");
         }
         match index_file::read(&around.folder.join(name)) {
-            Ok(media) => self.chosen(&media, None),
+            Ok(known) => self.chosen(&known, None),
             Err(why) => item.refuse(why),
         }
     }
 
     /// The media at `wavelength_nm`; where it is left out at the `default` ones, or at all that are known.
-    fn chosen(&self, known: &[Medium], default: Option<&[f64]>) -> Option<Vec<Medium>> {
-        let ends = [known[0], known[known.len() - 1]].map(|medium| medium.wavelength_nm.unwrap_or_default());
+    fn chosen(&self, known: &Dispersion, default: Option<&[f64]>) -> Option<Vec<Medium>> {
         let Some(item) = self.wavelength.given() else {
-            let Some(default) = default else {
-                return if known.len() <= MOST_COLOURS {
-                    Some(known.to_vec())
-                } else {
-                    let count = known.len();
-                    self.wavelength.refuse(format!(
-                        "required: the file holds {count} wavelengths and a table at most {MOST_COLOURS}; choose among them"
-                    ))
-                };
-            };
-            return default.iter().map(|&nm| index_file::at(known, nm)).collect();
+            let Some(default) = default else { return self.all_of(known) };
+            return default.iter().map(|&nm| known.at(nm)).collect();
         };
         let elements = item.list()?;
         let nm = increasing(item, &elements)?;
         let found = elements.iter().zip(nm).map(|(element, nm)| {
-            index_file::at(known, nm).or_else(|| {
-                let [low, high] = ends.map(plain);
+            known.at(nm).or_else(|| {
+                let [low, high] = known.ends().map(plain);
                 element.refuse(format!("must lie in [{low}, {high}]: n and k are not known elsewhere"))
             })
         });
         found.collect::<Vec<_>>().into_iter().collect()
+    }
+
+    /// All wavelengths that a file holds.
+    fn all_of(&self, known: &Dispersion) -> Option<Vec<Medium>> {
+        let media = known.points();
+        match media.len() {
+            0 => self.wavelength.refuse("required: the file holds no wavelengths of its own; choose some"),
+            1..=MOST_COLOURS => Some(media),
+            count => self.wavelength.refuse(format!(
+                "required: the file holds {count} wavelengths and a table at most {MOST_COLOURS}; choose among them"
+            )),
+        }
     }
 
     /// `eta` and `k`: one index, or one for each wavelength.
