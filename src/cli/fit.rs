@@ -4,15 +4,23 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{Output, columns, or_na, to_json};
+use super::output::{Output, columns, or_na, to_json, wrapped};
 use super::table_file;
 use crate::error::{Error, Result};
-use crate::fit::{self, Data, Fits, Law, NAMES};
+use crate::fit::{self, Data, Fit, Fits, Law, NAMES};
+use crate::stats;
 
-/// Fit analytic models to a table by least squares, weighted by its errors
+/// What the name of a masking leaves open.
+const STRETCHED: &str = "direction_correlated: lambda takes the azimuth between the stretched directions \
+                         (alpha_x x, alpha_y y), not between the arms";
+
+/// Fit analytic models to a table, each bin weighted by its size over the model
 #[derive(Args)]
 #[command(
-    after_help = "Errors come from leaving out one realisation at a time, and from least squares alone.\n\n\
+    after_help = "Errors come from leaving out one realisation at a time. Amplitudes are held at 0 or above, F0 in 0 .. 1, slopes\n\
+    in 0.0001 .. 10; a parameter on its bound is said to be there and has no error. Gaps of an imported table (no\n\
+    hits, no error) are left out. direction_correlated takes the azimuth between the stretched directions\n\
+    (alpha_x x, alpha_y y).\n\n\
     Example: gonio fit out/quickstart/quickstart.exr --model ggx"
 )]
 pub struct Arguments {
@@ -59,38 +67,103 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 fn lines(fits: &Fits) -> Vec<String> {
-    let mut lines = vec![format!("order 1, {} values, best first:", fits.values)];
+    let mut lines = wrapped("", &winner(fits));
+    lines.push(format!("order 1, {} values, best first:", fits.values));
     let mut rows = Vec::new();
-    for fit in &fits.fits {
-        let (least, spread) = (&fit.standard_errors_least_squares, fit.standard_errors_jackknife.as_ref());
+    for fit in fits.fits.iter().filter(|fit| fit.did_not_fit.is_none()) {
         for (k, (name, value)) in fit.parameters.0.iter().enumerate() {
             let head = |text: String| if k == 0 { text } else { String::new() };
-            let number = |value: Option<f64>| value.map_or("n/a".into(), |value| format!("{value:.6}"));
+            let bound = fit.on_bound.contains(name);
+            let error = if bound { "on bound".into() } else { narrow(half(fit, name)) };
             rows.push(vec![
                 head(fit.model.into()),
                 head(fit.masking.unwrap_or("").into()),
                 name.clone(),
-                number(*value),
-                number(spread.and_then(|errors| errors.get(name))),
-                number(least.get(name)),
-                head(or_na(fit.chi2_per_dof, 2)),
+                narrow(*value),
+                error,
+                head(fit.chi2_per_dof.map_or("n/a".into(), |ratio| short(ratio, 2))),
                 head(or_na(fit.l1, 4)),
-                head(format!("{:.0}", fit.aic)),
+                head(short(fit.behind, 0)),
             ]);
         }
     }
-    let headings = ["model", "masking", "parameter", "value", "jackknife", "lsq", "chi2/dof", "l1", "aic"];
+    let headings = ["model", "masking", "parameter", "value", "+-", "chi2/dof", "l1", "behind"];
     lines.extend(columns(&headings, &rows));
-    lines.push(match fits.realisations {
-        0 | 1 => {
-            "no realisations: only the errors of least squares, too small where the model is not the truth"
+    let lost = fits.fits.iter().filter_map(|fit| Some((fit, fit.did_not_fit.as_ref()?)));
+    lines.extend(lost.flat_map(|(fit, why)| wrapped("did not fit: ", &format!("{}: {why}", name(fit)))));
+    lines.extend(wrapped("+-: ", &kind_of_errors(fits)));
+    let (first, whole) =
+        (fits.fits.iter().map(|fit| fit.stops).min(), fits.fits.iter().map(|fit| fit.stops).max());
+    if let Some((first, whole)) = first.zip(whole).filter(|(first, whole)| first < whole) {
+        let fitted = format!("models far behind were fitted to {first} of {whole} stops; their l1 is of all");
+        lines.extend(wrapped("", &fitted));
+    }
+    if fits.fits.iter().any(|fit| fit.anisotropic && fit.masking == Some("direction_correlated")) {
+        lines.extend(wrapped("", STRETCHED));
+    }
+    lines
+}
+
+/// A number in nine columns.
+fn narrow(value: Option<f64>) -> String {
+    or_na(value, if value.is_some_and(|value| value.abs() >= 1000.0) { 1 } else { 5 })
+}
+
+/// A number that may be huge in seven columns.
+fn short(value: f64, decimals: usize) -> String {
+    if value.abs() < 1e4 { format!("{value:.decimals$}") } else { format!("{value:.1e}") }
+}
+
+/// The model with its masking and axes.
+fn name(fit: &Fit) -> String {
+    let axes = if fit.anisotropic { " with two roughnesses" } else { "" };
+    format!("{}{}{axes}", fit.model, fit.masking.map_or(String::new(), |masking| format!(" {masking}")))
+}
+
+/// The first line: the best model with its parameters, and what the realisations do not tell from it.
+fn winner(fits: &Fits) -> String {
+    let Some(best) = fits.fits.first().filter(|fit| fit.did_not_fit.is_none()) else {
+        return "no model fits this table".into();
+    };
+    let shown = |(name, value): &(String, Option<f64>)| {
+        let range = best.intervals_95.as_ref().and_then(|all| all.get(name));
+        let range = range.map_or(String::new(), |[low, high]| format!(" (95 %: {low:.5} .. {high:.5})"));
+        format!("{name} {}{range}", narrow(*value))
+    };
+    let parameters: Vec<String> = best.parameters.0.iter().map(shown).collect();
+    let alike = fits.fits[1..].iter().filter(|fit| fit.alike == Some(true) && fit.did_not_fit.is_none());
+    let alike: Vec<String> = alike.map(name).collect();
+    let alike = match (fits.realisations, alike.is_empty()) {
+        (0 | 1, _) => String::new(),
+        (_, true) => "; every other model is significantly worse".into(),
+        (_, false) => format!("; alike within the realisations' noise: {}", alike.join(", ")),
+    };
+    let colon = if parameters.is_empty() { "" } else { ": " };
+    format!("best: {}{colon}{}, l1 {}{alike}", name(best), parameters.join(", "), or_na(best.l1, 4))
+}
+
+/// Half the width of the interval of 95 %; one standard error where only that is known.
+fn half(fit: &Fit, name: &str) -> Option<f64> {
+    match &fit.intervals_95 {
+        Some(all) => all.get(name).map(|[low, high]| 0.5 * (high - low)),
+        None => fit.standard_errors.get(name),
+    }
+}
+
+fn kind_of_errors(fits: &Fits) -> String {
+    match (fits.realisations, fits.has_errors) {
+        (0 | 1, false) => "the table has no errors and no realisations; one standard error as the residuals \
+                           scatter, too small where the model is not the truth"
+            .into(),
+        (0 | 1, true) => {
+            "no realisations: one standard error from the bins' errors alone, too small where the \
+                          model is not the truth"
                 .into()
         }
-        count => format!(
-            "jackknife: standard errors from leaving out each of {count} realisations; lsq: least squares"
+        (count, _) => format!(
+            "half of the 95 % interval, {:.2} (Student's t) times the standard error of a jackknife over {count} \
+             realisations; behind: distance from the best model in units of the noise (Takeuchi's criterion)",
+            stats::student_limit(0.05, count - 1)
         ),
-    });
-    let lost = fits.fits.iter().filter(|fit| !fit.converged).map(|fit| fit.model);
-    lines.extend(lost.map(|model| format!("{model}: the iteration did not converge")));
-    lines
+    }
 }

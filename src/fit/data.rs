@@ -1,11 +1,12 @@
-//! What a fit is made to: order 1 of a table, and how far off each value may be.
+//! What a fit is made to: order 1 of a table, its weights, and how far the realisations scatter.
 
 use crate::campaign::{Azimuth, Campaign, Optics};
-use crate::instrument::{Grid, Region};
+use crate::instrument::Grid;
 use crate::table::{BrdfTable, Realisations};
 
-/// Share of a value, and of the stop's peak, that stands for the error where a table says nothing of errors.
-const UNKNOWN_ERROR: f64 = 0.01;
+/// Share of a colour's mean BRDF that is added to every value and every model: no bin, however dark, counts for more
+/// than a thousand times its share of the hemisphere.
+const FLOOR: f64 = 1e-3;
 
 /// A table as a fit sees it. Values are [colour][stop * bins + bin].
 #[derive(Debug, Clone)]
@@ -16,12 +17,14 @@ pub struct Data {
     pub aperture: f64,
     /// `single`, 1/sr.
     pub value: Vec<Vec<f64>>,
-    /// What residuals are divided by, 1/sr, > 0.
-    pub sigma: Vec<Vec<f64>>,
-    /// Projected solid angles, sr; 1 for arms without an aperture.
+    /// Squared standard errors of `value`, 0 for bins without light; `None` where the table knows no errors.
+    pub variance: Option<Vec<Vec<f64>>>,
+    /// Projected solid angles, sr; 1 for arms without an aperture; 0 for gaps, which count nowhere.
     pub size: Vec<f64>,
-    /// Whether `sigma` comes from the table's errors.
-    pub has_errors: bool,
+    /// What is added to values and models of each colour, 1/sr, > 0.
+    pub floor: Vec<f64>,
+    /// What parameters of each colour end in: nothing, or `_r`, `_w550`.
+    pub suffixes: Vec<String>,
     /// Whether F = 1 is known, so that no amplitude is fitted to physical models.
     pub perfect_mirror: bool,
     /// Whether the table tells azimuths apart.
@@ -33,40 +36,44 @@ pub struct Data {
 }
 
 impl Data {
-    /// The data of a table; `campaign` is `None` for an imported one.
-    ///
-    /// sigma^2 = stderr^2 + q^2, q the BRDF of one hit: the standard error of a bin of few hits is itself a draw, and
-    /// bins that drew a small one would pull the fit down. An empty bin has the value 0 and its stderr of 1.5 hits.
+    /// The data of a table; `campaign` is `None` for an imported one, whose bins without hits and errors are gaps.
     pub fn new(table: &BrdfTable, campaign: Option<&Campaign>, parts: Option<&Realisations>) -> Data {
         let grid = table.grid.clone();
+        let gap = |entry: usize| {
+            let unknown = table.colours.iter().all(|colour| colour.stderr_single[entry] < 0.0);
+            campaign.is_none() && table.hits[entry] == 0 && unknown
+        };
         let regions = (0..grid.stops()).flat_map(|stop| grid.regions(stop));
-        let size = regions
-            .map(|region| Some(Region::projected_solid_angle(&region)).filter(|w| *w > 0.0).unwrap_or(1.0));
+        let size = regions.enumerate().map(|(entry, region)| {
+            let size = Some(region.projected_solid_angle()).filter(|size| *size > 0.0).unwrap_or(1.0);
+            if gap(entry) { 0.0 } else { size }
+        });
+        let size: Vec<f64> = size.collect();
         let value: Vec<Vec<f64>> = table.colours.iter().map(|colour| wide(&colour.single)).collect();
-        let errors = table.colours.iter().zip(&value);
-        let (sigma, known): (Vec<_>, Vec<bool>) = errors
-            .map(|(colour, value)| sigmas(value, &colour.stderr_single, &table.hits, grid.bins()))
-            .unzip();
+        let parts: Vec<Vec<Vec<f64>>> = parts.map_or(Vec::new(), |all| {
+            all.parts.iter().map(|part| part.single.iter().map(|v| wide(v)).collect()).collect()
+        });
+        let variance = if parts.len() > 1 { Some(scatter(&parts)) } else { known(table, &size) };
         let average = campaign.is_some_and(|c| c.light.azimuth == Azimuth::Relative);
         Data {
             aperture: campaign.map_or(0.0, |c| c.light.aperture_deg.to_radians()),
             perfect_mirror: campaign.is_some_and(|c| c.optics == Optics::PerfectMirror),
-            absolute: !average && (!grid.phi_r_relative || grid.phi_i_deg.len() > 1),
+            absolute: !average && (!grid.phi_r_relative || grid.azimuths() > 1),
             rotation: campaign.map_or(0.0, |c| c.surface.rotation_deg.to_radians()),
-            size: size.collect(),
-            has_errors: known.iter().all(|&known| known),
-            parts: parts.map_or(Vec::new(), |all| {
-                all.parts.iter().map(|part| part.single.iter().map(|v| wide(v)).collect()).collect()
-            }),
+            // A table without any scatter at all has no errors either.
+            variance: variance.filter(|all| all.iter().flatten().any(|&square| square > 0.0)),
+            floor: floors(&value, &size),
+            suffixes: suffixes(table),
+            size,
+            parts,
             grid,
             value,
-            sigma,
         }
     }
 
-    /// Number of values.
+    /// Number of values that count.
     pub fn len(&self) -> usize {
-        self.value.iter().map(Vec::len).sum()
+        self.size.iter().filter(|size| **size > 0.0).count() * self.value.len()
     }
 
     /// Whether there are none.
@@ -74,15 +81,10 @@ impl Data {
         self.len() == 0
     }
 
-    /// The table without one realisation: (R f - f_k)/(R - 1), R f the sum of the realisations themselves.
-    pub fn without(&self, left_out: usize) -> Vec<Vec<f64>> {
-        let others = (self.parts.len() - 1) as f64;
-        let mean = |colour: usize, entry: usize| {
-            let rest = self.parts.iter().enumerate().filter(|(k, _)| *k != left_out);
-            rest.map(|(_, part)| part[colour][entry]).sum::<f64>() / others
-        };
-        let colour = |colour: usize| (0..self.value[colour].len()).map(|entry| mean(colour, entry)).collect();
-        (0..self.value.len()).map(colour).collect()
+    /// (colour, entry) of every value that counts.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, usize)> {
+        let of = |colour: usize| (0..self.size.len()).map(move |entry| (colour, entry));
+        (0..self.value.len()).flat_map(of).filter(|&(_, entry)| self.size[entry] > 0.0)
     }
 }
 
@@ -90,21 +92,40 @@ fn wide(values: &[f32]) -> Vec<f64> {
     values.iter().map(|&value| f64::from(value)).collect()
 }
 
-/// The errors of one colour, and whether the table knows them.
-fn sigmas(value: &[f64], stderr: &[f32], hits: &[u32], bins: usize) -> (Vec<f64>, bool) {
-    let of = |(entry, (&value, &stderr)): (usize, (&f64, &f32))| {
-        let (stderr, hits) = (f64::from(stderr), f64::from(hits[entry]));
-        let one_hit = if hits > 0.0 { value / hits } else { 0.0 };
-        let known = (stderr * stderr + one_hit * one_hit).sqrt();
-        (stderr >= 0.0 && known > 0.0).then_some(known)
+/// Squared standard errors of the mean from the realisations themselves.
+fn scatter(parts: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
+    let square = |colour: usize, entry: usize| {
+        let values = parts.iter().map(move |part| part[colour][entry]);
+        crate::stats::mean_and_se(values).1.unwrap_or(0.0).powi(2)
     };
-    let all: Option<Vec<f64>> = value.iter().zip(stderr).enumerate().map(of).collect();
-    if let Some(sigma) = all {
-        return (sigma, true);
+    let colour = |colour: usize| (0..parts[0][colour].len()).map(|entry| square(colour, entry)).collect();
+    (0..parts[0].len()).map(colour).collect()
+}
+
+/// The table's own errors, where every value that counts has one. The error of an empty bin is a bound, not a draw.
+fn known(table: &BrdfTable, size: &[f64]) -> Option<Vec<Vec<f64>>> {
+    let square = |stderr: f32, entry: usize| match (size[entry] > 0.0, table.hits[entry]) {
+        (true, 1..) => (stderr >= 0.0).then(|| f64::from(stderr).powi(2)),
+        (true, 0) if stderr < 0.0 => None,
+        _ => Some(0.0),
+    };
+    let colour = |stderr: &Vec<f32>| stderr.iter().enumerate().map(|(k, &se)| square(se, k)).collect();
+    table.colours.iter().map(|channels| colour(&channels.stderr_single)).collect()
+}
+
+/// [`FLOOR`] of each colour's mean; a black colour has that of the brightest.
+fn floors(value: &[Vec<f64>], size: &[f64]) -> Vec<f64> {
+    let whole: f64 = size.iter().sum();
+    let mean = |values: &Vec<f64>| values.iter().zip(size).map(|(f, w)| f * w).sum::<f64>() / whole;
+    let means: Vec<f64> = value.iter().map(mean).collect();
+    let most = means.iter().copied().fold(0.0, f64::max);
+    let floor = |mean: f64| FLOOR * if mean > 0.0 { mean } else { most };
+    means.into_iter().map(|mean| Some(floor(mean)).filter(|floor| *floor > 0.0).unwrap_or(FLOOR)).collect()
+}
+
+fn suffixes(table: &BrdfTable) -> Vec<String> {
+    match table.colours.len() {
+        1 => vec![String::new()],
+        _ => table.colour_names().iter().map(|name| format!("_{}", name.to_lowercase())).collect(),
     }
-    let peaks = value.chunks(bins).map(|stop| stop.iter().copied().fold(0.0, f64::max));
-    let peaks: Vec<f64> = peaks.map(|peak| if peak > 0.0 { peak } else { 1.0 }).collect();
-    let guess =
-        |(entry, value): (usize, &f64)| UNKNOWN_ERROR * value.hypot(UNKNOWN_ERROR * peaks[entry / bins]);
-    (value.iter().enumerate().map(guess).collect(), false)
 }

@@ -37,7 +37,9 @@ pub enum Law {
     Microfacet {
         /// Law of the normals.
         ndf: Ndf,
-        /// How shadowing and masking are joined.
+        /// How shadowing and masking are joined. The direction-correlated one takes lambda = 4.41 phi/(4.41 phi + 1) of
+        /// the azimuth phi between the *stretched* directions (alpha_x x, alpha_y y), not between the arms themselves:
+        /// the two differ where alpha_x and alpha_y do.
         masking: Masking,
         /// Whether alpha_x, alpha_y and the rotation are fitted.
         anisotropic: bool,
@@ -70,8 +72,26 @@ pub const NAMES: [&str; 9] = [
     "student_t",
 ];
 
-/// Tilts, rad, below which Oren and Nayar's model is Lambert's to 1e-5.
-const SMOOTH: f64 = 2e-3;
+/// Slopes that a fit may return. Beyond 10 the facets stand on edge and every larger value looks the same; below, no
+/// bin resolves the lobe.
+const SLOPES: [f64; 2] = [1e-4, 10.0];
+/// Exponents: the lobe of 0.01 is the hemisphere's, that of 1e6 is as narrow as a slope of 0.0014.
+const EXPONENTS: [f64; 2] = [0.01, 1e6];
+/// Tilts: no facet is turned further than upright.
+const TILTS: [f64; 2] = [1e-4, FRAC_PI_2];
+/// Distance from a bound, in the shape's parameter, that is none.
+const ON_BOUND: f64 = 1e-9;
+
+impl Amplitudes {
+    /// Amplitudes that each colour adds to the parameters.
+    pub fn per_colour(self) -> usize {
+        match self {
+            Amplitudes::Fixed => 0,
+            Amplitudes::Schlick | Amplitudes::One => 1,
+            Amplitudes::Two => 2,
+        }
+    }
+}
 
 impl Law {
     /// All models that a table can be held against: anisotropic ones only where azimuths are told apart.
@@ -155,7 +175,50 @@ impl Law {
             Law::BlinnPhong => vec![exponent],
             Law::CookTorrance | Law::TorranceSparrow => vec![log_alpha],
             Law::Microfacet { anisotropic: false, .. } => vec![log_alpha],
-            Law::Microfacet { anisotropic: true, .. } => vec![log_alpha, pilot.stretch[0], pilot.stretch[1]],
+            Law::Microfacet { anisotropic: true, .. } => {
+                let mut shape = vec![log_alpha, pilot.stretch[0], pilot.stretch[1]];
+                self.confine(&mut shape);
+                shape
+            }
+        }
+    }
+
+    /// What each parameter of the shape may be.
+    pub fn bounds(self) -> Vec<[f64; 2]> {
+        let free = [f64::NEG_INFINITY, f64::INFINITY];
+        match self {
+            Law::Lambert => vec![],
+            Law::OrenNayar => vec![[0.0, TILTS[1]]],
+            Law::Phong | Law::BlinnPhong => vec![EXPONENTS.map(f64::ln)],
+            Law::TorranceSparrow => vec![TILTS.map(f64::ln)],
+            Law::CookTorrance | Law::Microfacet { anisotropic: false, .. } => vec![SLOPES.map(f64::ln)],
+            Law::Microfacet { anisotropic: true, .. } => vec![SLOPES.map(f64::ln), free, free],
+        }
+    }
+
+    /// Shortens the stretch of an anisotropic shape until both roughnesses are slopes that a fit may return.
+    pub fn confine(self, shape: &mut [f64]) {
+        if let [a, b, c] = shape {
+            let (r, most) = (b.hypot(*c), (SLOPES[1].ln() - *a).min(*a - SLOPES[0].ln()));
+            if r > most {
+                (*b, *c) = (*b * most / r, *c * most / r);
+            }
+        }
+    }
+
+    /// Names of the shape's parameters that stand on a bound.
+    pub fn on_bound(self, shape: &[f64]) -> Vec<&'static str> {
+        let on = |value: f64, [low, high]: [f64; 2]| value <= low + ON_BOUND || value >= high - ON_BOUND;
+        match shape {
+            [a, b, c] => {
+                let (r, slopes) = (b.hypot(*c), SLOPES.map(f64::ln));
+                let ends = on(a + r, slopes) || on(a - r, slopes);
+                if ends { vec!["alpha_x", "alpha_y"] } else { vec![] }
+            }
+            _ => {
+                let all = shape.iter().zip(self.bounds()).zip(self.shape_names());
+                all.filter(|((value, bounds), _)| on(**value, *bounds)).map(|(_, name)| *name).collect()
+            }
         }
     }
 
@@ -176,7 +239,7 @@ impl Law {
     pub fn decode(self, shape: &[f64], rotation: f64) -> Vec<f64> {
         match self {
             Law::Lambert => vec![],
-            Law::OrenNayar => vec![shape[0].abs().to_degrees()],
+            Law::OrenNayar => vec![shape[0].to_degrees()],
             Law::TorranceSparrow => vec![shape[0].exp().to_degrees()],
             Law::Microfacet { anisotropic: true, .. } => {
                 let (alpha_x, alpha_y, turn) = roughness(shape, rotation);
@@ -184,11 +247,6 @@ impl Law {
             }
             _ => vec![shape[0].exp()],
         }
-    }
-
-    /// Whether the shape ended where it stops to matter: a rough diffuse surface without roughness has no error bar.
-    pub fn is_degenerate(self, shape: &[f64]) -> bool {
-        self == Law::OrenNayar && shape[0].abs() < SMOOTH
     }
 
     /// The narrowest lobe of a shape in slopes, for the layout of the nodes.

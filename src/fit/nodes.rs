@@ -49,10 +49,12 @@ impl StopNodes {
     /// - `aperture`: half-angle of the light's cone, rad. `alpha`: the narrowest lobe that is to be resolved.
     /// - Held by: `the_quadrature_agrees_with_the_adaptive_one` (tests/fit.rs).
     pub fn of_grid(grid: &Grid, aperture: f64, alpha: f64) -> Vec<StopNodes> {
-        (0..grid.stops())
-            .into_par_iter()
-            .map(|stop| StopNodes::of_stop(grid, stop, aperture, alpha))
-            .collect()
+        StopNodes::of_stops(grid, &(0..grid.stops()).collect::<Vec<_>>(), aperture, alpha)
+    }
+
+    /// The nodes of some stops.
+    pub fn of_stops(grid: &Grid, stops: &[usize], aperture: f64, alpha: f64) -> Vec<StopNodes> {
+        stops.par_iter().map(|&stop| StopNodes::of_stop(grid, stop, aperture, alpha)).collect()
     }
 
     fn of_stop(grid: &Grid, stop: usize, aperture: f64, alpha: f64) -> StopNodes {

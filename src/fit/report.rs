@@ -1,26 +1,38 @@
-//! What a fit says: parameters under their names, both kinds of errors, distances and the ranking.
+//! What a fit says: parameters under their names, both kinds of errors, distances, the ranking, and what did not fit.
 
 use nalgebra::DMatrix;
 use serde::{Serialize, Serializer, ser::SerializeMap};
 
 use super::law::{Amplitudes, Law};
+use super::ranking::{self, Place};
+use super::solve;
 use super::{Data, Fitted};
+use crate::stats;
 
 /// Step of the differences by which errors of logarithms become errors of what is reported.
 const STEP: f64 = 1e-6;
+/// Share of the divergence of a constant BRDF that a model must at least explain.
+const HALF: f64 = 0.5;
+/// L1 from which on not even the best model is one.
+const FAR: f64 = 0.5;
+/// Level at which two axes of roughness are told apart.
+const LEVEL: f64 = 0.01;
 
-/// Named numbers in their order.
+/// Named things in their order.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Parameters(pub Vec<(String, Option<f64>)>);
+pub struct Named<T>(pub Vec<(String, Option<T>)>);
 
-impl Parameters {
-    /// The number of that name.
-    pub fn get(&self, name: &str) -> Option<f64> {
+/// Named numbers.
+pub type Parameters = Named<f64>;
+
+impl<T: Copy> Named<T> {
+    /// The one of that name.
+    pub fn get(&self, name: &str) -> Option<T> {
         self.0.iter().find(|(known, _)| known == name).and_then(|(_, value)| *value)
     }
 }
 
-impl Serialize for Parameters {
+impl<T: Serialize> Serialize for Named<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
         for (name, value) in &self.0 {
@@ -42,22 +54,36 @@ pub struct Fit {
     pub masking: Option<&'static str>,
     /// Whether two roughnesses and a rotation were fitted.
     pub anisotropic: bool,
-    /// What came out.
+    /// Why the model did not fit; null where it did.
+    pub did_not_fit: Option<String>,
+    /// What came out. Two roughnesses lie as far apart as they do beyond their noise.
     pub parameters: Parameters,
-    /// Jackknife over realisations; least squares where there are none.
+    /// Parameters on the bound of what they may be: they have no error.
+    pub on_bound: Vec<String>,
+    /// Jackknife over realisations; from the bins where there are none. One standard error.
     pub standard_errors: Parameters,
-    /// From the bins' errors alone: too small where the model is not the truth.
+    /// From the bins' errors alone (without any: from the residuals): too small where bins are off together.
     pub standard_errors_least_squares: Parameters,
     /// Over realisations; null where they are not known.
     pub standard_errors_jackknife: Option<Parameters>,
-    /// Sum of squared residuals per degree of freedom; null where the table has no errors.
+    /// Limits that hold the true value in 95 % of all cases: Student's t with R - 1 degrees; null without realisations.
+    pub intervals_95: Option<Named<[f64; 2]>>,
+    /// Squared residuals over the squared errors, 1 where the model is exact; null where the table has no errors.
     pub chi2_per_dof: Option<f64>,
-    /// Flux-weighted L1 distance, mean over stops and colours.
+    /// Flux-weighted L1 distance, mean over stops and colours; noise included.
     pub l1: Option<f64>,
-    /// n ln(chi2/n) + 2 k: Akaike's criterion for errors of unknown scale.
+    /// Takeuchi's criterion; Akaike's for errors of unknown scale where the table has none.
     pub aic: f64,
+    /// `aic` less that of the best model.
+    pub behind: f64,
+    /// Its standard error over realisations; null without them.
+    pub behind_se: Option<f64>,
+    /// Whether the realisations do not tell the model from the best one at 95 %; null without them.
+    pub alike: Option<bool>,
     /// Whether the iteration converged.
     pub converged: bool,
+    /// Stops that the parameters were fitted to; distances are of all.
+    pub stops: usize,
 }
 
 /// All fits, best first.
@@ -69,47 +95,144 @@ pub struct Fits {
     pub values: usize,
     /// Realisations left out in turn; 0: their file is absent.
     pub realisations: usize,
-    /// By increasing `aic`.
+    /// Whether the table knows errors of its values.
+    pub has_errors: bool,
+    /// Those that fit by increasing `aic`, then the others.
     pub fits: Vec<Fit>,
 }
 
-/// Puts a fit into words and numbers.
-pub(super) fn fit(data: &Data, fitted: Fitted, jackknife: Option<DMatrix<f64>>) -> Fit {
-    let names = names(data, &fitted);
-    let values = decoded(data, &fitted, &fitted.params);
-    let count = data.len() as f64;
-    let dof = count - fitted.params.len() as f64;
-    let per_dof = fitted.chi_square / dof;
-    // Without errors the residuals themselves say how large they are.
-    let unit = if data.has_errors { 1.0 } else { per_dof };
-    let named = |numbers: Vec<Option<f64>>| Parameters(names.iter().cloned().zip(numbers).collect());
-    let errors = |covariance: &DMatrix<f64>| named(propagated(data, &fitted, covariance));
-    let least_squares = match &fitted.covariance {
-        Some(covariance) => errors(&(covariance * unit)),
-        None => named(vec![None; values.len()]),
+/// Puts fits into words and numbers, and in order.
+pub(super) fn report(data: &Data, fitted: Vec<Fitted>) -> Fits {
+    let places = ranking::places(data, &fitted);
+    let constant = constant(data);
+    let far = |fit: &Fitted, place: &Place| {
+        place.behind > 0.0 && place.alike != Some(true) && fit.divergence > HALF * constant
     };
-    let jackknife = jackknife.as_ref().map(errors);
-    Fit {
-        law: fitted.law,
-        model: fitted.law.name(),
-        masking: fitted.law.masking(),
-        anisotropic: fitted.law.is_anisotropic(),
-        parameters: named(values.into_iter().map(Some).collect()),
-        standard_errors: jackknife.clone().unwrap_or_else(|| least_squares.clone()),
-        standard_errors_least_squares: least_squares,
-        standard_errors_jackknife: jackknife,
-        chi2_per_dof: data.has_errors.then_some(per_dof),
-        l1: l1(data, &fitted.model),
-        aic: count * (fitted.chi_square / count).max(f64::MIN_POSITIVE).ln()
-            + 2.0 * fitted.params.len() as f64,
-        converged: fitted.converged,
+    let fits = fitted.iter().zip(places).map(|(fit, place)| {
+        let far = far(fit, &place);
+        one(data, fit, place, far)
+    });
+    let mut fits: Vec<Fit> = fits.collect();
+    fits.sort_by(|a, b| {
+        let lost = |fit: &Fit| fit.did_not_fit.is_some();
+        lost(a).cmp(&lost(b)).then(a.aic.total_cmp(&b.aic))
+    });
+    Fits {
+        scope: "single",
+        values: data.len(),
+        realisations: data.parts.len(),
+        has_errors: data.variance.is_some(),
+        fits,
     }
 }
 
-/// Best first.
-pub(super) fn ranked(data: &Data, mut fits: Vec<Fit>) -> Fits {
-    fits.sort_by(|a, b| a.aic.total_cmp(&b.aic));
-    Fits { scope: "single", values: data.len(), realisations: data.parts.len(), fits }
+fn one(data: &Data, fit: &Fitted, place: Place, far: bool) -> Fit {
+    let names = names(data, fit);
+    let dof = data.len().saturating_sub(fit.params.len()).max(1) as f64;
+    let spread = fit.spread.as_ref();
+    let jackknife = spread.and_then(|spread| spread.jackknife.as_ref());
+    let bins = spread.and_then(|spread| spread.fisher.as_ref()).map(|m| m * ranking::scale(data, fit));
+    let params = apart(data, fit, jackknife.or(bins.as_ref()));
+    let values = decoded(data, fit, &params);
+    let on_bound = on_bound(fit, &names);
+    let named = |numbers: Vec<Option<f64>>| Named(names.iter().cloned().zip(numbers).collect());
+    let errors = |covariance: &DMatrix<f64>| {
+        let known = |(error, name): (Option<f64>, &String)| error.filter(|_| !on_bound.contains(name));
+        named(propagated(data, fit, &params, covariance).into_iter().zip(&names).map(known).collect())
+    };
+    let least_squares = bins.as_ref().map_or_else(|| named(vec![None; values.len()]), errors);
+    let jackknife = jackknife.map(errors);
+    let l1 = l1(data, &fit.model);
+    let limit = |se: f64| stats::student_limit(0.05, data.parts.len() - 1) * se;
+    let interval = |((name, se), value): (&(String, Option<f64>), &f64)| {
+        (name.clone(), se.map(|se| [value - limit(se), value + limit(se)]))
+    };
+    Fit {
+        law: fit.law,
+        model: fit.law.name(),
+        masking: fit.law.masking(),
+        anisotropic: fit.law.is_anisotropic(),
+        did_not_fit: why_not(fit, l1, far),
+        intervals_95: jackknife.as_ref().map(|se| Named(se.0.iter().zip(&values).map(interval).collect())),
+        parameters: named(
+            values.into_iter().zip(&names).map(|(v, name)| told(fit, &params, v, name)).collect(),
+        ),
+        on_bound,
+        standard_errors: jackknife.clone().unwrap_or_else(|| least_squares.clone()),
+        standard_errors_least_squares: least_squares,
+        standard_errors_jackknife: jackknife,
+        chi2_per_dof: ranking::chi_square_ratio(data, &fit.model)
+            .map(|ratio| ratio * data.len() as f64 / dof),
+        l1,
+        aic: place.aic,
+        behind: place.behind,
+        behind_se: place.behind_se,
+        alike: place.alike,
+        converged: fit.converged,
+        stops: fit.stops,
+    }
+}
+
+/// A rotation of equal roughnesses is none.
+fn told(fit: &Fitted, params: &[f64], value: f64, name: &str) -> Option<f64> {
+    let round = fit.law.is_anisotropic() && params[1] == 0.0 && params[2] == 0.0;
+    Some(value).filter(|_| !(round && name == "rotation_deg"))
+}
+
+/// Why a model is none of this table; `far`: it explains too little of what a constant leaves.
+fn why_not(fit: &Fitted, l1: Option<f64>, far: bool) -> Option<String> {
+    // A diffuse surface without roughness is Lambert's, and a smooth limit as good as any value.
+    let ends = match fit.law {
+        Law::OrenNayar => vec![],
+        law => law.on_bound(&fit.params[..fit.shapes]),
+    };
+    if !fit.converged && ends.is_empty() {
+        return Some("the iteration did not converge".into());
+    }
+    if !ends.is_empty() {
+        return Some(format!("{} ran to the bound of what it may be", ends.join(", ")));
+    }
+    if far {
+        return Some("explains less than half of what a constant leaves".into());
+    }
+    l1.filter(|l1| *l1 > FAR).map(|l1| format!("misses {:.0} % of the light", 100.0 * l1))
+}
+
+/// The divergence of the best constant of each colour.
+fn constant(data: &Data) -> f64 {
+    let whole: f64 = data.size.iter().sum();
+    let mean = |values: &Vec<f64>| values.iter().zip(&data.size).map(|(f, w)| f * w).sum::<f64>() / whole;
+    let model: Vec<Vec<f64>> = data.value.iter().map(|values| vec![mean(values); values.len()]).collect();
+    solve::divergence(data, &model)
+}
+
+/// The parameters with the stretch of an anisotropic shape freed of its noise: the expectation of b^2 + c^2 is that of
+/// the truth and the variances of b and c, so two roughnesses of a round law would always come out apart.
+fn apart(data: &Data, fit: &Fitted, covariance: Option<&DMatrix<f64>>) -> Vec<f64> {
+    let mut params = fit.params.clone();
+    if let (true, Some(covariance)) = (fit.law.is_anisotropic(), covariance) {
+        let r2 = params[1] * params[1] + params[2] * params[2];
+        let rest = (r2 - covariance[(1, 1)] - covariance[(2, 2)]).max(0.0);
+        let told = if is_told_apart(data, fit, covariance) { rest } else { 0.0 };
+        let factor = if r2 > 0.0 { (told / r2).sqrt() } else { 0.0 };
+        params[1..3].iter_mut().for_each(|stretch| *stretch *= factor);
+    }
+    params
+}
+
+/// Hotelling's test of b = c = 0: T^2 = (b, c) V^-1 (b, c)', and (1 + T^2/(R - 1))^(-(R - 2)/2) is its p.
+fn is_told_apart(data: &Data, fit: &Fitted, covariance: &DMatrix<f64>) -> bool {
+    let (b, c) = (fit.params[1], fit.params[2]);
+    let (xx, xy, yy) = (covariance[(1, 1)], covariance[(1, 2)], covariance[(2, 2)]);
+    let t2 = (yy * b * b - 2.0 * xy * b * c + xx * c * c) / (xx * yy - xy * xy);
+    let count = data.parts.len() as f64;
+    let p = if count >= 2.0 {
+        (-0.5 * (count - 2.0) * (t2 / (count - 1.0)).ln_1p()).exp()
+    } else {
+        (-0.5 * t2).exp()
+    };
+    // No scatter at all: any difference is one.
+    !t2.is_finite() || p < LEVEL
 }
 
 fn names(data: &Data, fitted: &Fitted) -> Vec<String> {
@@ -120,10 +243,17 @@ fn names(data: &Data, fitted: &Fitted) -> Vec<String> {
         (Law::Lambert | Law::OrenNayar, _) => &["albedo"],
         _ => &["amplitude"],
     };
-    let colours: &[&str] = if data.value.len() == 1 { &[""] } else { &["_r", "_g", "_b"] };
     let amplitudes =
-        colours.iter().flat_map(|colour| of_colour.iter().map(move |name| format!("{name}{colour}")));
+        data.suffixes.iter().flat_map(|colour| of_colour.iter().map(move |name| format!("{name}{colour}")));
     fitted.law.shape_names().iter().map(|name| name.to_string()).chain(amplitudes).collect()
+}
+
+/// Names of what stands on a bound.
+fn on_bound(fit: &Fitted, names: &[String]) -> Vec<String> {
+    let shape = fit.law.on_bound(&fit.params[..fit.shapes]).into_iter().map(str::to_string);
+    let amplitudes = fit.on_bound.iter().filter(|&&k| k >= fit.shapes);
+    // Decoded shapes have as many numbers as their parameters.
+    shape.chain(amplitudes.map(|&k| names[k].clone())).collect()
 }
 
 fn decoded(data: &Data, fitted: &Fitted, params: &[f64]) -> Vec<f64> {
@@ -131,14 +261,15 @@ fn decoded(data: &Data, fitted: &Fitted, params: &[f64]) -> Vec<f64> {
     [fitted.law.decode(shape, data.rotation), amplitudes.to_vec()].concat()
 }
 
-/// sqrt of the diagonal of D C D', D the derivatives of what is reported by what is fitted.
-fn propagated(data: &Data, fitted: &Fitted, covariance: &DMatrix<f64>) -> Vec<Option<f64>> {
-    let count = fitted.params.len();
-    let rows = decoded(data, fitted, &fitted.params).len();
+/// sqrt of the diagonal of D C D', D the derivatives of what is reported by what is fitted. Two roughnesses that are one
+/// have the error of a roughness along any axis, (a + b) or (a + c) on average, and no rotation.
+fn propagated(data: &Data, fitted: &Fitted, params: &[f64], covariance: &DMatrix<f64>) -> Vec<Option<f64>> {
+    let count = params.len();
+    let rows = decoded(data, fitted, params).len();
     let mut derivative = DMatrix::zeros(rows, count);
     for column in 0..count {
         let moved = |step: f64| {
-            let mut params = fitted.params.clone();
+            let mut params = params.to_vec();
             params[column] += step;
             decoded(data, fitted, &params)
         };
@@ -147,8 +278,14 @@ fn propagated(data: &Data, fitted: &Fitted, covariance: &DMatrix<f64>) -> Vec<Op
         }
     }
     let spread = &derivative * covariance * derivative.transpose();
-    let known = |k: usize| k >= fitted.shapes || !fitted.law.is_degenerate(&fitted.params[..fitted.shapes]);
-    (0..rows).map(|k| Some(spread[(k, k)].sqrt()).filter(|se| se.is_finite() && known(k))).collect()
+    let mut errors: Vec<Option<f64>> =
+        (0..rows).map(|k| Some(spread[(k, k)].sqrt()).filter(|se| se.is_finite() && *se > 0.0)).collect();
+    if fitted.law.is_anisotropic() && params[1] == 0.0 && params[2] == 0.0 {
+        let square = covariance[(0, 0)] + 0.5 * (covariance[(1, 1)] + covariance[(2, 2)]);
+        let error = Some(params[0].exp() * square.sqrt()).filter(|se| *se > 0.0);
+        errors[..3].copy_from_slice(&[error, error, None]);
+    }
+    errors
 }
 
 /// Mean over stops and colours of sum |f - m| w/sum m w.

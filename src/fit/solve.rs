@@ -1,190 +1,313 @@
-//! Least squares of one model: residuals, Jacobian, the crate's Levenberg-Marquardt, and the errors that follow.
+//! The fit of one model: the divergence that is minimised, its gradient, and damped Fisher scoring within bounds.
+//!
+//! The divergence of a model m from values f, w the sizes of the bins and e the floor, is
+//! sum w (y ln(y/z) - y + z), y = f + e, z = m + e: Poisson's likelihood (Kullback and Leibler's divergence of the
+//! reflected flux). Its gradient is sum w (m - f)/z dm: bins weigh by their size over the *model*, so no draw of the noise
+//! decides how much it counts, the mean over realisations enters linearly, and an exact model is met without bias,
+//! whatever the noise is. Weights from the scatter of few realisations pull towards what they happen to agree on.
 
-use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra::storage::Owned;
-use nalgebra::{DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::data::Data;
 use super::law::{Amplitudes, Law};
 use super::nodes::StopNodes;
 
-/// Step of the central differences in the (logarithmic) shape: the bases are smooth, so their error is 1e-8 squared
-/// by third derivatives and 1e-12 by rounding.
-const STEP: f64 = 1e-4;
-/// Largest jump of a logarithm from its start: beyond, the lobe is a point or the whole hemisphere.
-const REACH: f64 = 12.0;
+/// Step of the forward differences in the shape: 1e-7 of a second derivative, 1e-9 by rounding.
+const STEP: f64 = 1e-7;
+/// Largest change of a shape's parameter in one step.
+const LONGEST: f64 = 1.0;
+/// Share of the flux that the next step may still gain where the fit ends: parameters are then right to 1e-7.
+const EXACT: f64 = 1e-14;
+/// The same where rounding hides any gain.
+const ROUNDED: f64 = 1e-10;
+/// Share of the flux below which a parameter is without influence.
+const IDLE: f64 = 1e-13;
+/// Steps at most.
+const STEPS: usize = 60;
 
-/// Relative change of the sum of squares and of the parameters at which a fit ends.
-pub const EXACT: f64 = 1e-10;
-/// The same for a fit that starts near its end, of which only the distance counts.
-pub const NEAR: f64 = 1e-6;
-
-/// One model against one set of values.
-#[derive(Clone)]
-pub struct Problem<'a> {
-    data: &'a Data,
-    nodes: &'a [StopNodes],
-    law: Law,
-    target: &'a [Vec<f64>],
-    params: DVector<f64>,
-    start: DVector<f64>,
-    /// Both bases of every entry at `params`.
-    basis: Vec<[f64; 2]>,
+/// Some stops of a grid with their nodes, and the entry of the table that each mean belongs to.
+pub struct Layout {
+    nodes: Vec<StopNodes>,
+    entries: Vec<usize>,
 }
 
-/// Where the iteration ended.
-pub struct Solution {
+impl Layout {
+    /// The layout of `stops` for lobes as narrow as `alpha`.
+    pub fn new(data: &Data, stops: &[usize], alpha: f64) -> Layout {
+        let bins = data.grid.bins();
+        Layout {
+            nodes: StopNodes::of_stops(&data.grid, stops, data.aperture, alpha),
+            entries: stops.iter().flat_map(|stop| stop * bins..(stop + 1) * bins).collect(),
+        }
+    }
+}
+
+/// Both bases of every entry of a layout.
+pub type Basis = Vec<[f64; 2]>;
+
+/// One model against a table.
+pub struct Problem<'a> {
+    data: &'a Data,
+    layout: &'a Layout,
+    /// The model.
+    pub law: Law,
+    /// Number of the shape's parameters; amplitudes follow, colour by colour.
+    pub shapes: usize,
+    kind: Amplitudes,
+    bounds: Vec<[f64; 2]>,
+    flux: f64,
+}
+
+/// Where a fit stands.
+#[derive(Clone)]
+pub struct State {
     /// Shape first, then the amplitudes of each colour.
     pub params: Vec<f64>,
-    /// Sum of the squared residuals.
-    pub chi_square: f64,
-    /// Whether one of the criteria of convergence was met.
-    pub converged: bool,
+    /// Both bases at `params`.
+    pub basis: Basis,
+    /// The divergence there.
+    pub divergence: f64,
+}
+
+/// The gradient of the divergence and the expectation of its second derivatives.
+pub struct Local {
+    /// By each parameter.
+    pub gradient: DVector<f64>,
+    /// Fisher's matrix: sum w/z dm dm'.
+    pub fisher: DMatrix<f64>,
 }
 
 impl<'a> Problem<'a> {
-    /// The problem of fitting `law` to `target` ([colour][entry]) from `params`.
-    pub fn new(
-        data: &'a Data,
-        nodes: &'a [StopNodes],
-        law: Law,
-        target: &'a [Vec<f64>],
-        params: Vec<f64>,
-    ) -> Self {
-        let params = DVector::from_vec(params);
-        let mut problem =
-            Problem { data, nodes, law, target, start: params.clone(), params, basis: Vec::new() };
-        problem.basis = problem.basis_at(problem.shape());
-        problem
-    }
-
-    /// Minimises the sum of squares until its relative change, or the parameters', is below `tolerance`.
-    pub fn solve(self, tolerance: f64) -> (Self, Solution) {
-        if self.params.is_empty() {
-            let residuals = self.residuals_of(&self.basis);
-            let chi_square = residuals.norm_squared();
-            return (self, Solution { params: vec![], chi_square, converged: true });
-        }
-        let method = LevenbergMarquardt::new().with_ftol(tolerance).with_xtol(tolerance).with_gtol(0.0);
-        let (problem, report) = method.minimize(self);
-        let solution = Solution {
-            params: problem.params.as_slice().to_vec(),
-            chi_square: 2.0 * report.objective_function,
-            converged: report.termination.was_successful(),
+    /// The problem of fitting `law` to the values of `data` at the stops of `layout`.
+    pub fn new(data: &'a Data, layout: &'a Layout, law: Law) -> Self {
+        let kind = law.amplitudes(data.perfect_mirror);
+        let shape = law.bounds();
+        let most = if kind == Amplitudes::Schlick { 1.0 } else { f64::INFINITY };
+        let amplitudes = vec![[0.0, most]; kind.per_colour() * data.value.len()];
+        let flux = |(colour, values): (usize, &Vec<f64>)| {
+            let at = layout.entries.iter();
+            at.map(|&entry| data.size[entry] * (values[entry].abs() + data.floor[colour])).sum::<f64>()
         };
-        (problem, solution)
+        let flux = data.value.iter().enumerate().map(flux).sum();
+        let shapes = shape.len();
+        Problem { data, layout, law, shapes, kind, bounds: [shape, amplitudes].concat(), flux }
     }
 
-    /// The inverse of J'J at the parameters; `None` where it is singular.
-    pub fn covariance(&self) -> Option<DMatrix<f64>> {
-        let jacobian = self.jacobian_at();
-        let normal = jacobian.transpose() * &jacobian;
-        normal.try_inverse().filter(|inverse| inverse.iter().all(|entry| entry.is_finite()))
+    /// The divergence at `params`.
+    pub fn at(&self, params: Vec<f64>) -> State {
+        let basis = self.basis(&params[..self.shapes]);
+        let divergence = self.divergence(&params, &basis);
+        State { params, basis, divergence }
     }
 
-    /// The model's means at the parameters, [colour][entry].
-    pub fn model(&self) -> Vec<Vec<f64>> {
-        let colour = |colour| self.basis.iter().map(|basis| self.value(colour, *basis)).collect();
-        (0..self.target.len()).map(colour).collect()
+    /// Minimises the divergence from `params`, and says whether it converged.
+    pub fn solve(&self, params: Vec<f64>) -> (State, bool) {
+        let start = self.polished(self.at(params));
+        self.descend(start, true)
     }
 
-    fn shape(&self) -> &[f64] {
-        &self.params.as_slice()[..self.params.len() - self.per_colour() * self.target.len()]
+    /// The parameters that are neither at a bound that holds them back nor without influence.
+    pub fn free(&self, params: &[f64], local: &Local) -> Vec<usize> {
+        let free = |&k: &usize| {
+            let ([low, high], slope) = (self.bounds[k], local.gradient[k]);
+            let held = params[k] <= low && slope > 0.0 || params[k] >= high && slope < 0.0;
+            let scale = if k < self.shapes { 1.0 } else { params[k].abs().max(f64::MIN_POSITIVE) };
+            !held
+                && (local.fisher[(k, k)] * scale * scale > IDLE * self.flux
+                    || k >= self.shapes && slope < 0.0)
+        };
+        (0..params.len()).filter(free).collect()
     }
 
-    fn per_colour(&self) -> usize {
-        amplitudes_per_colour(self.law.amplitudes(self.data.perfect_mirror))
+    /// The parameters that stand on a bound.
+    pub fn on_bound(&self, params: &[f64]) -> Vec<usize> {
+        (0..params.len())
+            .filter(|&k| params[k] <= self.bounds[k][0] || params[k] >= self.bounds[k][1])
+            .collect()
     }
 
-    fn amplitude(&self, colour: usize, k: usize) -> f64 {
-        self.params[self.shape().len() + colour * self.per_colour() + k]
+    /// The model's means at a state, [colour][entry of the layout].
+    pub fn model(&self, state: &State) -> Vec<Vec<f64>> {
+        let colour = |colour| state.basis.iter().map(|b| self.value(&state.params, colour, *b)).collect();
+        (0..self.data.value.len()).map(colour).collect()
     }
 
-    fn basis_at(&self, shape: &[f64]) -> Vec<[f64; 2]> {
-        self.nodes.par_iter().map(|nodes| self.law.means(shape, nodes)).collect::<Vec<_>>().concat()
+    /// Derivatives of both bases by each parameter of the shape.
+    pub fn derivatives(&self, state: &State) -> Vec<Basis> {
+        let by = |k: usize| {
+            let mut shape = state.params[..self.shapes].to_vec();
+            shape[k] += STEP;
+            let slope = |(up, here): ([f64; 2], &[f64; 2])| [0, 1].map(|i| (up[i] - here[i]) / STEP);
+            self.basis(&shape).into_iter().zip(&state.basis).map(slope).collect()
+        };
+        (0..self.shapes).into_par_iter().map(by).collect()
     }
 
-    fn value(&self, colour: usize, [a, b]: [f64; 2]) -> f64 {
-        match self.law.amplitudes(self.data.perfect_mirror) {
+    /// Gradient and Fisher's matrix for the values `target`; without `slopes` the shape is held.
+    pub fn local(&self, state: &State, slopes: &[Basis], target: &[Vec<f64>]) -> Local {
+        let count = state.params.len();
+        let (mut gradient, mut fisher) = (DVector::zeros(count), DMatrix::zeros(count, count));
+        let per_colour = self.kind.per_colour();
+        let mut moved: Vec<(usize, f64)> = Vec::with_capacity(slopes.len() + per_colour);
+        for (colour, values) in target.iter().enumerate() {
+            for (slot, &entry) in self.layout.entries.iter().enumerate() {
+                let w = self.data.size[entry];
+                if w == 0.0 {
+                    continue;
+                }
+                let (m, floor) =
+                    (self.value(&state.params, colour, state.basis[slot]), self.data.floor[colour]);
+                moved.clear();
+                moved.extend(
+                    (0..slopes.len()).map(|k| (k, self.by_shape(&state.params, colour, slopes[k][slot]))),
+                );
+                let first = self.shapes + colour * per_colour;
+                moved.extend((0..per_colour).map(|k| (first + k, self.by_amplitude(k, state.basis[slot]))));
+                let weight = w / (m + floor);
+                for &(i, d) in &moved {
+                    gradient[i] += weight * (m - values[entry]) * d;
+                    moved.iter().for_each(|&(j, e)| fisher[(i, j)] += weight * d * e);
+                }
+            }
+        }
+        Local { gradient, fisher }
+    }
+
+    /// Fisher scoring; where `shape` is false the basis stays and only amplitudes move, which costs little.
+    fn descend(&self, mut state: State, shape: bool) -> (State, bool) {
+        if state.params.len() == if shape { 0 } else { self.shapes } {
+            return (state, true);
+        }
+        let mut damping = 0.0;
+        for _ in 0..STEPS {
+            let slopes = if shape { self.derivatives(&state) } else { Vec::new() };
+            let local = self.local(&state, &slopes, &self.data.value);
+            let mut free = self.free(&state.params, &local);
+            free.retain(|&k| shape || k >= self.shapes);
+            loop {
+                let step = step(&local, &free, damping, &state.params);
+                let gain = -0.5 * step.dot(&local.gradient);
+                if gain <= EXACT * self.flux {
+                    return (state, true);
+                }
+                let trial = self.moved(&state, &step, shape);
+                if trial.divergence < state.divergence {
+                    state = trial;
+                    damping = if damping < 1e-5 { 0.0 } else { 0.1 * damping };
+                    break;
+                }
+                if damping > 1e8 {
+                    return (state, gain <= ROUNDED * self.flux);
+                }
+                damping = (10.0 * damping).max(1e-3);
+            }
+        }
+        (state, false)
+    }
+
+    /// The state with the best amplitudes of its shape.
+    fn polished(&self, state: State) -> State {
+        self.descend(state, false).0
+    }
+
+    fn moved(&self, state: &State, step: &DVector<f64>, shape: bool) -> State {
+        let longest = (0..self.shapes).map(|k| step[k].abs()).fold(LONGEST, f64::max);
+        let moved = |k: usize| {
+            let [low, high] = self.bounds[k];
+            (state.params[k] + step[k] * LONGEST / longest).clamp(low, high)
+        };
+        let mut params: Vec<f64> = (0..state.params.len()).map(moved).collect();
+        if shape {
+            self.law.confine(&mut params[..self.shapes]);
+            return self.polished(self.at(params));
+        }
+        let divergence = self.divergence(&params, &state.basis);
+        State { params, basis: state.basis.clone(), divergence }
+    }
+
+    fn basis(&self, shape: &[f64]) -> Basis {
+        self.layout.nodes.par_iter().map(|nodes| self.law.means(shape, nodes)).collect::<Vec<_>>().concat()
+    }
+
+    fn divergence(&self, params: &[f64], basis: &[[f64; 2]]) -> f64 {
+        let mut sum = 0.0;
+        for (colour, values) in self.data.value.iter().enumerate() {
+            let floor = self.data.floor[colour];
+            for (&entry, &basis) in self.layout.entries.iter().zip(basis) {
+                let m = self.value(params, colour, basis);
+                sum += self.data.size[entry] * term(values[entry], m, floor);
+            }
+        }
+        sum
+    }
+
+    fn amplitude(&self, params: &[f64], colour: usize, k: usize) -> f64 {
+        params[self.shapes + colour * self.kind.per_colour() + k]
+    }
+
+    fn value(&self, params: &[f64], colour: usize, [a, b]: [f64; 2]) -> f64 {
+        match self.kind {
             Amplitudes::Fixed => a,
-            Amplitudes::Schlick => self.amplitude(colour, 0) * (a - b) + b,
-            Amplitudes::One => self.amplitude(colour, 0) * a,
-            Amplitudes::Two => self.amplitude(colour, 0) * a + self.amplitude(colour, 1) * b,
+            Amplitudes::Schlick => self.amplitude(params, colour, 0) * (a - b) + b,
+            Amplitudes::One => self.amplitude(params, colour, 0) * a,
+            Amplitudes::Two => self.amplitude(params, colour, 0) * a + self.amplitude(params, colour, 1) * b,
         }
     }
 
-    /// What amplitude `k` is multiplied with.
-    fn slope(&self, k: usize, [a, b]: [f64; 2]) -> f64 {
-        match self.law.amplitudes(self.data.perfect_mirror) {
+    /// What the value changes by where both bases do: it is linear in them.
+    fn by_shape(&self, params: &[f64], colour: usize, slopes: [f64; 2]) -> f64 {
+        self.value(params, colour, slopes)
+    }
+
+    fn by_amplitude(&self, k: usize, [a, b]: [f64; 2]) -> f64 {
+        match self.kind {
             Amplitudes::Schlick => a - b,
             _ if k == 0 => a,
             _ => b,
         }
     }
-
-    fn residuals_of(&self, basis: &[[f64; 2]]) -> DVector<f64> {
-        let entries = basis.len();
-        DVector::from_fn(entries * self.target.len(), |row, _| {
-            let (colour, entry) = (row / entries, row % entries);
-            (self.value(colour, basis[entry]) - self.target[colour][entry]) / self.data.sigma[colour][entry]
-        })
-    }
-
-    fn jacobian_at(&self) -> DMatrix<f64> {
-        let (entries, shapes, per_colour) = (self.basis.len(), self.shape().len(), self.per_colour());
-        let mut jacobian = DMatrix::zeros(entries * self.target.len(), self.params.len());
-        for column in 0..shapes {
-            let moved = |step: f64| {
-                let mut shape = self.shape().to_vec();
-                shape[column] += step;
-                self.residuals_of(&self.basis_at(&shape))
-            };
-            jacobian.set_column(column, &((moved(STEP) - moved(-STEP)) / (2.0 * STEP)));
-        }
-        for colour in 0..self.target.len() {
-            for k in 0..per_colour {
-                let mut column = jacobian.column_mut(shapes + colour * per_colour + k);
-                for (entry, basis) in self.basis.iter().enumerate() {
-                    column[colour * entries + entry] = self.slope(k, *basis) / self.data.sigma[colour][entry];
-                }
-            }
-        }
-        jacobian
-    }
 }
 
-/// Amplitudes that each colour adds to the parameters.
-pub fn amplitudes_per_colour(amplitudes: Amplitudes) -> usize {
-    match amplitudes {
-        Amplitudes::Fixed => 0,
-        Amplitudes::Schlick | Amplitudes::One => 1,
-        Amplitudes::Two => 2,
-    }
+/// y ln(y/z) - y + z of y = f + e and z = m + e, as z ((1 + u) ln(1 + u) - u), u = (f - m)/z: small differences keep
+/// their digits. Below y = 0 the logarithm is that of |y|, which no model sees.
+fn term(f: f64, m: f64, floor: f64) -> f64 {
+    let z = m + floor;
+    let u = (f - m) / z;
+    let log = if u > -1.0 { u.ln_1p() } else { (-1.0 - u).max(f64::MIN_POSITIVE).ln() };
+    z * ((1.0 + u) * log - u)
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
-    type ResidualStorage = Owned<f64, Dyn>;
-    type JacobianStorage = Owned<f64, Dyn, Dyn>;
-    type ParameterStorage = Owned<f64, Dyn>;
+/// The divergence of whole models, entry by entry of a table.
+pub fn divergence(data: &Data, model: &[Vec<f64>]) -> f64 {
+    let of = |(colour, entry): (usize, usize)| {
+        data.size[entry] * term(data.value[colour][entry], model[colour][entry], data.floor[colour])
+    };
+    data.entries().map(of).sum()
+}
 
-    fn set_params(&mut self, params: &DVector<f64>) {
-        self.params.copy_from(params);
-        self.basis = self.basis_at(self.shape());
+/// The damped step of the free parameters, 0 for all others. An amplitude at 0 has a scale of its own: its diagonal.
+fn step(local: &Local, free: &[usize], damping: f64, params: &[f64]) -> DVector<f64> {
+    let mut step = DVector::zeros(params.len());
+    let (mut matrix, gradient) = reduced(local, free);
+    for k in 0..free.len() {
+        matrix[(k, k)] *= 1.0 + damping + 1e-12;
     }
+    if let Some(factors) = matrix.cholesky() {
+        let solved = factors.solve(&gradient);
+        free.iter().enumerate().for_each(|(k, &at)| step[at] = -solved[k]);
+    } else {
+        // Two parameters that do the same: each by itself.
+        for &at in free {
+            step[at] = -local.gradient[at] / (local.fisher[(at, at)] * (1.0 + damping) * free.len() as f64);
+        }
+    }
+    step
+}
 
-    fn params(&self) -> DVector<f64> {
-        self.params.clone()
-    }
-
-    /// `None`, which ends the iteration, where a shape has run away.
-    fn residuals(&self) -> Option<DVector<f64>> {
-        let shapes = self.shape().len();
-        let near = (0..shapes).all(|k| (self.params[k] - self.start[k]).abs() < REACH);
-        near.then(|| self.residuals_of(&self.basis)).filter(|r| r.iter().all(|value| value.is_finite()))
-    }
-
-    fn jacobian(&self) -> Option<DMatrix<f64>> {
-        Some(self.jacobian_at())
-    }
+/// Matrix and gradient of the free parameters alone.
+fn reduced(local: &Local, free: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+    let n = free.len();
+    let matrix = DMatrix::from_fn(n, n, |i, j| local.fisher[(free[i], free[j])]);
+    (matrix, DVector::from_fn(n, |i, _| local.gradient[free[i]]))
 }

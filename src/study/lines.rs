@@ -1,6 +1,7 @@
 //! A study in words and columns, at most 100 wide.
 
 use super::{LEVEL, Study};
+use crate::stats;
 
 impl Study {
     /// The printable report.
@@ -39,18 +40,38 @@ impl Study {
                 100.0 * worst.relative_deviation
             )
         }));
-        let names = [
-            ("alpha_x", self.alpha_x, self.alpha_x_se, 5),
-            ("alpha_y", self.alpha_y, self.alpha_y_se, 5),
-            ("rotation_deg", self.rotation_deg, self.rotation_deg_se, 3),
-        ];
-        if let Some((model, masking)) = self.model.zip(self.masking) {
-            lines.push(format!("fit of {model} {masking}, errors by jackknife:"));
-            for (name, value, se, digits) in names {
-                lines.push(format!("{name:>14} {} +- {}", number(value, digits), number(se, digits)));
-            }
+        lines.extend(self.fit_lines());
+        lines
+    }
+
+    /// One roughness where isotropy stands, else two and their turn.
+    fn fit_lines(&self) -> Vec<String> {
+        let Some(((model, masking), t)) = self.model.zip(self.masking).zip(self.student_limit()) else {
+            return Vec::new();
+        };
+        let x = |name| (name, self.alpha_x, self.alpha_x_se, 5);
+        let parameters = match self.dimensions {
+            Some(4) => vec![
+                x("alpha_x"),
+                ("alpha_y", self.alpha_y, self.alpha_y_se, 5),
+                ("rotation_deg", self.rotation_deg, self.rotation_deg_se, 3),
+            ],
+            _ => vec![x("alpha")],
+        };
+        let mut lines = vec![format!("fit of {model} {masking}; +- one standard error by jackknife:")];
+        for (name, value, se, digits) in parameters {
+            let range = value.zip(se).map_or("n/a".into(), |(value, se)| {
+                format!("{:.digits$} .. {:.digits$}", value - t * se, value + t * se)
+            });
+            let number = |value: Option<f64>| value.map_or("n/a".into(), |v| format!("{v:.digits$}"));
+            lines.push(format!("{name:>14} {} +- {}; 95 %: {range}", number(value), number(se)));
         }
         lines
+    }
+
+    /// Student's t for intervals of 95 % from so many realisations.
+    fn student_limit(&self) -> Option<f64> {
+        (self.realisations > 1).then(|| stats::student_limit(0.05, self.realisations - 1))
     }
 
     fn verdict(&self) -> String {

@@ -40,7 +40,7 @@ pub struct Study {
     pub model: Option<&'static str>,
     /// Masking of the fit.
     pub masking: Option<&'static str>,
-    /// Slope scale along the sample's x axis.
+    /// Slope scale along the sample's x axis; that of every axis where isotropy stands.
     pub alpha_x: Option<f64>,
     /// Its standard error.
     pub alpha_x_se: Option<f64>,
@@ -48,9 +48,9 @@ pub struct Study {
     pub alpha_y: Option<f64>,
     /// Its standard error.
     pub alpha_y_se: Option<f64>,
-    /// Azimuth of the x axis, within 45 degrees of the campaign's.
+    /// Azimuth of the x axis, within 45 degrees of the campaign's; null where isotropy stands.
     pub rotation_deg: Option<f64>,
-    /// Its standard error: meaningless where alpha_x and alpha_y agree within theirs.
+    /// Its standard error.
     pub rotation_deg_se: Option<f64>,
     /// Realisations behind every error.
     pub realisations: usize,
@@ -69,15 +69,18 @@ pub struct Study {
 /// Held by: `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/study.rs).
 pub fn examine(measured: &Measured) -> Study {
     let mut study = examine_isotropy(measured);
-    let laws = laws(measured);
+    let laws = laws(measured, study.dimensions == Some(4));
     if laws.is_empty() || study.p_value.is_none() {
         return study;
     }
     let fit = fit::best(&data_of(measured), &laws);
-    let (values, errors) = (&fit.parameters, &fit.standard_errors);
-    (study.alpha_x, study.alpha_x_se) = (values.get("alpha_x"), errors.get("alpha_x"));
-    (study.alpha_y, study.alpha_y_se) = (values.get("alpha_y"), errors.get("alpha_y"));
-    (study.rotation_deg, study.rotation_deg_se) = (values.get("rotation_deg"), errors.get("rotation_deg"));
+    let value = |name: &str, alone: &str| [name, alone].into_iter().find_map(|name| fit.parameters.get(name));
+    let error =
+        |name: &str, alone: &str| [name, alone].into_iter().find_map(|name| fit.standard_errors.get(name));
+    (study.alpha_x, study.alpha_x_se) = (value("alpha_x", "alpha"), error("alpha_x", "alpha"));
+    (study.alpha_y, study.alpha_y_se) = (value("alpha_y", "alpha"), error("alpha_y", "alpha"));
+    study.rotation_deg = fit.parameters.get("rotation_deg");
+    study.rotation_deg_se = fit.standard_errors.get("rotation_deg");
     (study.model, study.masking) = (Some(fit.model), fit.masking);
     study
 }
@@ -116,8 +119,9 @@ fn joint(harmonics: &[Harmonic]) -> Option<f64> {
     Some(if smallest >= 1.0 { 1.0 } else { -(all.len() as f64 * (-smallest).ln_1p()).exp_m1() })
 }
 
-/// Anisotropic models of the campaign's law, or of both where it has none; nothing for a mirror.
-fn laws(measured: &Measured) -> Vec<Law> {
+/// Models of the campaign's law, or of both where it has none; nothing for a mirror. Two roughnesses only where isotropy
+/// does not stand: axes that are chosen to make the most of the noise always lie apart.
+fn laws(measured: &Measured, anisotropic: bool) -> Vec<Law> {
     let ndfs = match &measured.campaign.surface.kind {
         SurfaceKind::Ggx(_) => vec![Ndf::Ggx],
         SurfaceKind::Beckmann { .. } => vec![Ndf::Beckmann],
@@ -129,9 +133,9 @@ fn laws(measured: &Measured) -> Vec<Law> {
         SurfaceKind::Mirror => vec![],
     };
     let maskings = if measured.campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
-    let laws = ndfs.into_iter().flat_map(|ndf| {
-        maskings.iter().map(move |&masking| Law::Microfacet { ndf, masking, anisotropic: true })
-    });
+    let laws = ndfs
+        .into_iter()
+        .flat_map(|ndf| maskings.iter().map(move |&masking| Law::Microfacet { ndf, masking, anisotropic }));
     laws.collect()
 }
 
