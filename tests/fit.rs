@@ -427,7 +427,7 @@ fn the_command_prints_json_and_says_what_is_missing() {
     assert!(text.contains("no realisations"), "{text}");
     // The winner first, in one sentence; hopeless models last.
     assert!(text.starts_with("best: ggx separable: alpha 0.3000"), "{text}");
-    assert!(text.contains("did not fit: lambert: explains less than half"), "{text}");
+    assert!(text.contains("did not fit: lambert, oren_nayar: explains less than half"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
     let refused = run(&["fit", "t.exr", "--model", "gxx"]);
     let said = String::from_utf8(refused.stderr).expect("UTF-8");

@@ -173,7 +173,7 @@ fn two_roughnesses_of_a_round_law_come_out_alike_and_their_intervals_hold_it() {
     let truth = law(Masking::HeightCorrelated, true);
     let turns: Vec<f64> = (0..6).map(|k| 60.0 * f64::from(k)).collect();
     for count in [4, 8, 16] {
-        let cases = 200;
+        let cases = 100;
         let fits: Vec<Fit> = (0..cases)
             .into_par_iter()
             .map(|seed| {
@@ -200,9 +200,9 @@ fn two_roughnesses_of_a_round_law_come_out_alike_and_their_intervals_hold_it() {
             );
             assert!(found.claimed < 1.6 * found.sd, "{name}: {} {}", found.claimed, found.sd);
         }
-        // At 1 %: binomial, 2 +- 1.4 of 200.
+        // At 1 %: binomial, 1 +- 1 of 100; five errors.
         let told = fits.iter().filter(|fit| fit.parameters.get("rotation_deg").is_some()).count();
-        assert!(told <= 8, "{told} of {cases} round laws are told to have axes");
+        assert!(told <= 6, "{told} of {cases} round laws are told to have axes");
     }
 }
 
@@ -298,10 +298,11 @@ fn measured_fit(surface: &str, cells: u32, theta_i_deg: &str, count: usize, seed
     fit::fit(&data, &Law::of_normals(Ndf::Ggx, &data))
 }
 
-/// Under light from the normal nothing is masked, and the fitted roughness is the campaign's. Under slanted light no
-/// masking is that of a continuous surface, and the model nearest to its mean has a roughness of its own, 0.4 % less
-/// here (0.2 % at twice the correlation length): intervals over realisations hold *that*. The mean of all seeds stands
-/// for it, whose own error widens a miss to 5.2 % or so.
+/// A walk over statistical facets is the model, and the interval has to hold the campaign's roughness. No masking is
+/// that of a continuous surface, and no patch has its law to the last facet: the model nearest to its mean BRDF has a
+/// roughness of its own (0.1 to 0.3 % more under light from the normal, 0.4 % less with light at 60 degrees as well).
+/// Intervals over realisations hold *that*; the mean of all seeds stands for it, whose error of 1/sqrt(60) of an
+/// interval's widens the misses to 5.1 %.
 #[test]
 #[ignore = "takes many minutes: cargo test --release -- --ignored --nocapture"]
 fn intervals_of_measured_roughnesses_hold_it_in_95_of_100_seeds() {
@@ -315,14 +316,15 @@ fn intervals_of_measured_roughnesses_hold_it_in_95_of_100_seeds() {
                 (1..=seeds).map(|seed| measured_fit(surface, *cells, theta_i_deg, count, seed)).collect();
             // The best model's: which one that is, the realisations decide.
             let best: Vec<Fit> = all.iter().map(|fits| fits.fits[0].clone()).collect();
-            let exact = *cells == 0 || theta_i_deg == "[0]";
             let mean = best.iter().map(|fit| fit.parameters.get("alpha").expect("fitted")).sum::<f64>()
                 / seeds as f64;
-            let found = shown(&best, "alpha", if exact { ALPHA } else { mean });
+            let own = if *cells == 0 { ALPHA } else { mean };
+            let (found, campaigns) = (shown(&best, "alpha", own), shown(&best, "alpha", ALPHA));
             let Shown { covered, bias, sd, claimed } = found;
             println!(
-                "{name} {theta_i_deg} R {count}: covered {:.1} %, mean {mean:.5}, sd {sd:.5}, claimed {claimed:.5}",
-                100.0 * covered
+                "{name} {theta_i_deg} R {count}: covered {:.1} % (the campaign's {:.1} %), mean {mean:.5}, sd {sd:.5}, claimed {claimed:.5}",
+                100.0 * covered,
+                100.0 * campaigns.covered
             );
             for masking in Masking::ALL.map(Masking::name) {
                 let of =

@@ -10,6 +10,9 @@ use crate::error::{Error, Result};
 use crate::fit::{self, Data, Fit, Fits, Law, NAMES};
 use crate::stats;
 
+/// L1 from which on the best model is called no good one.
+const POOR: f64 = 0.25;
+
 /// What the name of a masking leaves open.
 const STRETCHED: &str = "direction_correlated: lambda takes the azimuth between the stretched directions \
                          (alpha_x x, alpha_y y), not between the arms";
@@ -89,8 +92,7 @@ fn lines(fits: &Fits) -> Vec<String> {
     }
     let headings = ["model", "masking", "parameter", "value", "+-", "chi2/dof", "l1", "behind"];
     lines.extend(columns(&headings, &rows));
-    let lost = fits.fits.iter().filter_map(|fit| Some((fit, fit.did_not_fit.as_ref()?)));
-    lines.extend(lost.flat_map(|(fit, why)| wrapped("did not fit: ", &format!("{}: {why}", name(fit)))));
+    lines.extend(lost(fits));
     lines.extend(wrapped("+-: ", &kind_of_errors(fits)));
     let (first, whole) =
         (fits.fits.iter().map(|fit| fit.stops).min(), fits.fits.iter().map(|fit| fit.stops).max());
@@ -102,6 +104,21 @@ fn lines(fits: &Fits) -> Vec<String> {
         lines.extend(wrapped("", STRETCHED));
     }
     lines
+}
+
+/// What did not fit, reason by reason.
+fn lost(fits: &Fits) -> Vec<String> {
+    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
+    for (fit, why) in fits.fits.iter().filter_map(|fit| Some((fit, fit.did_not_fit.as_deref()?))) {
+        match reasons.iter_mut().find(|(known, _)| *known == why) {
+            Some((_, names)) => names.push(name(fit)),
+            None => reasons.push((why, vec![name(fit)])),
+        }
+    }
+    let line = |(why, names): &(&str, Vec<String>)| {
+        wrapped("did not fit: ", &format!("{}: {why}", names.join(", ")))
+    };
+    reasons.iter().flat_map(line).collect()
 }
 
 /// A number in nine columns.
@@ -138,8 +155,11 @@ fn winner(fits: &Fits) -> String {
         (_, true) => "; every other model is significantly worse".into(),
         (_, false) => format!("; alike within the realisations' noise: {}", alike.join(", ")),
     };
+    // Noise alone makes a large l1 of few rays, but no large chi2.
+    let poor = best.l1.is_some_and(|l1| l1 > POOR) && best.chi2_per_dof.is_none_or(|ratio| ratio > 2.0);
+    let head = if poor { "no model fits well, the nearest" } else { "best" };
     let colon = if parameters.is_empty() { "" } else { ": " };
-    format!("best: {}{colon}{}, l1 {}{alike}", name(best), parameters.join(", "), or_na(best.l1, 4))
+    format!("{head}: {}{colon}{}, l1 {}{alike}", name(best), parameters.join(", "), or_na(best.l1, 4))
 }
 
 /// Half the width of the interval of 95 %; one standard error where only that is known.

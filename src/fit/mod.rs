@@ -4,6 +4,10 @@
 //! error, its distances and a ranking that knows the errors of the realisations. No model is the truth of a continuous
 //! surface, and facets that many bins share are off in all of them together; so errors that know single bins alone are
 //! too small, and the jackknife over realisations (Efron and Stein 1981) is the one to believe.
+//!
+//! An interval of 95 % holds what the model nearest to the *mean* table would give, in 95 of 100 campaigns (R = 4, 8,
+//! 16; tests/fit_errors.rs). How far that is from the roughness of the facets is the model's own affair: nothing for
+//! walks over statistical facets, up to half a hundredth for random patches, whose masking no model has.
 
 pub mod data;
 pub mod law;

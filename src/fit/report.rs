@@ -15,6 +15,8 @@ const STEP: f64 = 1e-6;
 const HALF: f64 = 0.5;
 /// L1 from which on not even the best model is one.
 const FAR: f64 = 0.5;
+/// Tilts, rad, below which Oren and Nayar's model is Lambert's to 1e-5.
+const SMOOTH: f64 = 2e-3;
 /// Level at which two axes of roughness are told apart.
 const LEVEL: f64 = 0.01;
 
@@ -181,9 +183,9 @@ fn told(fit: &Fitted, params: &[f64], value: f64, name: &str) -> Option<f64> {
 
 /// Why a model is none of this table; `far`: it explains too little of what a constant leaves.
 fn why_not(fit: &Fitted, l1: Option<f64>, far: bool) -> Option<String> {
-    // A diffuse surface without roughness is Lambert's, and a smooth limit as good as any value.
+    // A diffuse surface without roughness is Lambert's: a bound, but no nonsense.
     let ends = match fit.law {
-        Law::OrenNayar => vec![],
+        Law::OrenNayar if fit.params[0] < SMOOTH => vec![],
         law => law.on_bound(&fit.params[..fit.shapes]),
     };
     if !fit.converged && ends.is_empty() {
