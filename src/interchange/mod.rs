@@ -30,6 +30,7 @@ pub mod ssdd;
 mod tensor_cells;
 pub mod tensor_file;
 pub mod tensor_tree;
+pub mod text_decoding;
 pub mod utia;
 mod warp;
 pub mod zemax;
