@@ -217,7 +217,7 @@ fn a_klems_table_is_written_as_its_own_patches() {
     let measured = quickly_measured(&text);
     let hits: u64 = measured.table.hits.iter().map(|&hits| u64::from(hits)).sum();
     assert!(hits > 145 * 2 * 512 / 2, "{hits}");
-    let xml = interchange::klems::write(&measured.table).expect("its own basis");
+    let xml = interchange::klems::write(&measured.table, None).expect("its own basis").0;
     let read = interchange::klems::read(xml.as_bytes()).expect("a matrix");
     assert_eq!(read.grid, measured.table.grid);
     for (found, expected) in read.colours[0].total.iter().zip(&measured.table.colours[0].total) {

@@ -10,6 +10,7 @@ use super::table_file::{self, Opened};
 use super::targets::in_the_way;
 use crate::error::{Error, Result};
 use crate::instrument::GridKind;
+use crate::instrument::klems::Basis;
 use crate::interchange::merl::Sampling;
 use crate::interchange::{self, Export, Format, Options};
 use crate::table::TableRows;
@@ -36,6 +37,9 @@ pub struct Arguments {
     /// RGL: spectral, wavelengths of B, G, R: 465,532,630
     #[arg(long, value_name = "NM", value_delimiter = ',')]
     wavelengths_nm: Vec<f64>,
+    /// Klems: 145, 73 or 41 patches; without it the table's own, else full
+    #[arg(long, value_name = "full|half|quarter")]
+    klems: Option<Basis>,
     /// Replace the file if it is there
     #[arg(long)]
     force: bool,
@@ -46,7 +50,11 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let format = format_of("--to", &arguments.to)?;
+    if arguments.klems.is_some() && format != Format::Klems {
+        return Err(Error::Usage(format!("--klems chooses a basis of klems, not of --to {}", arguments.to)));
+    }
     let options = options_of(arguments.merl_centre, &arguments.wavelengths_nm);
+    let options = Options { klems: arguments.klems, ..options };
     check_output(&arguments.table, &arguments.output, arguments.force)?;
     let export = match table_file::open_as_stored(&arguments.table, TableRows::row_bytes)? {
         Opened::Whole(table) => {

@@ -11,7 +11,8 @@ use super::targets::in_the_way;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
-use crate::interchange::{self, maps};
+use crate::interchange::radiance_xml::Side;
+use crate::interchange::{self, Format, Options, maps};
 use crate::table::{TableRows, store};
 
 /// Campaigns that are written at once.
@@ -39,6 +40,9 @@ pub struct Arguments {
     /// MERL: values at the cells' centres
     #[arg(long)]
     merl_centre: bool,
+    /// Klems, tensor tree: the block `Reflection Back` (+z, read where it is there) or `Reflection Front` (-z)
+    #[arg(long, value_name = "back|front")]
+    side: Option<Side>,
     /// Maps: a texel that becomes a campaign; several times for several
     #[arg(long, value_name = "X,Y")]
     texel: Vec<String>,
@@ -65,7 +69,13 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         )));
     }
     check_output(&arguments.file, &arguments.output, arguments.force)?;
-    let options = options_of(arguments.merl_centre, &[]);
+    if arguments.side.is_some() && !matches!(format, Format::Klems | Format::TensorTree) {
+        return Err(Error::Usage(format!(
+            "--side chooses a block of klems and tensor_tree, not of --from {}",
+            arguments.from
+        )));
+    }
+    let options = Options { side: arguments.side, ..options_of(arguments.merl_centre, &[]) };
     let like = arguments.like.as_ref().map(|path| TableRows::open(path)).transpose()?;
     let grid = like.as_ref().map(TableRows::grid);
     if let Some((path, _)) =
@@ -103,8 +113,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 /// A campaign for each wanted texel, all checked before the first is written. Of a grid, texels that no campaign may
 /// have (background, mostly) are left out.
 fn campaigns(arguments: &Arguments) -> Result<u8> {
-    if arguments.like.is_some() || arguments.merl_centre {
-        return Err(Error::Usage("--like and --merl-centre say nothing of --from maps".into()));
+    if arguments.like.is_some() || arguments.merl_centre || arguments.side.is_some() {
+        return Err(Error::Usage("--like, --merl-centre and --side say nothing of --from maps".into()));
     }
     let maps = maps::load(&arguments.file)?;
     let texels = texels(arguments, &maps)?;

@@ -28,6 +28,12 @@ pub fn rgb(xyz: Colour) -> Colour {
     (matrix().inverse() * DVec3::from_array(xyz)).to_array().map(|value| value.max(0.0))
 }
 
+/// Whether a colour lies outside the triangle of the primaries, by more than rounding.
+pub fn is_outside(xyz: Colour) -> bool {
+    let rgb = matrix().inverse() * DVec3::from_array(xyz);
+    rgb.min_element() < -1e-6 * rgb.abs().max_element()
+}
+
 /// Y, u', v' of an RGB.
 pub fn yuv(value: Colour) -> Colour {
     let [x, y, z] = xyz(value);

@@ -117,11 +117,10 @@ fn prepare<'a>(table: &'a BrdfTable, format: Format, options: &'a Options) -> Re
             held(write(table)?, utia::CONVENTION, coarse("a direction every 15 x 7.5 degrees"))
         }
         Format::ExrParts => held(exr_parts::write(table)?, exr_parts::CONVENTION, vec![]),
-        Format::Klems => held(
-            klems::write(table)?.into_bytes(),
-            klems::CONVENTION,
-            coarse("145 patches of 10 to 20 degrees"),
-        ),
+        Format::Klems => {
+            let (text, notes) = klems::write(table, options.klems)?;
+            held(text.into_bytes(), klems::CONVENTION, notes)
+        }
         Format::TensorTree => {
             let lookup = Lookup::new(table)?;
             let text = tensor_tree::write(&lookup);
@@ -129,8 +128,8 @@ fn prepare<'a>(table: &'a BrdfTable, format: Format, options: &'a Options) -> Re
         }
         Format::Zemax => {
             let lookup = Lookup::new(table)?;
-            let text = zemax::write(&lookup)?;
-            held(text.into_bytes(), zemax::CONVENTION, resampling_notes(&lookup))
+            let (text, notes) = zemax::write(table, &lookup)?;
+            held(text.into_bytes(), zemax::CONVENTION, [resampling_notes(&lookup), notes].concat())
         }
         Format::Astm => listed(astm::CONVENTION, astm::write),
         Format::Ssdd => listed(ssdd::CONVENTION, ssdd::write),

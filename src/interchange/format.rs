@@ -4,6 +4,8 @@ use std::str::FromStr;
 
 use super::Reason;
 use super::merl::Sampling;
+use super::radiance_xml::Side;
+use crate::instrument::klems::Basis;
 
 /// The formats that other programs read or write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +47,10 @@ pub struct Options {
     pub utia_image: bool,
     /// RGL files with wavelengths instead of rgb: one for each colour of the table, nm. Empty for rgb.
     pub wavelengths_nm: Vec<f64>,
+    /// Radiance XML that is read: the side of the sample; +z where the file has it, if none is asked for.
+    pub side: Option<Side>,
+    /// Klems matrices that are written: the basis; the table's own, else the full one, if none is asked for.
+    pub klems: Option<Basis>,
 }
 
 impl Format {

@@ -27,37 +27,46 @@ pub enum Imported {
 
 /// What the bytes of a file hold; memory is bounded by their number.
 pub fn decode(format: Format, options: &Options, bytes: &[u8]) -> Reason<Imported> {
-    match format {
-        Format::Npz => npz::read(bytes).map(Imported::Table),
-        Format::Npy => Err("an array without axes is no table; save it as npz with axes".into()),
-        Format::Csv => csv::read(bytes).map(Imported::Table),
-        Format::Merl => merl::read_table(bytes, options.merl_sampling).map(Imported::Table),
+    decode_with_notes(format, options, bytes).map(|(imported, _)| imported)
+}
+
+/// The same, and one sentence for each thing that the reader has to say of the file.
+pub fn decode_with_notes(format: Format, options: &Options, bytes: &[u8]) -> Reason<(Imported, Vec<String>)> {
+    let table = |table: BrdfTable| (Imported::Table(table), vec![]);
+    Ok(match format {
+        Format::Npz => table(npz::read(bytes)?),
+        Format::Npy => return Err("an array without axes is no table; save it as npz with axes".into()),
+        Format::Csv => table(csv::read(bytes)?),
+        Format::Merl => table(merl::read_table(bytes, options.merl_sampling)?),
         Format::Rgl => {
             let rgl = rgl::read(bytes)?;
             let grid = default_grid(rgl.theta_i_deg(), rgl.phi_i_deg());
-            Ok(Imported::Function(Box::new(rgl), grid))
+            (Imported::Function(Box::new(rgl), grid), vec![])
         }
-        Format::Utia => utia::read(bytes).map(Imported::Table),
-        Format::ExrParts => exr_parts::read(bytes).map(Imported::Table),
-        Format::Klems => klems::read(bytes).map(Imported::Table),
+        Format::Utia => table(utia::read(bytes)?),
+        Format::ExrParts => table(exr_parts::read(bytes)?),
+        Format::Klems => {
+            let (table, notes) = klems::read_side(bytes, options.side)?;
+            (Imported::Table(table), notes)
+        }
         Format::TensorTree => {
-            let tree = tensor_tree::read(bytes)?;
+            let (tree, notes) = tensor_tree::read_side(bytes, options.side)?;
             let azimuths =
                 if tree.is_isotropic() { vec![] } else { (0..24).map(|k| 15.0 * f64::from(k)).collect() };
             let theta_i_deg = (0..6).map(|k| 15.0 * f64::from(k)).collect();
-            Ok(Imported::Function(Box::new(tree), default_grid(theta_i_deg, azimuths)))
+            (Imported::Function(Box::new(tree), default_grid(theta_i_deg, azimuths)), notes)
         }
         Format::Zemax => {
-            let zemax = zemax::read(bytes)?;
+            let (zemax, notes) = zemax::read_with_notes(bytes)?;
             let grid = default_grid(zemax.theta_i_deg(), zemax.phi_i_deg());
-            Ok(Imported::Function(Box::new(zemax), grid))
+            (Imported::Function(Box::new(zemax), grid), notes)
         }
-        Format::Astm => astm::read(bytes).map(Imported::Table),
-        Format::Ssdd => ssdd::read(bytes).map(Imported::Table),
+        Format::Astm => table(astm::read(bytes)?),
+        Format::Ssdd => table(ssdd::read(bytes)?),
         Format::Pabopto => {
-            Err("a file has one stop; read its folder with pabopto2bsdf, or export as ssdd".into())
+            return Err("a file has one stop; read its folder with pabopto2bsdf, or export as ssdd".into());
         }
-    }
+    })
 }
 
 /// The table in a foreign file, on the geometry of `like` where that is given and the file is a function.
@@ -75,28 +84,36 @@ pub fn import(
         return Err(wrong(format!("{length} bytes; at most {LARGEST_FILE} are read")));
     }
     let bytes = files::read(path)?;
-    match decode(format, options, &bytes).map_err(wrong)? {
-        Imported::Table(table) if like.is_none() => Ok((table, vec![])),
+    let (imported, notes) = decode_with_notes(format, options, &bytes).map_err(wrong)?;
+    let (table, how) = on_grid(imported, like).map_err(wrong)?;
+    Ok((table, notes.into_iter().chain(how).collect()))
+}
+
+/// A table of what was read, on the geometry of `like` where that is given; and how it was resampled.
+fn on_grid(imported: Imported, like: Option<&Grid>) -> Reason<(BrdfTable, Option<String>)> {
+    match imported {
         Imported::Table(table) => {
-            let grid = like.unwrap_or(&table.grid);
-            if table.grid.kind == GridKind::HalfDifference {
-                let brdf = HalfDifference::new(&table).map_err(wrong)?;
-                let notes = vec!["resampled: linear between half/difference angles".into()];
-                return Ok((resample(&brdf, grid).map_err(wrong)?, notes));
-            }
-            let brdf = Lookup::new(&table).map_err(wrong)?;
-            let notes = vec!["resampled by cubic interpolation at equal half vector".into()];
-            Ok((resample(&brdf, grid).map_err(wrong)?, notes))
+            let Some(grid) = like.filter(|grid| **grid != table.grid) else { return Ok((table, None)) };
+            let (brdf, how): (Box<dyn Brdf>, &str) = match table.grid.kind {
+                GridKind::HalfDifference => {
+                    (Box::new(HalfDifference::new(&table)?), "linear between half/difference angles")
+                }
+                GridKind::Patches => (
+                    Box::new(klems::Patchwise::new(table)?),
+                    "constant in each pair of patches, the mean at borders",
+                ),
+                _ => (Box::new(Lookup::new(&table)?), "by cubic interpolation at equal half vector"),
+            };
+            Ok((resample(brdf.as_ref(), grid)?, Some(format!("resampled: {how}"))))
         }
-        Imported::Function(brdf, grid) => {
-            let grid = like.unwrap_or(&grid);
-            let table = resample(brdf.as_ref(), grid).map_err(wrong)?;
-            let notes = vec![format!(
+        Imported::Function(brdf, own) => {
+            let grid = like.unwrap_or(&own);
+            let how = format!(
                 "resampled: means over {} stops of {} bins, 16 directions a bin",
                 grid.stops(),
                 grid.bins()
-            )];
-            Ok((table, notes))
+            );
+            Ok((resample(brdf.as_ref(), grid)?, Some(how)))
         }
     }
 }

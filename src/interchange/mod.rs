@@ -29,11 +29,14 @@ pub mod samples;
 pub mod ssdd;
 mod tensor_cells;
 pub mod tensor_file;
+mod tensor_function;
 pub mod tensor_tree;
 pub mod text_decoding;
 pub mod utia;
 mod warp;
 pub mod zemax;
+mod zemax_energy;
+mod zemax_text;
 
 pub use by_rows::export_rows;
 pub use export::{Export, Exported, export};

@@ -3,15 +3,59 @@
 //!
 //! WINDOW's `Reflection Back` is the side that Radiance calls front, +z; files are written and preferably read so.
 
+use std::str::FromStr;
+
 use quick_xml::Reader;
-use quick_xml::events::Event;
+use quick_xml::events::{BytesRef, Event};
 
 use super::Reason;
+use super::text_decoding::decode_xml;
 
 /// Elements deeper than any such file has.
 const DEEPEST: usize = 32;
 
+/// Blocks that a message names at most.
+const MOST_NAMED: usize = 6;
+
 pub use crate::instrument::klems::Ring;
+
+/// Which side of the sample, by the file's own words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// `Reflection Back`, +z: what Radiance calls front.
+    Back,
+    /// `Reflection Front`, -z.
+    Front,
+}
+
+impl Side {
+    fn direction(self) -> &'static str {
+        match self {
+            Side::Back => "Reflection Back",
+            Side::Front => "Reflection Front",
+        }
+    }
+}
+
+impl FromStr for Side {
+    type Err = String;
+
+    fn from_str(name: &str) -> Reason<Self> {
+        match name {
+            "back" => Ok(Side::Back),
+            "front" => Ok(Side::Front),
+            _ => Err("front or back needed: the block `Reflection Front` or `Reflection Back`".into()),
+        }
+    }
+}
+
+/// The blocks that become a table, and what is to be said of the others.
+pub struct Reflection<'a> {
+    /// Visible, and the two of colour where both are there.
+    pub blocks: Vec<&'a Block>,
+    /// One sentence each.
+    pub notes: Vec<String>,
+}
 
 /// What a file says.
 #[derive(Debug, Default, PartialEq)]
@@ -44,7 +88,8 @@ pub fn write(structure: &str, basis: &str, block_bases: &str, channels: &[(&str,
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
          <WindowElement xmlns=\"http://windows.lbl.gov\">\n\
          <WindowElementType>System</WindowElementType>\n<FileType>BSDF</FileType>\n<Optical>\n<Layer>\n\
-         <Material>\n<Name>gonio</Name>\n<Manufacturer>gonio {}</Manufacturer>\n<DeviceType>Other</DeviceType>\n</Material>\n\
+         <Material>\n<Name>gonio</Name>\n<Manufacturer>gonio {}</Manufacturer>\n\
+         <Thickness unit=\"meter\">0</Thickness>\n<DeviceType>Other</DeviceType>\n</Material>\n\
          <DataDefinition>\n<IncidentDataStructure>{structure}</IncidentDataStructure>\n{basis}</DataDefinition>\n",
         env!("CARGO_PKG_VERSION")
     );
@@ -68,8 +113,10 @@ pub fn read(bytes: &[u8]) -> Reason<Document> {
     if bytes.is_empty() {
         return Err("the file is empty".into());
     }
-    let text = std::str::from_utf8(bytes).map_err(|_| "not an XML file in UTF-8")?;
-    let mut reader = Reader::from_str(text);
+    let text = decode_xml(bytes)?;
+    let mut reader = Reader::from_str(&text);
+    // A bare `&` in a name is common, and harmless.
+    reader.config_mut().allow_dangling_amp = true;
     let (mut document, mut path, mut content) = (Document::default(), Vec::new(), String::new());
     let (mut ring, mut wavelength) = ((0.0, 0.0, 0), String::new());
     let mut root_seen = false;
@@ -98,6 +145,8 @@ pub fn read(bytes: &[u8]) -> Reason<Document> {
                 content.clear();
             }
             Event::Text(text) => content.push_str(&text),
+            Event::CData(text) => content.push_str(&text),
+            Event::GeneralRef(name) => push_reference(&mut content, &name),
             Event::End(_) => {
                 let name = path.pop().unwrap_or_default();
                 let text = content.trim();
@@ -161,6 +210,16 @@ fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Re
     Ok(())
 }
 
+/// Appends the character that a reference names; one that no declaration explains stays as it is written, so that it
+/// splits no number and joins none.
+fn push_reference(content: &mut String, name: &BytesRef) {
+    match (name.resolve_char_ref(), quick_xml::escape::resolve_predefined_entity(name)) {
+        (Ok(Some(character)), _) => content.push(character),
+        (_, Some(known)) => content.push_str(known),
+        _ => content.extend(["&", name, ";"]),
+    }
+}
+
 /// The beginning of a text, for messages.
 pub fn short(text: &str) -> String {
     text.chars().take(40).collect()
@@ -171,18 +230,63 @@ fn flat(error: &quick_xml::Error) -> String {
 }
 
 impl Document {
-    /// The blocks of reflected light, of the side +z where there is one: visible, and those of the colour `others`
-    /// (all or none; a file with one of two is taken for one without colour, as Radiance has it).
-    pub fn reflection(&self, others: [&str; 2]) -> Reason<Vec<&Block>> {
-        let find = |direction: &str, wavelength: &str| {
-            self.blocks.iter().find(|block| block.direction == direction && block.wavelength == wavelength)
+    /// The blocks of reflected light: visible, and those of the colour `others` (all or none; a file with one of two is
+    /// taken for one without colour, as Radiance has it). Without a wanted side it is +z where the file has it.
+    ///
+    /// Held by: `a_missing_block_is_answered_with_those_that_are_there`, `the_wanted_side_is_read`
+    /// (tests/interchange_radiance.rs).
+    pub fn reflection(&self, others: [&str; 2], side: Option<Side>) -> Reason<Reflection<'_>> {
+        let find = |side: Side, wavelength: &str| {
+            self.blocks
+                .iter()
+                .find(|block| block.is(side.direction()) && block.wavelength.eq_ignore_ascii_case(wavelength))
         };
-        let direction = ["Reflection Back", "Reflection Front"];
-        let direction = direction.into_iter().find(|direction| find(direction, "Visible").is_some());
-        let direction = direction.ok_or("no block of visible reflection")?;
-        let visible = find(direction, "Visible").into_iter();
-        let coloured: Vec<&Block> = others.into_iter().filter_map(|name| find(direction, name)).collect();
+        let wanted = side.map_or(vec![Side::Back, Side::Front], |side| vec![side]);
+        let Some((side, visible)) = wanted.iter().find_map(|&side| Some((side, find(side, "Visible")?)))
+        else {
+            let what = side.map_or("reflection".into(), |side| format!("`{}`", side.direction()));
+            return Err(format!("no block of visible {what}; the file has {}", self.named(|_| true)));
+        };
+        let coloured: Vec<&Block> = others.into_iter().filter_map(|name| find(side, name)).collect();
         let coloured = if coloured.len() == others.len() { coloured } else { vec![] };
-        Ok(visible.chain(coloured).collect())
+        let blocks: Vec<&Block> = std::iter::once(visible).chain(coloured).collect();
+        let mut notes = vec![];
+        if side == Side::Front {
+            notes.push("the side -z (`Reflection Front`): x and y are the file's, azimuths run clockwise seen from there".into());
+        }
+        let left = |block: &Block| !blocks.iter().any(|taken| std::ptr::eq(*taken, block));
+        if self.blocks.iter().any(left) {
+            notes.push(format!("`{}` is read; not read: {}", side.direction(), self.named(left)));
+        }
+        Ok(Reflection { blocks, notes })
     }
+
+    /// Some blocks as a list: direction and wavelength of each.
+    fn named(&self, wanted: impl Fn(&Block) -> bool) -> String {
+        let name = |block: &Block| {
+            let words = format!("{} ({})", short(&block.direction), short(&block.wavelength));
+            words.escape_debug().to_string()
+        };
+        let mut names: Vec<String> = self.blocks.iter().filter(|block| wanted(block)).map(name).collect();
+        if names.len() > MOST_NAMED {
+            let more = names.len() - MOST_NAMED;
+            names.truncate(MOST_NAMED);
+            names.push(format!("{more} more"));
+        }
+        names.join(", ")
+    }
+}
+
+impl Block {
+    fn is(&self, direction: &str) -> bool {
+        self.direction
+            .split_whitespace()
+            .map(str::to_ascii_lowercase)
+            .eq(direction.split(' ').map(str::to_ascii_lowercase))
+    }
+}
+
+/// What is to be said of negative values; `None` where there are none.
+pub fn negative_note(count: usize, of: usize, least: f64) -> Option<String> {
+    (count > 0).then(|| format!("{count} of {of} values are negative (the least {least:.3e}) and become 0"))
 }

@@ -10,9 +10,10 @@ use std::fmt::Write;
 
 use glam::DVec3;
 
-use super::radiance_xml::{self, short};
+use super::radiance_xml;
 use super::tensor_cells::{Cell, FIRST, Task};
-use super::{Brdf, Colour, Lookup, Reason, colour};
+pub use super::tensor_function::{TensorTree, read, read_side};
+use super::{Brdf, Lookup, colour};
 use crate::sphere;
 
 /// How the values are meant.
@@ -21,17 +22,14 @@ pub const CONVENTION: &str = "tensor tree on Shirley-Chiu squares, BRDF in 1/sr,
     CIE-u and CIE-v (u\', v\' of 1976) beside it (linear BT.709 primaries, white D65)";
 
 /// What the blocks of a coloured file are, after `Visible`.
-const COLOURS: [&str; 2] = ["CIE-u", "CIE-v"];
+pub(super) const COLOURS: [&str; 2] = ["CIE-u", "CIE-v"];
 /// Where division ends: share of the error in the sum, and number of values (20 MB of text).
 const VISIBLE: (f64, usize) = (0.02, 1 << 21);
 /// The same of u' and v', which vary little.
 const CHROMATICITY: (f64, usize) = (0.002, 1 << 18);
-/// Deeper than any file.
-const DEEPEST: usize = 16;
-
 /// A group of the tree.
 #[derive(Debug, Clone, PartialEq)]
-enum Tree {
+pub(super) enum Tree {
     /// 2^rank children.
     Branch(Vec<Tree>),
     /// A grid with so many cells a side.
@@ -82,8 +80,9 @@ fn directions(rank: usize, at: &[f64; 4]) -> Option<(DVec3, DVec3)> {
     (sin > 0.0).then(|| (above(-sin, 0.0), above(out.0, out.1)))
 }
 
-/// The point of a pair of directions.
-fn coordinates(rank: usize, wi: DVec3, wo: DVec3) -> [f64; 4] {
+/// The point of a pair of directions. Along the first axis of rank 3 the normal is the end of the used half, which is
+/// closed there: the other half is no light at all.
+pub(super) fn coordinates(rank: usize, wi: DVec3, wo: DVec3) -> [f64; 4] {
     if rank == 4 {
         let (to, out) = (square(-wi.x, -wi.y), square(wo.x, wo.y));
         return [to[0], to[1], out[0], out[1]];
@@ -193,120 +192,6 @@ fn print(tree: &Tree, out: &mut String) {
         }
     }
     out.push('}');
-}
-
-/// A file as a function: constant in each cell.
-pub struct TensorTree {
-    rank: usize,
-    /// Y; of a coloured file u' and v' too.
-    trees: Vec<Tree>,
-}
-
-impl TensorTree {
-    /// Whether the file has rank 3.
-    pub fn is_isotropic(&self) -> bool {
-        self.rank == 3
-    }
-}
-
-/// Reads a file; negative values become 0, as Radiance has it.
-pub fn read(bytes: &[u8]) -> Reason<TensorTree> {
-    let document = radiance_xml::read(bytes)?;
-    let rank = match document.structure.as_str() {
-        "TensorTree3" => 3,
-        "TensorTree4" => 4,
-        other => {
-            return Err(format!(
-                "IncidentDataStructure {:?}: TensorTree3 or TensorTree4 needed",
-                short(other)
-            ));
-        }
-    };
-    let tree = |data: &str| {
-        let mut parser = Parser { rest: data.trim_start(), rank };
-        let tree = parser.group(0)?;
-        if !parser.rest.trim().is_empty() {
-            return Err(format!("{:?} stands behind the tree", short(parser.rest.trim())));
-        }
-        Ok(tree)
-    };
-    let blocks = document.reflection(COLOURS)?;
-    let trees = blocks.iter().map(|block| tree(&block.data)).collect::<Reason<Vec<Tree>>>()?;
-    Ok(TensorTree { rank, trees })
-}
-
-struct Parser<'a> {
-    rest: &'a str,
-    rank: usize,
-}
-
-impl Parser<'_> {
-    /// A group from its brace to its brace.
-    fn group(&mut self, depth: usize) -> Reason<Tree> {
-        if depth > DEEPEST {
-            return Err(format!("branches {DEEPEST} deep: no such tree is"));
-        }
-        self.rest = self.rest.strip_prefix('{').ok_or("a brace is missing in the tree")?.trim_start();
-        if self.rest.starts_with('{') {
-            let children =
-                (0..1 << self.rank).map(|_| self.group(depth + 1)).collect::<Reason<Vec<Tree>>>()?;
-            self.close()?;
-            return Ok(Tree::Branch(children));
-        }
-        let end = self.rest.find(['{', '}']).ok_or("the tree is cut off")?;
-        let cells =
-            self.rest[..end].split(|c: char| c == ',' || c.is_whitespace()).filter(|cell| !cell.is_empty());
-        let value = |cell: &str| match cell.parse::<f32>() {
-            Ok(value) if value.is_finite() => Ok(value.max(0.0)),
-            _ => Err(format!("{:?} is no finite number", short(cell))),
-        };
-        let values = cells.map(value).collect::<Reason<Vec<f32>>>()?;
-        self.rest = &self.rest[end..];
-        self.close()?;
-        let side =
-            (0..12).map(|k| 1usize << k).find(|side| side.pow(self.rank as u32) >= values.len()).unwrap_or(0);
-        if values.is_empty() || side.checked_pow(self.rank as u32) != Some(values.len()) {
-            return Err(format!("a leaf of {} values; 2^({} k) needed", values.len(), self.rank));
-        }
-        Ok(Tree::Leaf(side, values))
-    }
-
-    fn close(&mut self) -> Reason<()> {
-        self.rest = self.rest.strip_prefix('}').ok_or("a group has too many values or no end")?.trim_start();
-        Ok(())
-    }
-}
-
-impl Tree {
-    /// The value at a point of [0, 1]^rank.
-    fn at(&self, rank: usize, mut at: [f64; 4]) -> f64 {
-        let mut tree = self;
-        while let Tree::Branch(children) = tree {
-            let mut part = 0;
-            for (k, x) in at.iter_mut().take(rank).enumerate() {
-                let upper = *x >= 0.5;
-                part |= usize::from(upper) << k;
-                *x = 2.0 * *x - if upper { 1.0 } else { 0.0 };
-            }
-            tree = &children[part];
-        }
-        let Tree::Leaf(side, values) = tree else { return 0.0 };
-        let index = |x: f64| ((x * *side as f64) as usize).min(side - 1);
-        let cell = at.iter().take(rank).fold(0, |cell, &x| cell * side + index(x));
-        f64::from(values[cell])
-    }
-}
-
-impl Brdf for TensorTree {
-    fn colours(&self) -> usize {
-        self.trees.len()
-    }
-
-    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let at = coordinates(self.rank, wi, wo);
-        let value = |k: usize| self.trees[k].at(self.rank, at);
-        if self.trees.len() == 1 { [value(0); 3] } else { colour::of_yuv([value(0), value(1), value(2)]) }
-    }
 }
 
 #[cfg(test)]

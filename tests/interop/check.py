@@ -9,6 +9,7 @@ import numpy as np
 import measured
 import radiance
 import readers
+import wincalc
 from tables import check, ggx, gonio, pairs, table
 
 
@@ -85,7 +86,8 @@ def plain(folder):
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        parts = (rgl, measured.pairs_and_sphere, radiance.matrices, radiance.trees, radiance.colours, radiance.tools, plain)
+        parts = (rgl, measured.pairs_and_sphere, radiance.matrices, radiance.trees, radiance.normal, radiance.colours,
+                 radiance.tools, wincalc.matrices, plain)
         ok = [part(folder) for part in parts]
     sys.exit(0 if all(ok) else 1)
 

@@ -79,6 +79,37 @@ def trees(folder):
     return ok
 
 
+def normal(folder):
+    """Light from the normal: the matrix's value of its first patch, and the tree against the formula.
+
+    The normal is the end of a cell of sin theta_i, not its middle: up to twice the error of a random direction.
+    """
+    gonio("export", folder / "iso.exr", "--to", "klems", "-o", folder / "normal.klems.xml")
+    gonio("import", folder / "normal.klems.xml", "--from", "klems", "-o", folder / "normal.exr")
+    gonio("export", folder / "normal.exr", "--to", "npz", "-o", folder / "normal.npz")
+    matrix = np.load(folder / "normal.npz")
+    grid, values = readers.grid(matrix), matrix["brdf"].astype(float)
+    s, up = bsdf.load_file(str(folder / "normal.klems.xml")), np.array([0.0, 0.0, 1.0])
+    off = 0.0
+    for bin, (t0, t1, p0, p1) in enumerate(grid["patches_deg"]):
+        wo = direction(np.radians((t0 + t1) / 2), np.radians((p0 + p1) / 2))
+        off = max(off, abs(query(s, up, wo)[1] / values[0, bin] - 1))
+    # The factors of the query, as in `matrices`.
+    ok = check("klems: light from the normal, worst of 145 patches, relative", off, 5e-4)
+    s = bsdf.load_file(str(folder / "iso.tree.xml"))
+    _, outs = pairs(1000, 75, 6)
+    f, g = np.array([(query(s, up, wo)[1], ggx(up, wo, 0.3, 0.3)) for wo in outs]).T
+    ok &= check("tensor_tree: light from the normal against the formula, L1", np.abs(f - g).sum() / g.sum(), 0.06)
+    # And back through the program's own reader.
+    gonio("import", folder / "iso.tree.xml", "--from", "tensor_tree", "--like", folder / "iso.exr", "-o", folder / "tree.exr")
+    gonio("export", folder / "tree.exr", "--to", "npz", "-o", folder / "tree.npz")
+    own, back = (np.load(folder / f"{name}.npz")["brdf"][0, 0].astype(float) for name in ("iso", "tree"))
+    edges = np.sin(np.radians(np.linspace(0, 90, own.shape[0] + 1))) ** 2
+    size = np.pi * np.diff(edges)[:, None] / own.shape[1]
+    return ok & check("tensor_tree: albedo at the normal, read by the program, relative",
+                      abs((size * back).sum() / (size * own).sum() - 1), 0.01)
+
+
 def colours(folder):
     """X, Y and Z of a tinted table: by the query for a matrix, by checkBSDF's diffuse share for a tree.
 
