@@ -60,6 +60,7 @@ fn table(colours: usize) -> BrdfTable {
             albedo_se: channel()[..grid.stops()].to_vec(),
             // Orders 2 and 3 by themselves; colours beyond R, G, B are told by their wavelengths.
             orders: vec![channel(), channel()],
+            left_map: channel(),
             wavelength_nm: (colours > 3).then_some(400.0 + 12.5 * k as f64),
         })
         .collect();
