@@ -101,9 +101,9 @@ fn block(file: &Zemax, lookup: &Lookup, stop: (usize, usize)) -> Vec<f32> {
     file.azimuths.iter().flat_map(row).collect()
 }
 
-/// The tables of a file; see [`read_with_notes`].
+/// The tables of a file; nothing is integrated.
 pub fn read(bytes: &[u8]) -> Reason<Zemax> {
-    read_with_notes(bytes).map(|(file, _)| file)
+    zemax_text::parse(bytes).map(|(file, _)| file)
 }
 
 /// The tables of a file, and what is to be said of them.
