@@ -79,7 +79,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = |name: &str| folder.path().join(name);
         std::fs::write(path("Cu.eta.spd"), "# copper\n400 1.25\n500 1.0\n600 0.5\n").expect("file");
-        assert!(read(&path("Cu.eta.spd")).err().expect("half a pair").contains("Cu.k.spd: cannot be read"));
+        assert!(read(&path("Cu.eta.spd")).expect_err("half a pair").contains("Cu.k.spd: cannot be read"));
         std::fs::write(path("Cu.k.spd"), "350 2\n450 2.5\n650 3.5\n").expect("file");
         for name in ["Cu.eta.spd", "Cu.k.spd"] {
             let found = read(&path(name)).expect("a pair");
@@ -89,6 +89,6 @@ mod tests {
             assert_eq!(found.ends(), [400.0, 600.0]);
         }
         std::fs::write(path("Cu.k.spd"), "0.35 2\n0.65 3\n").expect("file");
-        assert!(read(&path("Cu.eta.spd")).err().expect("um").contains("look like micrometres"));
+        assert!(read(&path("Cu.eta.spd")).expect_err("um").contains("look like micrometres"));
     }
 }

@@ -159,7 +159,7 @@ mod tests {
             ("DATA:\n  - type: tabulated k\n    data: |\n        0.5 1.5\n", "holds no n"),
             ("DATA:\n", "holds no n"),
         ] {
-            let found = parse(text).err().expect(text);
+            let found = parse(text).expect_err(text);
             assert!(found.contains(phrase), "{text:?}: {found}");
         }
     }
