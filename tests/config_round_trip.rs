@@ -43,6 +43,7 @@ fn the_resolved_campaign_reads_back_as_itself() {
         averaged(on("[surface.v_groove]\nslope = 0.5\n")),
         averaged(on(FILE)),
         averaged(on("[surface.file]\npath = 'a \"quoted\" \\ näme.exr'\ndetrend = \"none\"\n")),
+        averaged(on("[surface.file]\npath = \"a.exr\"\nrefine = 8\n")),
     ];
     for text in texts {
         let campaign = accepted(&text).campaign;

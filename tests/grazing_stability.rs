@@ -167,7 +167,7 @@ fn from_file(heights: &[f64], pitch_um: f64) -> Measured {
     std::fs::write(folder.path().join("scan.npy"), bytes).expect("file");
     let text = format!(
         "name = \"scan\"\nseed = 3\n[surface.file]\npath = \"scan.npy\"\npitch_x_um = {pitch_um:?}\n\
-         pitch_y_um = {:?}\nheight_unit_um = 1\nperiodic = true\ntiles = 2\n\
+         pitch_y_um = {:?}\nheight_unit_um = 1\nperiodic = true\nrefine = 1\ntiles = 2\n\
          [light]\ntheta_i_deg = [0, 60, 89.9]\nazimuth = \"absolute\"\nphi_i_deg = [33]\n\
          [sensor.hemisphere]\n[trace]\nbounces = 8\n[stop]\nsamples = 65536\n",
         0.5 * pitch_um

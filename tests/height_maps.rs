@@ -26,6 +26,8 @@ fn map(path: &Path, periodic: bool) -> HeightMap {
         height_unit_um: None,
         periodic,
         detrend: Detrend::Plane,
+        // The file's own cells: what is held here is how they are read.
+        refine: Some(1),
         tiles: 4,
     }
 }
@@ -230,4 +232,96 @@ fn damaged_maps_are_errors_and_never_panic() {
             }
         }
     }
+}
+
+/// h = A sin(2 pi x / L): Sq = A / sqrt 2, Sdq = 2 pi A / (L sqrt 2), whatever the file's unit. Slopes are difference
+/// quotients over L/256: short by (pi/256)^2/6 = 2.5e-5; the spline between 64 samples errs by less.
+#[test]
+fn a_sine_has_the_height_and_the_slope_of_its_formula_in_any_unit() {
+    let (amplitude, length) = (0.25, 16.0);
+    let sine = |x: f64| amplitude * (std::f64::consts::TAU * x / length).sin();
+    let heights: Vec<f64> = (0..64 * 64).map(|i| sine((i % 64) as f64 * length / 64.0)).collect();
+    let periodic = |path: &Path| HeightMap { refine: Some(4), ..map(path, true) };
+    let root = 2.0_f64.sqrt();
+    for (xy, z, unit_um) in [("um", "um", 1.0), ("m", "m", 1e6), ("m", "nm", 1e-3), ("mm", "\u{b5}m", 1.0)] {
+        let size = length * 1e-6
+            / [("um", 1e-6), ("m", 1.0), ("mm", 1e-3)].iter().find(|u| u.0 == xy).expect("unit").1;
+        let header = format!(
+            "Gwyddion Simple Field 1.0\nXRes = 64\nYRes = 64\nXReal = {size:?}\nYReal = {size:?}\nXYUnits = {xy}\nZUnits = {z}\n"
+        );
+        let mut gsf = header.into_bytes();
+        gsf.resize(gsf.len() + 4 - gsf.len() % 4, 0);
+        gsf.extend(heights.iter().flat_map(|h| ((h / unit_um) as f32).to_le_bytes()));
+        let found = load_bytes(&gsf, periodic).expect("loads");
+        let unit = found.unit_um.expect("the file says so");
+        let near = |found: f64, expected: f64| {
+            assert!((found / expected - 1.0).abs() < 1e-4, "{xy} {z}: {found} {expected}")
+        };
+        near(unit, unit_um);
+        near(unit * found.sq(), amplitude / root);
+        near(found.cuts.sdq, std::f64::consts::TAU * amplitude / (length * root));
+        near(unit * found.pitch()[0], length / 256.0);
+        near(unit * found.size()[1], length);
+    }
+}
+
+#[test]
+fn maps_of_other_programs_read_as_what_they_are_or_are_refused_by_what_they_lack() {
+    let case = |name: &str| std::fs::read(Path::new("tests/data/maps").join(name)).expect("a case");
+    let own = |path: &Path| HeightMap { detrend: Detrend::None, ..map(path, false) };
+    let arc = load_bytes(&case("map_arc_grid.asc"), own).expect("loads");
+    let matrix = load_bytes(&case("map_gwyddion_matrix.txt"), own).expect("loads");
+    // The same scan: in micrometres from the bottom, and in metres (five digits) from the top, 1 um between samples.
+    let sizes = [(&arc, 1.0), (&matrix, 1e6)];
+    let rows = sizes.map(|(map, unit)| {
+        map.field
+            .heights()
+            .chunks(12)
+            .map(|row| row.iter().map(|h| h * unit).collect::<Vec<_>>())
+            .collect::<Vec<_>>()
+    });
+    for (above, below) in rows[0].iter().rev().zip(&rows[1]) {
+        for (a, b) in above.iter().zip(below) {
+            // Rounded to 1e-5 in the grid, to 5e-6 of up to 0.15 in the matrix; the means differ by no more.
+            assert!((a - b).abs() < 2e-5, "{a} {b}");
+        }
+    }
+    assert!((arc.pitch()[0] - 1.0).abs() < 1e-12 && (1e6 * matrix.pitch()[1] - 1.0).abs() < 1e-12);
+    let reason = |name: &str| load_bytes(&case(name), own).expect_err("must be refused").to_string();
+    assert!(
+        reason("map_zygo.xyz").contains("no data at column and row 5 1; fill the gaps"),
+        "{}",
+        reason("map_zygo.xyz")
+    );
+    let missing = reason("xyz_missing_line.txt");
+    assert!(missing.contains("no point at x = 5, y = 1 (column 5, row 1 of 12 x 12)"), "{missing}");
+    // A mark before the first number is no word, and the point of that line is read.
+    let filled = String::from_utf8(case("xyz_missing_line.txt"))
+        .expect("text")
+        .replace("\n6 1 ", "\n5 1 -0.05124\n6 1 ");
+    let plain = load_bytes(filled.as_bytes(), own).expect("loads");
+    let marked = load_bytes(format!("\u{feff}{filled}").as_bytes(), own).expect("loads");
+    assert_eq!(marked, plain);
+}
+
+#[test]
+fn a_unit_slip_of_a_thousand_is_refused_or_named() {
+    let settings = |unit: f64| {
+        move |path: &Path| HeightMap { height_unit_um: Some(unit), ..with_pitch(map(path, true), 1.0) }
+    };
+    // Rms slope of the map itself: about 1.
+    let right = load_bytes(&npy_f64(&heights()), settings(0.3)).expect("loads");
+    assert!(!right.notes.iter().any(|note| note.contains("units right")), "{:?}", right.notes);
+    let large =
+        load_bytes(&npy_f64(&heights()), settings(300.0)).expect_err("slopes of several hundred").to_string();
+    assert!(
+        large.contains("Sdq") && large.contains("height_unit_um = 300 on a pitch of 1 x 2 um"),
+        "{large}"
+    );
+    let small = load_bytes(&npy_f64(&heights()), settings(3e-4)).expect("a mirror, perhaps");
+    assert!(
+        small.notes.iter().any(|note| note.contains("smoother than a polished mirror")),
+        "{:?}",
+        small.notes
+    );
 }

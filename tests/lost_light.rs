@@ -23,7 +23,7 @@ fn measured(height: impl Fn(f64, f64) -> f64, spike: f64, rest: &str) -> Measure
     std::fs::write(folder.path().join("scan.npy"), npy).expect("file");
     let text = format!(
         "name = \"scan\"\nseed = 3\n[surface.file]\npath = \"scan.npy\"\npitch_x_um = 1\npitch_y_um = 1\n\
-         height_unit_um = 1\nperiodic = false\ndetrend = \"none\"\ntiles = 2\n[sensor.hemisphere]\n{rest}\n\
+         height_unit_um = 1\nperiodic = false\ndetrend = \"none\"\ntiles = 2\nrefine = 1\n[sensor.hemisphere]\n{rest}\n\
          [stop]\nsamples = 65536\n"
     );
     measured_in(folder.path(), &text).pop().expect("one table")

@@ -77,7 +77,7 @@ fn from_file(field: &Heightfield, tiles: usize, seed: u64, light: &str) -> Measu
 fn from_folder(folder: &Path, tiles: usize, seed: u64, light: &str) -> Measured {
     let text = format!(
         "name = \"file\"\nseed = {seed}\n[surface]\n[surface.file]\npath = \"patch.npy\"\npitch_x_um = 1\npitch_y_um = 1\n\
-         height_unit_um = 0.5\nperiodic = true\ntiles = {tiles}\n\
+         height_unit_um = 0.5\nperiodic = true\nrefine = 1\ntiles = {tiles}\n\
          [light]\n{light}\n[sensor.hemisphere]\nphi_r_bins = {COLUMNS}\n[stop]\nsamples = 65536\n"
     );
     measured_in(folder, &text).pop().expect("one table")

@@ -140,6 +140,7 @@ fn file_table(text: &mut Text, map: &HeightMap) {
     }
     text.line("periodic", map.periodic);
     text.line("detrend", word(&surface::DETREND, &map.detrend));
+    text.line("refine", map.refine.map_or(quoted("auto"), |steps| steps.to_string()));
     text.line("tiles", map.tiles);
 }
 

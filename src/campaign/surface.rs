@@ -281,14 +281,23 @@ fn isotropic_alphas(item: &Item<'_>) -> Option<Vec<Alpha>> {
 }
 
 fn height_map(table: Table<'_>, folder: &Path) -> Option<HeightMap> {
-    let [path, pitch_x, pitch_y, height_unit, periodic, detrend, tiles] =
-        table.keys(["path", "pitch_x_um", "pitch_y_um", "height_unit_um", "periodic", "detrend", "tiles"]);
+    let [path, pitch_x, pitch_y, height_unit, periodic, detrend, refine, tiles] = table.keys([
+        "path",
+        "pitch_x_um",
+        "pitch_y_um",
+        "height_unit_um",
+        "periodic",
+        "detrend",
+        "refine",
+        "tiles",
+    ]);
     let path = path.required("the height map, .exr, .npy, .gsf or .xyz").and_then(map_path);
     let lengths = [&pitch_x, &pitch_y, &height_unit];
     let needed = path.and_then(|path| all_or_none(&lengths, is_npy(path)));
     let lengths = lengths.map(|slot| slot.or(None, |i| i.float(&LENGTH_UM).map(Some)));
     let periodic = periodic.or(false, |i| i.boolean());
     let detrend = detrend.or(Detrend::Plane, |i| i.choice(&DETREND));
+    let refine = refine.or(None, steps_between_samples);
     let tiles = tiles.or(4, |i| i.count(1..=64));
     let (path, [x, y, unit], ()) = (path?, lengths, needed?);
     Some(HeightMap {
@@ -299,8 +308,19 @@ fn height_map(table: Table<'_>, folder: &Path) -> Option<HeightMap> {
         height_unit_um: unit?,
         periodic: periodic?,
         detrend: detrend?,
+        refine: refine?,
         tiles: tiles?,
     })
+}
+
+/// `refine`: "auto" or a power of two.
+fn steps_between_samples(item: &Item<'_>) -> Option<Option<u32>> {
+    const ALLOWED: &str = "must be \"auto\" or a power of two up to 64 (1: the map's own cells)";
+    match (item.as_text(), item.as_whole()) {
+        (Some("auto"), _) => Some(None),
+        (_, Some(steps @ 1..=64)) if steps.is_power_of_two() => Some(u32::try_from(steps).ok()),
+        _ => item.refuse(ALLOWED),
+    }
 }
 
 /// `path` as seen from where the campaign file lies.
@@ -323,9 +343,12 @@ fn map_path<'a>(item: &Item<'a>) -> Option<&'a str> {
         return item.refuse("must be a file name without control characters");
     }
     match extension(path).as_str() {
-        "exr" | "npy" | "gsf" | "txt" | "xyz" => Some(path),
+        "exr" | "npy" | "gsf" | "txt" | "xyz" | "asc" => Some(path),
         _ => {
-            item.refuse("must end in .exr, .npy, .gsf (Gwyddion simple field), .xyz or .txt (lines of x y z)")
+            item.refuse(
+                "must end in .exr, .npy, .gsf (Gwyddion simple field), .asc (Arc grid), .xyz or .txt (lines of x y z, or \
+                 a matrix)",
+            )
         }
     }
 }

@@ -7,9 +7,10 @@ use serde_json::{Value, json};
 
 use super::output::{Output, print_error, to_json, warn};
 use super::plan_text;
-use crate::campaign::{self, Parsed};
+use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::measure::{self, Disk};
+use crate::surface::import;
 use crate::table::realisations::SIZE_LIMIT;
 use crate::validate::aperture::worst;
 
@@ -29,7 +30,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Err(error @ Error::Campaign(_)) if arguments.json => return answer(&error),
         parsed => parsed?,
     };
-    let Parsed { campaign, notes, preset } = parsed;
+    let Parsed { campaign, mut notes, preset } = parsed;
+    map_notes(&campaign, &mut notes)?;
     let plan = measure::plan(&campaign);
     let mut out = Output::default();
     if arguments.json {
@@ -57,6 +59,16 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     out.lines(worst(&campaign).iter().flat_map(plan_text::aperture))?;
     out.lines(plan_text::skipped(&plan))?;
     Ok(0)
+}
+
+/// What a height map that is there has to say, or why it cannot be measured.
+fn map_notes(campaign: &Campaign, notes: &mut Vec<String>) -> Result<()> {
+    if let SurfaceKind::File(map) = &campaign.surface.kind
+        && map.resolved_path.is_file()
+    {
+        notes.append(&mut import::load(map)?.notes);
+    }
+    Ok(())
 }
 
 /// The faults as JSON.

@@ -125,7 +125,10 @@ fn surface(campaign: &Campaign) -> String {
         }
         SurfaceKind::Mirror => "a flat mirror".into(),
         SurfaceKind::VGroove { slope } => format!("v-grooves along y, slope {slope}"),
-        SurfaceKind::File(map) => format!("{}, {} x {} start regions", map.path, map.tiles, map.tiles),
+        SurfaceKind::File(map) => {
+            let refine = map.refine.map_or("auto".into(), |steps| steps.to_string());
+            format!("{}, refine {refine}, {} x {} start regions", map.path, map.tiles, map.tiles)
+        }
     };
     if surface.rotation_deg == 0.0 {
         what

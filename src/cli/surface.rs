@@ -4,11 +4,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use glam::DVec2;
 use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::certificate_text::{self, Pooled, RayBound};
+use super::certificate_text::{self, MapFigures, Pooled, RayBound};
 use super::output::{Output, json_text, to_json, warn};
 use super::progress::Progress;
 use super::targets;
@@ -58,23 +59,27 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     progress.finish();
     let pooled = Pooled::of(&entries, slopes.and_then(|slopes| slopes.ks()));
     let bounds = job.ray_bounds(&entries);
-    let document = job.document(&entries, &pooled, &bounds, &notes)?;
+    let figures = job.figures(&entries);
+    let document = job.document(&entries, &pooled, (&bounds, figures.as_ref()), &notes)?;
     files::write_atomically(&job.certificate(), format!("{}\n", json_text(&document)?).as_bytes())?;
     let mut out = Output::default();
     if arguments.json {
         out.json(&document)?;
     } else {
-        out.lines(certificate_text::lines(&entries, &pooled))?;
+        out.lines(certificate_text::lines(&entries, &pooled, figures.is_some()))?;
         let npy = if job.npy { " and .npy" } else { "" };
         let (last, pitch) = (job.name(job.count - 1, "exr"), job.pitch);
         out.line("")?;
+        out.lines(figures.iter().flat_map(MapFigures::lines))?;
         out.lines(RayBound::lines(&bounds))?;
         out.line(format_args!(
             "files   {} to {last}{npy}, certificate.json in {}",
             job.name(0, "exr"),
             job.folder.display()
         ))?;
-        out.line(format_args!("pitch   {} x {} in the unit of the heights", pitch[0], pitch[1]))?;
+        if figures.is_none() {
+            out.line(format_args!("pitch   {} x {} in the unit of the heights", pitch[0], pitch[1]))?;
+        }
     }
     Ok(0)
 }
@@ -245,7 +250,12 @@ impl<'a> Job<'a> {
             slopes.add(&patch.field);
             slopes
         });
-        let certificate = Certificate::of(&patch.field, law);
+        let certificate = match &self.patches {
+            Patches::Map { map, .. } => {
+                Certificate::of_map(&patch.field, DVec2::new(map.alpha_x, map.alpha_y))
+            }
+            _ => Certificate::of(&patch.field, law),
+        };
         let heights_sha256 = files::hex(&Patch::digest(&patch));
         Ok((Entry { file: self.name(index, "exr"), heights_sha256, certificate }, slopes))
     }
@@ -266,14 +276,25 @@ impl<'a> Job<'a> {
         let own = self.pitch.map(|pitch| 1.0 / pitch);
         let alphas = self.campaign.alphas();
         let alphas: Vec<[f64; 2]> = alphas.iter().map(|a| a.map_or(own, |a| [a.x, a.y])).collect();
-        RayBound::of(range, &alphas, &self.campaign.light.theta_i_deg)
+        let map = matches!(self.patches, Patches::Map { .. });
+        RayBound::of(range, &alphas, map, &self.campaign.light.theta_i_deg)
+    }
+
+    /// Size, pitch and slopes of a measured map; `None` of other surfaces.
+    fn figures(&self, entries: &[Entry]) -> Option<MapFigures> {
+        match (&self.patches, entries) {
+            (Patches::Map { map, .. }, [entry, ..]) => {
+                Some(MapFigures::of(map, entry.certificate.median_slope))
+            }
+            _ => None,
+        }
     }
 
     fn document(
         &self,
         entries: &[Entry],
         pooled: &Pooled,
-        bounds: &[RayBound],
+        (bounds, map): (&[RayBound], Option<&MapFigures>),
         notes: &[String],
     ) -> Result<Value> {
         Ok(json!({
@@ -283,6 +304,7 @@ impl<'a> Job<'a> {
             "version": env!("CARGO_PKG_VERSION"),
             "surface": surface_of(self.campaign)?,
             "pitch": self.pitch,
+            "map": to_json(&map)?,
             "patches": to_json(&entries)?,
             "all": to_json(pooled)?,
             "ray_bounds": to_json(&bounds)?,

@@ -4,6 +4,7 @@ use super::plan::{Plan, is_swept};
 use super::stage::CELLS_PER_START;
 use crate::campaign::{Alpha, Campaign, SurfaceKind};
 use crate::sphere;
+use crate::surface::import;
 use crate::trace::{BLOCK, Together};
 
 // Measured on one core of about 4 GHz, patches of 1024 x 1024 cells, correlation 8.
@@ -65,7 +66,7 @@ impl Memory {
 /// Patches in flight or kept, what is made of them, tallies and tables; bytes.
 pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let threads = rayon::current_num_threads() as u128;
-    let cells = cells(campaign) as u128;
+    let cells = plan.cells as u128;
     let lanes = if campaign.trace.visibility { LANES } else { 0 };
     let sorted = plan.indexed || plan.by_slope;
     let mounted = HEIGHTS + lanes + if sorted { INDEX } else { 0 };
@@ -93,15 +94,17 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     Memory { shared: cells * surface + tallies, stop: records + files, written }
 }
 
-/// Cells of a patch; of a measured map at most one for each byte of its file.
-fn cells(campaign: &Campaign) -> f64 {
+/// Cells of a patch; 0 of a map that cannot be read, which whoever measures it will say.
+pub(super) fn cells(campaign: &Campaign) -> f64 {
     match &campaign.surface.kind {
         SurfaceKind::Ggx(_)
         | SurfaceKind::Beckmann { .. }
         | SurfaceKind::StudentT { .. }
         | SurfaceKind::BlinnPhong { .. } => f64::from(campaign.surface.cells).powi(2),
         SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64.0,
-        SurfaceKind::File(map) => std::fs::metadata(&map.resolved_path).map_or(0.0, |meta| meta.len() as f64),
+        SurfaceKind::File(map) => {
+            import::load(map).map_or(0.0, |map| (map.field.cells_x() * map.field.cells_y()) as f64)
+        }
     }
 }
 
@@ -119,7 +122,7 @@ fn heights(campaign: &Campaign) -> (f64, f64) {
 
 /// A rough time on two cores, in seconds.
 pub(super) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
-    let cells = cells(campaign);
+    let cells = plan.cells;
     let random = campaign.surface.kind.is_random_heights();
     let tracing: f64 = campaign.alphas().iter().map(|&alpha| table(campaign, plan, alpha)).sum();
     let mut patch = if random { NS_PER_MOUNTED_CELL } else { 0.0 };
@@ -145,7 +148,7 @@ fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
 
 /// One block of a stop, which shares its sweep with others (`together`, itself included), ns.
 fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2, together: Option<usize>) -> f64 {
-    let (cells, starts) = (cells(campaign), BLOCK as f64);
+    let (cells, starts) = (plan.cells, BLOCK as f64);
     let further = 0.4 * f64::from(campaign.trace.bounces - 1).min(3.0);
     if matches!(campaign.surface.kind, SurfaceKind::Smith(_)) {
         return starts * NS_PER_WALK * (1.0 + further);

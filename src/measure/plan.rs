@@ -4,7 +4,7 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::bands::{self, Band};
-use super::estimate::{Memory, memory, seconds};
+use super::estimate::{Memory, cells, memory, seconds};
 use super::memory_limit::memory_limit;
 use super::shards::Shard;
 use super::skips::{Skip, skips};
@@ -41,6 +41,9 @@ pub struct Plan {
     /// The band that they are, of a run in bands.
     #[serde(skip)]
     pub band: Option<Band>,
+    /// Cells of a patch, as far as they are known before it is made.
+    #[serde(skip)]
+    pub cells: f64,
     /// Sensor bins at each stop.
     pub bins: usize,
     /// Tables (one for each roughness and material).
@@ -143,6 +146,7 @@ pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan
         measured,
         shard,
         band: None,
+        cells: cells(campaign),
         bins: grid.bins(),
         tables: roughnesses * campaign.optics.each().len(),
         realisations,

@@ -294,8 +294,15 @@ pub fn specimen(page: &Page) -> String {
             "skewness and kurtosis of the heights",
             format!("{:.3}, {:.3}", c.height_skewness, c.height_kurtosis),
         ),
-        ("lowest to highest, cells (alpha = 1)", format!("{:.2}", c.height_range)),
-        ("median slope, units of alpha", format!("{:.4}", c.median_slope)),
+        if specimen.of_map {
+            ("lowest to highest, unit of the map", format!("{:.4e}", c.height_range))
+        } else {
+            ("lowest to highest, cells (alpha = 1)", format!("{:.2}", c.height_range))
+        },
+        (
+            if specimen.of_map { "median slope" } else { "median slope, units of alpha" },
+            format!("{:.4}", c.median_slope),
+        ),
     ];
     let rows: String =
         rows.iter().map(|(what, value)| format!("<tr><th>{what}</th><td>{value}</td></tr>")).collect();

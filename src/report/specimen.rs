@@ -1,5 +1,7 @@
 //! What lay on the stage, for the eye: a shaded piece of the first patch and its slopes against their law.
 
+use glam::DVec2;
+
 use super::chart::{Axis, Chart, MEASURED, Marker, Series, Style, model_style};
 use crate::campaign::{Campaign, SurfaceKind};
 use crate::error::Result;
@@ -26,6 +28,8 @@ pub struct Specimen {
     pub shades: Vec<u8>,
     /// What the patch really has.
     pub certificate: Certificate,
+    /// Whether slopes are ratios of lengths, as those of a measured map are, and heights in the map's unit.
+    pub of_map: bool,
     law: Option<SlopeLaw>,
     histogram: Vec<f64>,
     longest: f64,
@@ -59,13 +63,19 @@ impl Specimen {
     pub fn of(patch: &Patch, campaign: &Campaign) -> Self {
         let alpha = patch.alpha(campaign.alphas().first().copied().flatten());
         let law = Patches::law(campaign);
-        let certificate = Certificate::of(&patch.field, law);
+        let of_map = matches!(campaign.surface.kind, SurfaceKind::File(_));
+        // Slopes as they are shown, and what is left of the canonical ones' alpha for the picture.
+        let (shown, left) = if of_map { (alpha, DVec2::ONE) } else { (DVec2::ONE, alpha) };
+        let certificate = match law {
+            None if of_map => Certificate::of_map(&patch.field, alpha),
+            law => Certificate::of(&patch.field, law),
+        };
         let cells = piece(&patch.field, alpha.x / alpha.y);
-        let scale = SHOWN_SLOPE / (certificate.median_slope.max(1e-9) * (alpha.x * alpha.y).sqrt());
+        let scale = SHOWN_SLOPE / (certificate.median_slope.max(1e-9) * (left.x * left.y).sqrt());
         let shades = shades(&patch.field, cells, [alpha.x * scale, alpha.y * scale]);
         let longest = LONGEST * if certificate.median_slope > 0.0 { certificate.median_slope } else { 1.0 };
-        let histogram = histogram(&patch.field, longest);
-        Specimen { cells, aspect: alpha.y / alpha.x, shades, certificate, law, histogram, longest }
+        let histogram = histogram(&patch.field, shown, longest);
+        Specimen { cells, aspect: alpha.y / alpha.x, shades, certificate, of_map, law, histogram, longest }
     }
 
     /// Share of the facets per unit of slope length, and the same of the law, bin by bin.
@@ -94,7 +104,10 @@ impl Specimen {
         }
         Chart {
             title: "Slopes of the patch".into(),
-            x: Axis::linear("slope length, units of alpha", [0.0, self.longest]),
+            x: Axis::linear(
+                if self.of_map { "slope" } else { "slope length, units of alpha" },
+                [0.0, self.longest],
+            ),
             y: Axis::linear("density", [0.0, (1.08 * highest).max(1e-6)]),
             series,
         }
@@ -119,14 +132,16 @@ fn shades(field: &Heightfield, [columns, rows]: [usize; 2], scale: [f64; 2]) -> 
     (0..rows).rev().flat_map(|y| (0..columns).map(move |x| shade(x, y))).collect()
 }
 
-/// Share of all facets by slope length; longer ones are in no bin.
-fn histogram(field: &Heightfield, longest: f64) -> Vec<f64> {
+/// Share of all facets by slope length; longer ones are in no bin. `alpha`: slope of one unit of height a cell.
+fn histogram(field: &Heightfield, alpha: DVec2, longest: f64) -> Vec<f64> {
     let mut counts = vec![0u64; SLOPE_BINS];
     for y in 0..field.cells_y() {
         for x in 0..field.cells_x() {
             let corners = field.corners(x, y);
             for slope in [corners.lower_slope(), corners.upper_slope()] {
-                if let Some(count) = counts.get_mut((slope.length() / longest * SLOPE_BINS as f64) as usize) {
+                if let Some(count) =
+                    counts.get_mut(((slope * alpha).length() / longest * SLOPE_BINS as f64) as usize)
+                {
                     *count += 1;
                 }
             }
@@ -144,7 +159,7 @@ mod tests {
     #[test]
     fn the_histogram_counts_every_facet_once() {
         let field = Heightfield::new(8, 8, true, (0..64).map(|i| f64::from(i % 2)).collect());
-        let shares = histogram(&field, 4.0);
+        let shares = histogram(&field, DVec2::ONE, 4.0);
         // Slope 1 is the lower edge of bin 10 of 40 up to 4.
         assert_eq!((shares[10], shares.iter().sum::<f64>()), (1.0, 1.0));
     }

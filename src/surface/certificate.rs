@@ -16,7 +16,7 @@ pub const AZIMUTH_BINS: usize = 36;
 /// Bins of the pooled slope law.
 const SLOPE_BINS: usize = 10_000;
 
-/// The certificate of one patch, in canonical slopes.
+/// The certificate of one patch: in canonical slopes, or of a map in slopes that are ratios of lengths.
 #[derive(Debug, Clone, Serialize)]
 pub struct Certificate {
     /// Kolmogorov-Smirnov distance of the slope lengths from the wanted law; `null` where no law is wanted.
@@ -33,7 +33,7 @@ pub struct Certificate {
     pub height_skewness: f64,
     /// Kurtosis of the heights (3: normal).
     pub height_kurtosis: f64,
-    /// Lowest to highest height, canonical cells.
+    /// Lowest to highest height, canonical cells; of a map in its own unit.
     pub height_range: f64,
     /// Mean slope along x and y: 0 on a periodic patch.
     pub mean_slope: [f64; 2],
@@ -44,7 +44,17 @@ pub struct Certificate {
 impl Certificate {
     /// Examines a patch; `law` is what its slopes should follow, if anything.
     pub fn of(field: &Heightfield, law: Option<SlopeLaw>) -> Self {
-        let (slopes, heights) = facets(field);
+        Self::scaled(field, law, DVec2::ONE)
+    }
+
+    /// Examines a measured map, whose slopes are ratios of lengths; `alpha`: slope of one unit of height a cell.
+    pub fn of_map(field: &Heightfield, alpha: DVec2) -> Self {
+        Self::scaled(field, None, alpha)
+    }
+
+    fn scaled(field: &Heightfield, law: Option<SlopeLaw>, alpha: DVec2) -> Self {
+        let (mut slopes, heights) = facets(field);
+        slopes.iter_mut().for_each(|slope| *slope *= alpha);
         let lengths: Vec<f64> = slopes.iter().map(|s| s.length()).collect();
         let mut sorted = lengths.clone();
         radsort::sort(&mut sorted);

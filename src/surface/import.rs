@@ -1,9 +1,12 @@
 //! Measured height maps: from a file to a heightfield whose slopes are those of the sample.
 //!
 //! Enters: `[surface.file]`. Leaves: heights in the file's unit with the mean (and, where asked, the mean plane)
-//! taken off, and the factors that turn a difference of neighbouring heights into a slope.
+//! taken off, on a grid that is fine enough (`refine`), and the factors that turn a difference of neighbouring heights
+//! into a slope.
 
 use std::path::Path;
+
+use glam::DVec2;
 
 use crate::campaign::{Detrend, HeightMap};
 use crate::error::{Error, Result};
@@ -12,11 +15,20 @@ use crate::files;
 use super::Heightfield;
 use super::map_file::{self, MapFile, Stored};
 use super::outliers;
+use super::refine::{self, AGREEMENT, AUTO_CELLS, Cuts, Refined};
 
 /// Fewest cells along a side.
 const MIN_CELLS: usize = 8;
 /// Fewest steps of the number format that the relief of an f32 map must span.
 const MIN_STEPS: f64 = 65_536.0;
+/// Rms slopes beyond which a map is refused: walls of 88 degrees. Ground and blasted surfaces have 0.1 to 1, so that a
+/// unit that is 1000 times too large ends up here.
+const ABSURD_SDQ: f64 = 30.0;
+/// Rms slopes outside of which a map is doubtful: steeper than 72 degrees, or smoother than a polished mirror and yet not
+/// flat.
+const DOUBTFUL_SDQ: [f64; 2] = [1e-3, 3.0];
+/// Change of the rms slope by refinement from which on the samples do not resolve the slopes.
+const RESOLVED: f64 = 0.1;
 
 /// A measured surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +39,12 @@ pub struct ImportedMap {
     pub alpha_x: f64,
     /// World slope along y = difference of neighbouring rows times this.
     pub alpha_y: f64,
+    /// Cells for each of the file's own along a side.
+    pub steps: usize,
+    /// Slopes of the refined map.
+    pub cuts: Cuts,
+    /// One unit of height, um; `None` where neither campaign nor file says.
+    pub unit_um: Option<f64>,
     /// What was done to the map, and what to know about it.
     pub notes: Vec<String>,
 }
@@ -72,8 +90,13 @@ fn read(path: &Path) -> Result<MapFile> {
 
 fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap, String> {
     let [own_x, own_y] = file.pitch;
-    let alpha_x = slope_factor("pitch_x", map.pitch_x_um, map.height_unit_um, own_x)?;
-    let alpha_y = slope_factor("pitch_y", map.pitch_y_um, map.height_unit_um, own_y)?;
+    let no_pitch = |name: &str| match &file.no_pitch {
+        Some(why) => format!("{why}; give surface.file.pitch_x_um, pitch_y_um and height_unit_um"),
+        None => format!("the file has no attribute `{name}`; give surface.file.{name}_um"),
+    };
+    let alpha = |name: &str, pitch_um, own| slope_factor(name, pitch_um, map.height_unit_um, own, no_pitch);
+    let alpha_x = alpha("pitch_x", map.pitch_x_um, own_x)?;
+    let alpha_y = alpha("pitch_y", map.pitch_y_um, own_y)?;
     let (cells_x, cells_y) = check_size(&file, map.periodic)?;
     check_precision(&file)?;
     let mut notes = vec![format!("{} x {} samples, {cells_x} x {cells_y} cells", file.columns, file.rows)];
@@ -95,10 +118,96 @@ fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap
     notes.extend(outliers::named(&file.heights, file.columns));
     let field = Heightfield::new(cells_x, cells_y, map.periodic, file.heights);
     let (low, high) = field.range();
+    let unit_um = if map.pitch_x_um.is_some() { map.height_unit_um } else { file.unit_um };
+    let refined = refine::refine(field, DVec2::new(alpha_x, alpha_y), map.refine)?;
+    let steps = refined.steps as f64;
+    let (alpha_x, alpha_y, cuts) = (alpha_x * steps, alpha_y * steps, refined.after);
     if low == high {
         notes.push("the map is flat: a mirror".into());
+    } else {
+        check_slopes(map, &refined.before, &mut notes)?;
+        notes.extend(refinement(&refined));
     }
-    Ok(ImportedMap { field, alpha_x, alpha_y, notes })
+    Ok(ImportedMap { field: refined.field, alpha_x, alpha_y, steps: refined.steps, cuts, unit_um, notes })
+}
+
+impl ImportedMap {
+    /// Distance of neighbouring columns and rows of the refined map, in the unit of the heights.
+    pub fn pitch(&self) -> [f64; 2] {
+        [1.0 / self.alpha_x, 1.0 / self.alpha_y]
+    }
+
+    /// Size of the map along x and y, in the unit of the heights.
+    pub fn size(&self) -> [f64; 2] {
+        let [x, y] = self.pitch();
+        [x * self.field.cells_x() as f64, y * self.field.cells_y() as f64]
+    }
+
+    /// Root mean square height about the mean, Sq of ISO 25178, in the unit of the heights.
+    pub fn sq(&self) -> f64 {
+        let heights = self.field.heights();
+        let mean = |f: &dyn Fn(f64) -> f64| heights.iter().map(|&h| f(h)).sum::<f64>() / heights.len() as f64;
+        let centre = mean(&|h| h);
+        mean(&|h| (h - centre).powi(2)).sqrt()
+    }
+}
+
+/// Refuses slopes that only a slip of units makes, and names doubtful ones.
+fn check_slopes(map: &HeightMap, cuts: &Cuts, notes: &mut Vec<String>) -> std::result::Result<(), String> {
+    let sdq = cuts.sdq;
+    let [smooth, steep] = DOUBTFUL_SDQ;
+    let units = match (map.pitch_x_um, map.pitch_y_um, map.height_unit_um) {
+        (Some(x), Some(y), Some(unit)) => format!("height_unit_um = {unit} on a pitch of {x} x {y} um"),
+        _ => "by the file's own pitches and unit of heights".into(),
+    };
+    if sdq.is_nan() || sdq > ABSURD_SDQ {
+        return Err(format!(
+            "rms slope Sdq = {sdq:.3e}, {units}: above {ABSURD_SDQ} (88 degrees) only a slip of units has it; correct height unit or pitch"
+        ));
+    }
+    if sdq > steep {
+        notes.push(format!(
+            "rms slope Sdq = {sdq:.3}, {units}: steeper than 72 degrees; are the units right?"
+        ));
+    }
+    if sdq < smooth {
+        notes.push(format!(
+            "rms slope Sdq = {sdq:.1e}, {units}: smoother than a polished mirror; are the units right?"
+        ));
+    }
+    Ok(())
+}
+
+/// What refinement did, or could not do.
+fn refinement(refined: &Refined) -> Vec<String> {
+    let Refined { field, steps, before, after } = refined;
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let mut notes = vec![format!(
+        "refine = {steps}: {} x {} cells, slopes under the two diagonals of a cell agree within {} ({} as sampled)",
+        field.cells_x(),
+        field.cells_y(),
+        percent(after.disagreement()),
+        percent(before.disagreement())
+    )];
+    if !after.agree() {
+        let more = if *steps < refine::MOST_STEPS && 4 * field.cells_x() * field.cells_y() > AUTO_CELLS {
+            format!("; auto stops at {} Mi cells, a larger refine goes on", AUTO_CELLS >> 20)
+        } else {
+            String::new()
+        };
+        notes.push(format!(
+            "slopes depend on the diagonal that cells are cut along by {}, above {}: a mirrored map will not give the              mirrored table{more}",
+            percent(after.disagreement()),
+            percent(AGREEMENT)
+        ));
+    }
+    if (after.sdq - before.sdq).abs() > RESOLVED * before.sdq {
+        notes.push(format!(
+            "the samples do not resolve the slopes: rms slope {:.4} from sample to sample, {:.4} of the spline through              them; steps and noise overshoot, refine = 1 leaves them as they are",
+            before.sdq, after.sdq
+        ));
+    }
+    notes
 }
 
 /// Slope per unit of height difference along one axis: height unit over pitch.
@@ -107,6 +216,7 @@ fn slope_factor(
     pitch_um: Option<f64>,
     height_unit_um: Option<f64>,
     own: Option<f64>,
+    no_pitch: impl Fn(&str) -> String,
 ) -> std::result::Result<f64, String> {
     let factor = match (pitch_um, own) {
         (Some(pitch), _) => {
@@ -116,9 +226,7 @@ fn slope_factor(
             positive("height_unit_um", unit)? / positive(name, pitch)?
         }
         (None, Some(pitch)) => 1.0 / positive(name, pitch)?,
-        (None, None) => {
-            return Err(format!("the file has no attribute `{name}`; give surface.file.{name}_um"));
-        }
+        (None, None) => return Err(no_pitch(name)),
     };
     positive(&format!("height unit over {name}"), factor)
 }
@@ -211,6 +319,7 @@ mod tests {
             height_unit_um: Some(0.001),
             periodic: false,
             detrend: Detrend::Plane,
+            refine: None,
             tiles: 4,
         }
     }
@@ -218,7 +327,7 @@ mod tests {
     fn file(columns: usize, rows: usize, height: impl Fn(f64, f64) -> f64) -> MapFile {
         let at = |i: usize| height((i % columns) as f64, (i / columns) as f64);
         let heights = (0..columns * rows).map(at).collect();
-        MapFile { columns, rows, heights, stored: Stored::Exact, pitch: [None, None] }
+        MapFile::new(columns, rows, heights, Stored::Exact)
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The samples of a height map's file, untouched: EXR, NPY, GSF or XYZ text, told apart by their first bytes.
+//! The samples of a height map's file, untouched: EXR, NPY, GSF or text, told apart by their first bytes.
 
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
@@ -6,7 +6,7 @@ use crate::files::exr_header;
 use crate::files::image::{self, Samples};
 use crate::files::npy;
 
-use super::{map_gsf, map_xyz};
+use super::{map_gsf, map_text};
 
 const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -34,6 +34,17 @@ pub struct MapFile {
     pub stored: Stored,
     /// `pitch_x` and `pitch_y` of the file, in the unit of the heights.
     pub pitch: [Option<f64>; 2],
+    /// One unit of height, um, where the file says so.
+    pub unit_um: Option<f64>,
+    /// Why there are no pitches, where the file has something to say about them.
+    pub no_pitch: Option<String>,
+}
+
+impl MapFile {
+    /// Heights alone, without pitches or unit.
+    pub fn new(columns: usize, rows: usize, heights: Vec<f64>, stored: Stored) -> Self {
+        MapFile { columns, rows, heights, stored, pitch: [None, None], unit_um: None, no_pitch: None }
+    }
 }
 
 /// Reads a map from the bytes of its file; the error is a reason, to be completed with the path.
@@ -44,15 +55,13 @@ pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
         read_npy(bytes)?
     } else if bytes.starts_with(map_gsf::MAGIC) {
         map_gsf::read(bytes)?
-    } else if map_xyz::looks_like(bytes) {
-        map_xyz::read(bytes)?
     } else if bytes.is_empty() {
         return Err("the file is empty".into());
     } else {
-        return Err(
-            "neither EXR, NPY, a Gwyddion simple field nor lines of x y z, the height maps that are read"
-                .into(),
-        );
+        map_text::read(&map_text::decoded(bytes)?).ok_or(
+            "neither EXR, NPY, a Gwyddion simple field, an Arc grid, a matrix nor lines of x y z, the height maps that \
+             are read",
+        )??
     };
     match map.heights.iter().position(|height| !height.is_finite()) {
         Some(at) => {
@@ -80,7 +89,7 @@ fn read_exr(bytes: &[u8]) -> Result<MapFile, String> {
         Samples::U32(values) => (values.into_iter().map(f64::from).collect(), Stored::Exact),
     };
     let pitch = [part.number("pitch_x"), part.number("pitch_y")];
-    Ok(MapFile { columns: part.width, rows: part.height, heights, stored, pitch })
+    Ok(MapFile { pitch, ..MapFile::new(part.width, part.height, heights, stored) })
 }
 
 fn read_npy(bytes: &[u8]) -> Result<MapFile, String> {
@@ -117,7 +126,7 @@ fn read_npy(bytes: &[u8]) -> Result<MapFile, String> {
         _ => Stored::Exact,
     };
     let heights = if order == Order::Fortran { transposed(&heights, rows) } else { heights };
-    Ok(MapFile { columns, rows, heights, stored, pitch: [None, None] })
+    Ok(MapFile::new(columns, rows, heights, stored))
 }
 
 fn values<T: Deserialize>(npy: NpyFile<&[u8]>, to_f64: impl Fn(T) -> f64) -> Result<Vec<f64>, String> {

@@ -4,6 +4,7 @@
 //! (size of the field), XYUnits, ZUnits. Source: the format's specification in Gwyddion's user guide.
 
 use super::map_file::{MapFile, Stored};
+use super::units;
 
 /// The first line.
 pub const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
@@ -37,38 +38,25 @@ pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
     if expected != Some(data.len()) {
         return Err(format!("GSF: {} bytes of data do not make {columns} x {rows} f32 samples", data.len()));
     }
-    let per_height = unit_ratio(value("XYUnits").unwrap_or(""), value("ZUnits").unwrap_or(""));
-    let pitch = |name: &str, count: usize| -> Result<Option<f64>, String> {
-        let (Some(given), Some(ratio)) = (value(name), per_height) else { return Ok(None) };
+    let (lateral, height) = (value("XYUnits").unwrap_or(""), value("ZUnits").unwrap_or(""));
+    let size = |name: &str, count: usize| -> Result<Option<f64>, String> {
+        let Some(given) = value(name) else { return Ok(None) };
         let size: f64 = given.parse().map_err(|_| format!("GSF: {name} = {given:.40}: must be a number"))?;
-        Ok(Some(size / count as f64 * ratio))
+        Ok(Some(size / count as f64))
     };
-    let pitch = [pitch("XReal", columns)?, pitch("YReal", rows)?];
+    let sizes = [("XReal", size("XReal", columns)?), ("YReal", size("YReal", rows)?)];
+    let missing = sizes.iter().find(|(_, size)| size.is_none()).map(|(name, _)| format!("GSF: no {name}"));
+    let (ratio, no_pitch) = match (missing, units::ratio(lateral, height)) {
+        (None, Ok(ratio)) => (Some(ratio), None),
+        (Some(why), _) => (None, Some(why)),
+        (None, Err(why)) => {
+            (None, Some(format!("GSF: XYUnits `{lateral:.40}`, ZUnits `{height:.40}`: {why}")))
+        }
+    };
+    let pitch = sizes.map(|(_, size)| Some(size? * ratio?));
+    let unit_um = units::metres(height).map(|metres| 1e6 * metres);
     let heights = data.as_chunks::<4>().0.iter().map(|chunk| f64::from(f32::from_le_bytes(*chunk))).collect();
-    Ok(MapFile { columns, rows, heights, stored: Stored::Single, pitch })
-}
-
-/// How many units of height one lateral unit is; `None` where that is not known.
-fn unit_ratio(lateral: &str, height: &str) -> Option<f64> {
-    if lateral == height {
-        return Some(1.0);
-    }
-    Some(metres(lateral)? / metres(height)?)
-}
-
-fn metres(unit: &str) -> Option<f64> {
-    let prefix = unit.strip_suffix('m')?;
-    let sizes = [
-        ("", 1.0),
-        ("c", 1e-2),
-        ("m", 1e-3),
-        ("u", 1e-6),
-        ("µ", 1e-6),
-        ("μ", 1e-6),
-        ("n", 1e-9),
-        ("p", 1e-12),
-    ];
-    sizes.iter().find(|(name, _)| *name == prefix).map(|(_, size)| *size)
+    Ok(MapFile { pitch, unit_um, no_pitch, ..MapFile::new(columns, rows, heights, Stored::Single) })
 }
 
 #[cfg(test)]
@@ -102,7 +90,14 @@ mod tests {
         assert_eq!(bare.pitch, [Some(2.0), Some(2.0)]);
         let volts =
             read(&field("XRes = 3\nYRes = 2\nXReal = 6\nYReal = 4\nXYUnits = m\nZUnits = V\n", &data));
-        assert_eq!(volts.expect("a field").pitch, [None, None]);
+        let volts = volts.expect("a field");
+        assert_eq!(volts.pitch, [None, None]);
+        assert!(volts.no_pitch.is_some_and(|why| why.contains("ZUnits `V`: V is no length")));
+        let half =
+            read(&field("XRes = 3\nYRes = 2\nXReal = 6\nYReal = 4\nXYUnits = m\n", &data)).expect("a field");
+        assert!(half.no_pitch.is_some_and(|why| why.contains("one unit is given and the other is not")));
+        let unsized_ = read(&field("XRes = 3\nYRes = 2\nXReal = 6\n", &data)).expect("a field");
+        assert_eq!((unsized_.pitch, unsized_.no_pitch.as_deref()), ([None, None], Some("GSF: no YReal")));
     }
 
     #[test]

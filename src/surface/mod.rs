@@ -7,13 +7,17 @@ pub mod heightfield;
 pub mod import;
 pub mod map_file;
 mod map_gsf;
+mod map_matrix;
+mod map_text;
 mod map_xyz;
 pub mod outliers;
 mod ranks;
+pub mod refine;
 mod remap;
 pub mod slope_law;
 mod spectrum;
 pub mod synthesis;
+mod units;
 
 pub use certificate::{Certificate, SlopeCounts};
 pub use heightfield::Heightfield;
