@@ -108,7 +108,7 @@ fn damaged_lines_are_refused() {
     assert!(reason("theta_i_deg,phi_i_deg,theta_r_deg,Y\n1,2,3,4\n").contains("no column `phi_r_deg`"));
     assert!(reason(&format!("{head}1,2,3,4,nan\n")).contains("line 2: NaN is not finite"));
     assert!(reason(&format!("{head}1,2,3,4\n")).contains("line"));
-    assert!(reason(&format!("{head}1,2,3,4,5\n1,2,3,4,6\n")).contains("do not make"));
+    assert!(reason(&format!("{head}1,2,3,4,5\n1,2,3,4,6\n")).contains("lines 2 and 3"));
     assert!(reason(&format!("{head}1,2,3,4,-5\n")).contains("no BRDF value"));
     assert!(reason(&format!("{head}1,2,95,4,5\n")).contains("outside"));
     let crlf =

@@ -37,6 +37,9 @@ pub struct Arguments {
     /// Average over this table's stops and bins
     #[arg(long, value_name = "TABLE.exr")]
     like: Option<PathBuf>,
+    /// The file's single azimuth of the light stands for all: the sample is isotropic
+    #[arg(long)]
+    isotropic: bool,
     /// MERL: values at the cells' centres
     #[arg(long)]
     merl_centre: bool,
@@ -75,7 +78,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
             arguments.from
         )));
     }
-    let options = Options { side: arguments.side, ..options_of(arguments.merl_centre, &[]) };
+    let (side, isotropic) = (arguments.side, arguments.isotropic);
+    let options = Options { side, isotropic, ..options_of(arguments.merl_centre, &[]) };
     let like = arguments.like.as_ref().map(|path| TableRows::open(path)).transpose()?;
     let grid = like.as_ref().map(TableRows::grid);
     if let Some((path, _)) =
@@ -113,8 +117,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 /// A campaign for each wanted texel, all checked before the first is written. Of a grid, texels that no campaign may
 /// have (background, mostly) are left out.
 fn campaigns(arguments: &Arguments) -> Result<u8> {
-    if arguments.like.is_some() || arguments.merl_centre || arguments.side.is_some() {
-        return Err(Error::Usage("--like, --merl-centre and --side say nothing of --from maps".into()));
+    let own = arguments.merl_centre || arguments.side.is_some() || arguments.isotropic;
+    if arguments.like.is_some() || own {
+        let why = "--like, --isotropic, --merl-centre and --side say nothing of --from maps";
+        return Err(Error::Usage(why.into()));
     }
     let maps = maps::load(&arguments.file)?;
     let texels = texels(arguments, &maps)?;

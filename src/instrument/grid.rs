@@ -129,6 +129,15 @@ impl Grid {
         azimuths.len()
     }
 
+    /// Whether every azimuth of the light is taken to be alike: the sensor's azimuths count from the light, which has one.
+    /// A single azimuth alone says nothing of the others.
+    pub fn is_isotropic(&self) -> bool {
+        match self.kind {
+            GridKind::HalfDifference => self.phi_h_deg.len() == 1,
+            _ => self.phi_r_relative && self.azimuths() == 1,
+        }
+    }
+
     /// Number of sensor bins.
     pub fn bins(&self) -> usize {
         let pairs = |a: usize, b: usize| a * b;

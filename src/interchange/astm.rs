@@ -5,7 +5,7 @@
 
 use std::io::{BufRead, ErrorKind, Write};
 
-use super::read_back::{ReadBack, middle_deg};
+use super::read_back::{ReadBack, middles_deg};
 use super::samples::{self, Sample};
 use super::{Fail, Reason};
 use crate::table::BrdfTable;
@@ -15,6 +15,8 @@ pub const CONVENTION: &str = "one line a pair of directions, angles in radians, 
     mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
 
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
+/// The heading line of a table whose azimuths of the light are all alike; other readers pass over keys that they don't know.
+const ISOTROPIC: &str = "ISOTROPIC";
 /// More lines than are worth reading as text.
 const MOST_LINES: usize = 1 << 26;
 
@@ -23,12 +25,14 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     let (stops, bins) = (table.grid.stops(), table.grid.bins());
     writeln!(out, "LAB_NAME gonio\nSYSTEM_NAME gonio {}\nMEAS_NAME BRDF", table.version)?;
     writeln!(out, "NUM_POINTS {}", stops * bins)?;
+    if table.grid.is_isotropic() {
+        writeln!(out, "{ISOTROPIC} yes")?;
+    }
     let channels = if table.colours.len() == 1 { "Y" } else { "R,G,B" };
     writeln!(out, "VARS {},{channels}", ANGLES.join(","))?;
     for stop in 0..stops {
         let (theta_i, phi_i) = table.grid.stop_deg(stop);
-        for (bin, region) in table.grid.regions(stop).iter().enumerate() {
-            let (theta_s, phi_s) = middle_deg(region);
+        for (bin, (theta_s, phi_s)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
             let angles = [theta_i, phi_i, theta_s, phi_s].map(|deg| format!("{:.12}", deg.to_radians()));
             let values = table.colours.iter().map(|colour| colour.total[stop * bins + bin].to_string());
             let line: Vec<String> = angles.into_iter().chain(values).collect();
@@ -38,20 +42,19 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     Ok(())
 }
 
-/// The table of points of a file. Negative angles get a turn, negative values become 0; every stop must have the same
-/// directions.
+/// The table of points of a file. A negative polar angle is the far side of its plane; negative values become 0.
 ///
 /// Held by: `astm_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let mut found = Vec::new();
-    let colours = each_sample(bytes, |sample| {
+    let (colours, isotropic) = each_sample(bytes, |sample| {
         if found.len() == MOST_LINES {
             return Err(format!("more than {MOST_LINES} lines"));
         }
         found.push(sample);
         Ok(())
     })?;
-    samples::table(&found, colours)
+    samples::table(&found, colours, isotropic)
 }
 
 /// Holds a file of the table's own bins, in their order, to the table, line by line.
@@ -60,16 +63,19 @@ pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBac
     samples::held_to(table, 1e-8, |each| each_sample(file, each).map(|_| ()))
 }
 
-/// Visits the samples of a file, and returns the number of colours.
-fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) -> Reason<usize> {
+/// Visits the samples of a file; returns the number of colours and whether the file says that it is isotropic.
+fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) -> Reason<(usize, bool)> {
     let unread = |e: std::io::Error| match e.kind() {
         ErrorKind::InvalidData => "not a text in UTF-8".to_string(),
         _ => e.to_string(),
     };
     let mut lines = file.lines().enumerate().map(|(k, line)| (k + 1, line.map_err(unread)));
+    let mut isotropic = false;
     let names = loop {
         let Some((_, line)) = lines.next() else { return Err("no VARS line: not an ASTM file".into()) };
-        if let Some(names) = line?.trim().strip_prefix("VARS ") {
+        let line = line?;
+        isotropic |= line.split_whitespace().eq([ISOTROPIC, "yes"]);
+        if let Some(names) = line.trim().strip_prefix("VARS ") {
             break names.split(',').map(|name| name.trim().to_string()).collect::<Vec<_>>();
         }
     };
@@ -93,12 +99,11 @@ fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) 
             return Err(format!("line {number}: {} finite numbers needed", names.len()));
         }
         for angle in &mut numbers[..4] {
-            let turned = if *angle < 0.0 { *angle + std::f64::consts::TAU } else { *angle };
             // Degrees to eight digits: what twelve digits of radians are worth.
-            *angle = (turned.to_degrees() * 1e8).round() / 1e8;
+            *angle = (angle.to_degrees() * 1e8).round() / 1e8;
         }
         numbers[4..].iter_mut().for_each(|value| *value = value.max(0.0));
-        visit(Sample::of(&numbers))?;
+        visit(Sample::of(number, &numbers))?;
     }
-    Ok(colours)
+    Ok((colours, isotropic))
 }

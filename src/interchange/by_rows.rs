@@ -94,10 +94,11 @@ fn write_csv(
         Fail::Refused(why) => io::Error::other(why),
     };
     let mut writer = ::csv::Writer::from_writer(out);
-    csv::write_heading(&first.colour_names(), &mut writer).map_err(plain)?;
+    let isotropic = rows.grid().is_isotropic();
+    csv::write_heading(&first.colour_names(), isotropic, &mut writer).map_err(plain)?;
     for band in bands {
         let band = take(rows, band).map_err(&mut *stop)?;
-        csv::write_lines(&band, &mut writer).map_err(plain)?;
+        csv::write_lines(&band, isotropic, &mut writer).map_err(plain)?;
     }
     writer.flush()
 }

@@ -51,6 +51,8 @@ pub struct Options {
     pub side: Option<Side>,
     /// Klems matrices that are written: the basis; the table's own, else the full one, if none is asked for.
     pub klems: Option<Basis>,
+    /// A file with a single azimuth of the light is isotropic: the user's word.
+    pub isotropic: bool,
 }
 
 impl Format {

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::format::{Format, Options};
 use super::half_difference::HalfDifference;
 use super::resample::default_grid;
+use super::samples::one_azimuth;
 use super::{
     Brdf, Lookup, Reason, astm, csv, exr_parts, klems, merl, npz, resample, rgl, ssdd, tensor_tree, utia,
     zemax,
@@ -85,6 +86,13 @@ pub fn import(
     }
     let bytes = files::read(path)?;
     let (imported, notes) = decode_with_notes(format, options, &bytes).map_err(wrong)?;
+    let imported = match imported {
+        Imported::Table(table) if options.isotropic => Imported::Table(one_azimuth(table).map_err(wrong)?),
+        Imported::Function(..) if options.isotropic => {
+            return Err(wrong("says itself whether it is isotropic: leave --isotropic out".into()));
+        }
+        imported => imported,
+    };
     let (table, how) = on_grid(imported, like).map_err(wrong)?;
     Ok((table, notes.into_iter().chain(how).collect()))
 }

@@ -82,7 +82,7 @@ pub fn grid(sampling: Sampling) -> Grid {
 
 /// Refuses anisotropic tables.
 pub fn check(grid: &Grid) -> Reason<()> {
-    if grid.phi_r_relative && grid.phi_i_deg.len() == 1 {
+    if grid.is_isotropic() {
         return Ok(());
     }
     Err("the table is anisotropic, and MERL files have no azimuth of the half vector; measure with azimuth = \

@@ -26,6 +26,7 @@ pub mod read_back;
 pub mod resample;
 pub mod rgl;
 pub mod samples;
+mod seam;
 pub mod ssdd;
 mod tensor_cells;
 pub mod tensor_file;

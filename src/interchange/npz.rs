@@ -11,7 +11,7 @@ use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::read_back::{Listing, ReadBack};
-use super::{Fail, Reason, spectral_table};
+use super::{Fail, Reason, seam, spectral_table};
 use crate::files::npy::{self, Array, Values};
 use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, ColourChannels, SchlickSums, check_grid};
@@ -207,7 +207,8 @@ impl<R: Read + Seek> Members<R> {
         grid.phi_r_relative = match self.array("phi_r_relative")?.map(|array| array.values) {
             Some(Values::U8(values)) => values.first() == Some(&1),
             Some(_) => return Err("array `phi_r_relative`: u1 or bool needed".into()),
-            None => grid.phi_i_deg.len() <= 1,
+            // An azimuth that is not there tells nothing apart; a single one is where the light stood.
+            None => grid.phi_i_deg.is_empty(),
         };
         if grid.phi_i_deg.is_empty() {
             grid.phi_i_deg = vec![0.0];
@@ -249,6 +250,8 @@ impl<R: Read + Seek> Members<R> {
 /// Held by: `npz_comes_back_bit_for_bit`, `damaged_archives_are_refused` (tests/interchange_arrays.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let mut members = Members::open(Cursor::new(bytes), bytes.len() as u64)?;
+    // A table of this program has its own geometry; other files may list one azimuth twice.
+    let own = !members.text("grid")?.is_empty();
     let grid = members.grid()?;
     check_grid(&grid)?;
     let colours = match members.need("brdf")?.shape.len() as isize - shape(&grid, 1).len() as isize {
@@ -293,13 +296,17 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     if !seed.is_empty() {
         table.seed = seed.parse().map_err(|_| format!("array `seed`: `{seed}` is no seed"))?;
     }
-    Ok(table)
+    if own { Ok(table) } else { seam::dropped(table) }
 }
 
 /// Holds the totals of an archive to the table that it was written from.
 pub fn read_back(file: impl Read + Seek, length: u64, table: &BrdfTable) -> Reason<Option<ReadBack>> {
     let (colours, bins) = (table.colours.len(), table.grid.bins());
-    let total = Members::open(file, length)?.channel("brdf", &shape(&table.grid, colours))?;
+    let mut members = Members::open(file, length)?;
+    if members.grid()? != table.grid {
+        return Err("the geometry is not the table's".into());
+    }
+    let total = members.channel("brdf", &shape(&table.grid, colours))?;
     let (total, mut listing) = (total.ok_or("no array `brdf`")?, Listing::new(table));
     for (k, &value) in total.iter().enumerate() {
         listing.add(k / colours / bins, k / colours % bins, k % colours, value);

@@ -6,7 +6,7 @@
 use std::fmt::Write;
 
 use super::Reason;
-use super::read_back::middle_deg;
+use super::read_back::middles_deg;
 use crate::table::BrdfTable;
 
 /// How the values are meant.
@@ -20,8 +20,7 @@ pub fn write(table: &BrdfTable, stop: usize) -> Reason<String> {
         "#sample_name \"gonio\"\n#format: theta phi BSDF\n#incident_angle {theta_i} {phi_i}\n#upphi 0\n#colorimetry: CIE-Y\n"
     );
     let bins = table.grid.bins();
-    for (bin, region) in table.grid.regions(stop).iter().enumerate() {
-        let (theta, phi) = middle_deg(region);
+    for (bin, (theta, phi)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
         let value = table.colours[0].total[stop * bins + bin];
         writeln!(text, "{theta} {phi} {value}").map_err(|e| e.to_string())?;
     }

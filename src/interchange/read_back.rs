@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::resample::mean;
 use super::{Brdf, Colour, Reason};
-use crate::instrument::Region;
+use crate::instrument::{Grid, GridKind, Region};
 use crate::sphere;
 use crate::table::BrdfTable;
 
@@ -59,7 +59,7 @@ pub fn read_back(table: &BrdfTable, brdf: &dyn Brdf) -> Option<ReadBack> {
         l1,
         worst: worst.worst,
         worst_stop_deg: table.grid.stop_deg(stop),
-        worst_bin_deg: middle_deg(&table.grid.regions(stop)[worst.worst_bin]),
+        worst_bin_deg: middles_deg(&table.grid, stop)[worst.worst_bin],
         bins: sums.iter().map(|s| s.bins).sum(),
     })
 }
@@ -167,7 +167,7 @@ impl Held {
         let (worst, stop, bin) = band.worst;
         if self.bins == 0 || worst > self.worst {
             self.worst = worst;
-            self.place = [grid.stop_deg(stop), middle_deg(&grid.regions(stop)[bin])];
+            self.place = [grid.stop_deg(stop), middles_deg(grid, stop)[bin]];
         }
         self.bins += bins;
         Ok(())
@@ -202,9 +202,40 @@ fn size_of(region: &Region) -> f64 {
     }
 }
 
+/// The middles of a stop's bins in degrees, azimuths absolute, to ten digits after the point. They are the grid's own
+/// angles, not those of its unit vectors: the azimuth of an arm at the pole is kept, and so is a negative one. A
+/// negative polar angle is the far side of its plane.
+///
+/// Held by: `an_arm_at_the_pole_keeps_its_azimuths` (tests/interchange_angles.rs).
+pub fn middles_deg(grid: &Grid, stop: usize) -> Vec<(f64, f64)> {
+    let turn = if grid.phi_r_relative { grid.stop_deg(stop).1 } else { 0.0 };
+    let listed = match grid.kind {
+        GridKind::Arm => {
+            grid.theta_r_deg.iter().flat_map(|&t| grid.phi_r_deg.iter().map(move |&p| [t, p])).collect()
+        }
+        GridKind::Points => grid.points_deg.clone(),
+        _ => return grid.regions(stop).iter().map(middle_deg).collect(),
+    };
+    let middle = |[theta, phi]: [f64; 2]| {
+        let [theta, phi] = upper([theta, phi + turn]);
+        (digits(theta), digits(phi))
+    };
+    listed.into_iter().map(middle).collect()
+}
+
+/// The same direction with a polar angle that is not negative and an azimuth in [-360, 360].
+pub fn upper([theta, phi]: [f64; 2]) -> [f64; 2] {
+    let phi = if theta < 0.0 { phi + 180.0 } else { phi };
+    [theta.abs(), if phi.abs() > 360.0 { sphere::reduced_deg(phi) } else { phi }]
+}
+
+/// To ten digits after the point.
+fn digits(angle: f64) -> f64 {
+    (angle * 1e10).round() / 1e10
+}
+
 /// The middle of a bin in degrees, to ten digits after the point.
-pub fn middle_deg(region: &Region) -> (f64, f64) {
-    let digits = |angle: f64| (angle * 1e10).round() / 1e10;
+fn middle_deg(region: &Region) -> (f64, f64) {
     match *region {
         Region::Rectangle { theta: [t1, t2], phi: [p1, p2] } => {
             (digits(0.5 * (t1 + t2).to_degrees()), digits(0.5 * (p1 + p2).to_degrees()))

@@ -2,12 +2,13 @@
 
 use std::collections::HashMap;
 
-use super::read_back::{Listing, ReadBack, middle_deg};
+use super::read_back::{Listing, ReadBack, middles_deg, upper};
 use super::{Colour, Reason, foreign_table};
 use crate::instrument::{Grid, GridKind};
+use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
 
-/// One value by colour for (theta_i, phi_i, theta_r, phi_r) in degrees.
+/// One value by colour for (theta_i, phi_i, theta_r, phi_r) in degrees, absolute azimuths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// The stop.
@@ -16,51 +17,133 @@ pub struct Sample {
     pub sensor: [f64; 2],
     /// The values, as many as there are colours.
     pub value: Colour,
+    /// Where it stands in the file.
+    pub line: usize,
 }
 
 impl Sample {
-    /// Four angles and one or three values.
-    pub fn of(numbers: &[f64]) -> Self {
+    /// Four angles and one or three values. A negative polar angle is the far side of its plane, phi + 180.
+    pub fn of(line: usize, numbers: &[f64]) -> Self {
         let mut value = [0.0; 3];
         value.iter_mut().zip(&numbers[4..]).for_each(|(v, n)| *v = *n);
-        Sample { light: [numbers[0], numbers[1]], sensor: [numbers[2], numbers[3]], value }
+        Sample {
+            light: upper([numbers[0], numbers[1]]),
+            sensor: upper([numbers[2], numbers[3]]),
+            value,
+            line,
+        }
+    }
+
+    /// The sensor's azimuth counted from the light, to ten digits.
+    fn from_light(mut self) -> Self {
+        self.sensor[1] = ((self.sensor[1] - self.light[1]) * 1e10).round() / 1e10;
+        self
     }
 }
 
-/// The table of points. Stops come in the order of their first sample; all must see the same directions, in any
-/// order, each once.
-pub fn table(samples: &[Sample], colours: usize) -> Reason<BrdfTable> {
-    let key = |pair: [f64; 2]| pair.map(|angle| (angle + 0.0).to_bits());
-    let (mut stops, mut stop_of) = (Vec::new(), HashMap::new());
-    let (mut points, mut point_of) = (Vec::new(), HashMap::new());
-    for sample in samples {
-        stop_of.entry(key(sample.light)).or_insert_with(|| (stops.push(sample.light), stops.len() - 1).1);
-        point_of
-            .entry(key(sample.sensor))
-            .or_insert_with(|| (points.push(sample.sensor), points.len() - 1).1);
-    }
-    let (stop_count, bins) = (stops.len(), points.len());
+/// The table of points. Stops come in the order of their first sample, and so do directions; all stops must see the
+/// same ones, in any order. A pair that is there twice, as a seam at 0 and 360 degrees, must agree. Where only azimuths
+/// from the light are the same at all stops, the table has those.
+///
+/// Held by: tests/interchange_angles.rs.
+pub fn table(samples: &[Sample], colours: usize, isotropic: bool) -> Reason<BrdfTable> {
     if samples.is_empty() {
         return Err("no samples".into());
     }
-    if stop_count.checked_mul(bins) != Some(samples.len()) {
-        return Err(format!(
-            "{} samples do not make {stop_count} stops of {bins} directions each: every stop needs the same ones, once",
+    let from_light = || samples.iter().copied().map(Sample::from_light).collect::<Vec<_>>();
+    if isotropic {
+        return one_azimuth(product(&from_light(), colours, true)?);
+    }
+    let absolute = product(samples, colours, false);
+    // The first reason is about what the file says.
+    absolute.or_else(|why| product(&from_light(), colours, true).map_err(|_| why))
+}
+
+fn product(samples: &[Sample], colours: usize, phi_r_relative: bool) -> Reason<BrdfTable> {
+    let (mut stops, mut points) = (Directions::default(), Directions::default());
+    let places: Vec<(usize, usize)> =
+        samples.iter().map(|sample| (stops.place(sample.light), points.place(sample.sensor))).collect();
+    let (stop_count, bins) = (stops.list.len(), points.list.len());
+    let wrong = || {
+        format!(
+            "{} samples do not make {stop_count} stops of {bins} directions each: every stop needs the same ones",
             samples.len()
-        ));
-    }
-    let mut total = vec![vec![f32::NAN; samples.len()]; colours];
-    for sample in samples {
-        let at = stop_of[&key(sample.light)] * bins + point_of[&key(sample.sensor)];
-        if !total[0][at].is_nan() {
-            return Err(format!("the pair {:?}, {:?} is there twice", sample.light, sample.sensor));
+        )
+    };
+    let pixels = stop_count.checked_mul(bins).filter(|&pixels| pixels <= samples.len()).ok_or_else(wrong)?;
+    let mut first: Vec<Option<&Sample>> = vec![None; pixels];
+    for (sample, (stop, bin)) in samples.iter().zip(places) {
+        match &mut first[stop * bins + bin] {
+            Some(earlier) => agree(earlier, sample, colours)?,
+            empty => *empty = Some(sample),
         }
-        total.iter_mut().zip(sample.value).for_each(|(values, value)| values[at] = value as f32);
     }
-    let grid = Grid { kind: GridKind::Points, stops_deg: stops, points_deg: points, ..Grid::default() };
+    let all: Vec<&Sample> = first.into_iter().collect::<Option<_>>().ok_or_else(wrong)?;
+    let total = (0..colours).map(|c| all.iter().map(|sample| sample.value[c] as f32).collect()).collect();
+    let (stops_deg, points_deg) = (stops.list, points.list);
+    let grid = Grid { kind: GridKind::Points, stops_deg, points_deg, phi_r_relative, ..Grid::default() };
     let grid = with_axes(grid);
     check_grid(&grid)?;
     foreign_table(grid, total)
+}
+
+/// Directions by the order in which they come.
+#[derive(Default)]
+struct Directions {
+    list: Vec<[f64; 2]>,
+    places: HashMap<[i64; 2], usize>,
+}
+
+impl Directions {
+    fn place(&mut self, direction: [f64; 2]) -> usize {
+        *self
+            .places
+            .entry(key(direction))
+            .or_insert_with(|| (self.list.push(direction), self.list.len() - 1).1)
+    }
+}
+
+/// A direction to 1e-8 degrees, what twelve digits of radians are worth; azimuths a turn apart are one, those at the
+/// pole are told apart, as an arm's are.
+pub fn key([theta, phi]: [f64; 2]) -> [i64; 2] {
+    let whole = |angle: f64| (angle * 1e8).round() as i64;
+    [whole(theta), whole(sphere::reduced_deg(phi)) % whole(360.0)]
+}
+
+/// Whether two values are one: as far apart as f32 and its decimals may be.
+pub fn alike(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 4.0 * f64::from(f32::EPSILON) * a.abs().max(b.abs())
+}
+
+fn agree(a: &Sample, b: &Sample, colours: usize) -> Reason<()> {
+    match (0..colours).find(|&c| !alike(a.value[c], b.value[c])) {
+        Some(c) => Err(format!(
+            "lines {} and {}: the same light {:?} and sensor {:?} (degrees) with {} and {}",
+            a.line, b.line, b.light, b.sensor, a.value[c], b.value[c]
+        )),
+        None => Ok(()),
+    }
+}
+
+/// The table with its single azimuth of the light standing for all.
+///
+/// Held by: `the_users_word_makes_a_single_azimuth_isotropic` (tests/interchange_angles.rs).
+pub fn one_azimuth(mut table: BrdfTable) -> Reason<BrdfTable> {
+    let grid = &mut table.grid;
+    if grid.is_isotropic() {
+        return Ok(table);
+    }
+    if grid.kind == GridKind::HalfDifference || grid.azimuths() > 1 {
+        return Err("isotropic: the file has several azimuths of the light, one needed".into());
+    }
+    let turn = grid.stop_deg(0).1;
+    let back = |phi: &mut f64| *phi = ((*phi - turn) * 1e10).round() / 1e10;
+    grid.phi_r_edges_deg.iter_mut().chain(&mut grid.phi_r_deg).for_each(back);
+    grid.patches_deg.iter_mut().flat_map(|patch| &mut patch[2..]).for_each(back);
+    grid.points_deg.iter_mut().map(|point| &mut point[1]).for_each(back);
+    grid.phi_r_relative = true;
+    check_grid(grid)?;
+    Ok(table)
 }
 
 /// Holds samples of the table's own bins, in their order, to the table; their angles may be off by `digits` degrees.
@@ -79,16 +162,16 @@ pub fn listed<'a>(
     visit: impl FnOnce(&mut dyn FnMut(Sample) -> Reason<()>) -> Reason<()>,
 ) -> Reason<Listing<'a>> {
     let (grid, bins) = (&table.grid, table.grid.bins());
-    let (mut listing, mut count, mut regions) = (Listing::new(table), 0, Vec::new());
+    let (mut listing, mut count, mut middles) = (Listing::new(table), 0, Vec::new());
     let mut each = |sample: Sample| {
         let (stop, bin) = (count / bins, count % bins);
         if stop >= grid.stops() {
             return Err("more samples than bins".into());
         }
         if bin == 0 {
-            regions = grid.regions(stop);
+            middles = middles_deg(grid, stop);
         }
-        let (light, sensor) = (grid.stop_deg(stop), middle_deg(&regions[bin]));
+        let (light, sensor) = (grid.stop_deg(stop), middles[bin]);
         let wanted = [light.0, light.1, sensor.0, sensor.1];
         let found = [sample.light, sample.sensor].concat();
         let off = found.iter().zip(wanted).any(|(found, wanted)| {
@@ -110,7 +193,7 @@ pub fn listed<'a>(
 }
 
 /// The stops as axes where they are a product.
-fn with_axes(grid: Grid) -> Grid {
+pub(super) fn with_axes(grid: Grid) -> Grid {
     match super::lookup::stop_axes(&grid) {
         Ok((theta_i_deg, phi_i_deg)) => Grid { theta_i_deg, phi_i_deg, stops_deg: vec![], ..grid },
         Err(_) => grid,

@@ -7,18 +7,20 @@ use std::io::{BufRead, ErrorKind, Write};
 
 use super::lookup::{bin_axes, stop_axes};
 use super::read_back::{Listing, ReadBack};
-use super::{Fail, Reason, foreign_table};
+use super::{Fail, Reason, foreign_table, seam};
 use crate::instrument::{Grid, GridKind};
+use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
 
 /// How the values are meant.
 pub const CONVENTION: &str = "spherical coordinates in degrees (theta_i, phi_i, theta_o, phi_o), phi_o = phi_i + 180 is the \
     mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
 
-/// Writes the totals of a table whose stops and bins are products of angles.
+/// Writes the totals of a table whose stops and bins are products of angles. Azimuths are put into [0, 360) in increasing
+/// order, as the format wants them; of an isotropic table the light has none.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     let grid = &table.grid;
-    if grid.phi_r_relative && grid.phi_i_deg.len() > 1 {
+    if grid.phi_r_relative && !grid.is_isotropic() {
         return Err("phi_r counts from the light at several azimuths; SSDD has absolute ones"
             .to_string()
             .into());
@@ -27,21 +29,27 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     if theta_r.iter().any(|&theta| theta < 0.0) {
         return Err("an arm with negative polar angles has no list of spherical angles".to_string().into());
     }
+    let lists = [
+        increasing(&theta_i, false),
+        increasing(&phi_i, true),
+        increasing(&theta_r, false),
+        increasing(&phi_r, true),
+    ];
     let model = if table.colours.len() == 1 { "monochrome" } else { "rgb" };
     writeln!(
         out,
         "VERSION 0.2\nDATA_TYPE brdf\nCOLOR_MODEL {model}\nPARAM_TYPE spherical_coordinate_system"
     )?;
-    for (k, list) in [&theta_i, &phi_i, &theta_r, &phi_r].into_iter().enumerate() {
-        let list: Vec<String> = list.iter().map(f64::to_string).collect();
+    for (k, list) in lists.iter().enumerate().filter(|(k, _)| *k != 1 || !grid.is_isotropic()) {
+        let list: Vec<String> = list.iter().map(|(angle, _)| angle.to_string()).collect();
         writeln!(out, "PARAM{k}_LIST {}", list.join(" "))?;
     }
     writeln!(out, "SOURCE_TYPE generated\nDATA ascii")?;
-    let bins = theta_r.len() * phi_r.len();
-    for pr in 0..phi_r.len() {
-        for tr in 0..theta_r.len() {
-            for pi in 0..phi_i.len() {
-                for ti in 0..theta_i.len() {
+    let (bins, [theta_i, phi_i, theta_r, phi_r]) = (theta_r.len() * phi_r.len(), &lists);
+    for (_, pr) in phi_r {
+        for (_, tr) in theta_r {
+            for (_, pi) in phi_i {
+                for (_, ti) in theta_i {
                     let at = (ti * phi_i.len() + pi) * bins + tr * phi_r.len() + pr;
                     let values: Vec<String> = table.colours.iter().map(|c| c.total[at].to_string()).collect();
                     writeln!(out, "{}", values.join(" "))?;
@@ -52,9 +60,18 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     Ok(())
 }
 
-/// The table of points of an ASCII file in spherical coordinates; negative values become 0.
+/// Angles in increasing order, azimuths in [0, 360), each with its place in the table.
+fn increasing(angles: &[f64], azimuths: bool) -> Vec<(f64, usize)> {
+    let written = |&angle: &f64| if azimuths { sphere::reduced_deg(angle) } else { angle };
+    let mut list: Vec<(f64, usize)> = angles.iter().map(written).zip(0..).collect();
+    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+    list
+}
+
+/// The table of points of an ASCII file in spherical coordinates; negative values become 0. Without `PARAM1_LIST` it is
+/// isotropic. Azimuths a turn apart are one where their values agree.
 ///
-/// Held by: `ssdd_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs).
+/// Held by: `ssdd_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs), tests/interchange_angles.rs.
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let mut lines = Lines::of(bytes);
     let (grid, colours) = heading(&mut lines)?;
@@ -66,10 +83,10 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     each_value(&mut lines, &grid, colours, |stop, bin, colour, value| {
         total[colour][stop * bins + bin] = value;
     })?;
-    foreign_table(grid, total)
+    seam::dropped(foreign_table(grid, total)?)
 }
 
-/// Holds a file of the table's own angles to the table, line by line.
+/// Holds a file of the table's own angles to the table, line by line, each value at its angles.
 pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
     let mut lines = Lines::of(file);
     let (grid, colours) = heading(&mut lines)?;
@@ -77,12 +94,15 @@ pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBac
     if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {
         return Err(format!("{} stops of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
     }
+    let (stops, bins) = seam::places(&grid, &table.grid)?;
     let mut listing = Listing::new(table);
-    each_value(&mut lines, &grid, colours, |stop, bin, colour, value| listing.add(stop, bin, colour, value))?;
+    each_value(&mut lines, &grid, colours, |stop, bin, colour, value| {
+        listing.add(stops[stop], bins[bin], colour, value)
+    })?;
     listing.finish()
 }
 
-/// The lines of a file that are not empty, without the space round them, and their numbers.
+/// The lines of a file that are not empty, without comments and the space round them, and their numbers.
 struct Lines<R> {
     lines: std::io::Lines<R>,
     number: usize,
@@ -100,12 +120,22 @@ impl<R: BufRead> Lines<R> {
                 ErrorKind::InvalidData => "not a text in UTF-8: only `DATA ascii` is read".to_string(),
                 _ => e.to_string(),
             })?;
-            if !line.trim().is_empty() {
-                return Ok(Some((self.number, line.trim().to_string())));
+            let line = without_comment(&line).trim();
+            if !line.is_empty() {
+                return Ok(Some((self.number, line.to_string())));
             }
         }
         Ok(None)
     }
+}
+
+/// What stands before `#` and a space, or before a `#` that begins or ends the line.
+fn without_comment(line: &str) -> &str {
+    let begins = |&(at, _): &(usize, &str)| {
+        let rest = &line[at + 1..];
+        line[..at].trim().is_empty() || rest.is_empty() || rest.starts_with(char::is_whitespace)
+    };
+    line.match_indices('#').find(begins).map_or(line, |(at, _)| &line[..at])
 }
 
 /// The geometry, and the number of colours.
@@ -138,12 +168,13 @@ fn heading(lines: &mut Lines<impl BufRead>) -> Reason<(Grid, usize)> {
             }
         }
     }
-    if lists[1].is_empty() {
+    // Azimuths of the light are needed of anisotropic data: without them there is one kind of azimuth, from the light.
+    let phi_r_relative = lists[1].is_empty();
+    if phi_r_relative {
         lists[1] = vec![0.0];
     }
     let [theta_i_deg, phi_i_deg, theta_r, phi_r] = lists;
     let points_deg = theta_r.iter().flat_map(|&t| phi_r.iter().map(move |&p| [t, p])).collect();
-    let phi_r_relative = phi_i_deg.len() == 1;
     let kind = GridKind::Points;
     Ok((Grid { kind, theta_i_deg, phi_i_deg, phi_r_relative, points_deg, ..Grid::default() }, colours))
 }
