@@ -5,8 +5,10 @@
 
 use std::io::{BufRead, ErrorKind, Write};
 
+use super::named_columns::Columns;
 use super::read_back::{ReadBack, middles_deg};
 use super::samples::{self, Sample};
+use super::text_decoding::decode_text_or_latin1;
 use super::{Fail, Reason};
 use crate::table::BrdfTable;
 
@@ -42,19 +44,21 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     Ok(())
 }
 
-/// The table of points of a file. A negative polar angle is the far side of its plane; negative values become 0.
+/// The table of points of a file. What a channel holds follows from its name; a negative polar angle is the far side of its
+/// plane; negative values become 0.
 ///
 /// Held by: `astm_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    let text = decode_text_or_latin1(bytes)?;
     let mut found = Vec::new();
-    let (colours, isotropic) = each_sample(bytes, |sample| {
+    let (columns, isotropic) = each_sample(text.as_bytes(), |sample| {
         if found.len() == MOST_LINES {
             return Err(format!("more than {MOST_LINES} lines"));
         }
         found.push(sample);
         Ok(())
     })?;
-    samples::table(&found, colours, isotropic)
+    samples::table(&found, &columns, isotropic)
 }
 
 /// Holds a file of the table's own bins, in their order, to the table, line by line.
@@ -63,8 +67,8 @@ pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBac
     samples::held_to(table, 1e-8, |each| each_sample(file, each).map(|_| ()))
 }
 
-/// Visits the samples of a file; returns the number of colours and whether the file says that it is isotropic.
-fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) -> Reason<(usize, bool)> {
+/// Visits the samples of a file; returns what its channels are and whether the file says that it is isotropic.
+fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) -> Reason<(Columns, bool)> {
     let unread = |e: std::io::Error| match e.kind() {
         ErrorKind::InvalidData => "not a text in UTF-8".to_string(),
         _ => e.to_string(),
@@ -76,34 +80,45 @@ fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) 
         let line = line?;
         isotropic |= line.split_whitespace().eq([ISOTROPIC, "yes"]);
         if let Some(names) = line.trim().strip_prefix("VARS ") {
-            break names.split(',').map(|name| name.trim().to_string()).collect::<Vec<_>>();
+            break cells(names).map(str::to_string).collect::<Vec<_>>();
         }
     };
-    let colours = names.len().saturating_sub(4);
-    if names.iter().take(4).ne(&ANGLES) || !matches!(colours, 1 | 3) {
-        return Err("VARS theta_i,phi_i,theta_s,phi_s and one or three channels needed".into());
+    if names.iter().take(ANGLES.len()).ne(&ANGLES) {
+        return Err("VARS theta_i,phi_i,theta_s,phi_s and channels needed".into());
     }
+    let channels: Vec<&str> = names[ANGLES.len()..].iter().map(String::as_str).collect();
+    let columns = Columns::of(&channels, ANGLES.len()).map_err(|why| format!("VARS: {why}"))?;
     for (number, line) in lines {
         let line = line?;
         let line = line.trim();
-        if line.is_empty() {
+        if line.is_empty() || line.starts_with('#') {
             continue;
         }
         let mut numbers = Vec::with_capacity(names.len());
-        for cell in line.split(',') {
-            let value: f64 =
-                cell.trim().parse().map_err(|_| format!("line {number}: not {} numbers", names.len()))?;
+        for cell in cells(line) {
+            let value: f64 = cell.parse().map_err(|_| format!("line {number}: `{cell}` is no number"))?;
             numbers.push(value);
         }
         if numbers.len() != names.len() || numbers.iter().any(|value| !value.is_finite()) {
-            return Err(format!("line {number}: {} finite numbers needed", names.len()));
+            return Err(format!(
+                "line {number}: {} finite numbers needed, one for each name of VARS",
+                names.len()
+            ));
         }
         for angle in &mut numbers[..4] {
             // Degrees to eight digits: what twelve digits of radians are worth.
             *angle = (angle.to_degrees() * 1e8).round() / 1e8;
         }
-        numbers[4..].iter_mut().for_each(|value| *value = value.max(0.0));
-        visit(Sample::of(number, &numbers))?;
+        let mut sample = Sample::of(number, &numbers, &columns);
+        sample.values.iter_mut().for_each(|value| *value = value.max(0.0));
+        visit(sample)?;
     }
-    Ok((colours, isotropic))
+    Ok((columns, isotropic))
+}
+
+/// The cells of a line: between commas or, where it has none, between blanks.
+fn cells(line: &str) -> impl Iterator<Item = &str> {
+    let commas = line.contains(',');
+    let mark = move |c: char| if commas { c == ',' } else { c.is_whitespace() };
+    line.split(mark).map(str::trim).filter(move |cell| commas || !cell.is_empty())
 }

@@ -18,6 +18,7 @@ pub mod klems;
 pub mod lookup;
 pub mod maps;
 pub mod merl;
+pub mod named_columns;
 pub mod npy;
 pub mod npz;
 pub mod pabopto;

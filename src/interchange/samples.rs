@@ -2,34 +2,43 @@
 
 use std::collections::HashMap;
 
+use super::named_columns::{Columns, Values};
 use super::read_back::{Listing, ReadBack, middles_deg, upper};
-use super::{Colour, Reason, foreign_table};
+use super::{Reason, spectral_table};
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
 
-/// One value by colour for (theta_i, phi_i, theta_r, phi_r) in degrees, absolute azimuths.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A standard error that is not available.
+const UNKNOWN: f32 = -1.0;
+
+/// The values for (theta_i, phi_i, theta_r, phi_r) in degrees, absolute azimuths.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
     /// The stop.
     pub light: [f64; 2],
     /// The sensor.
     pub sensor: [f64; 2],
-    /// The values, as many as there are colours.
-    pub value: Colour,
+    /// A value for each colour.
+    pub values: Values,
+    /// Their standard errors; empty where they are unknown.
+    pub errors: Values,
+    /// Arrivals, where they are counted.
+    pub hits: Option<u32>,
     /// Where it stands in the file.
     pub line: usize,
 }
 
 impl Sample {
-    /// Four angles and one or three values. A negative polar angle is the far side of its plane, phi + 180.
-    pub fn of(line: usize, numbers: &[f64]) -> Self {
-        let mut value = [0.0; 3];
-        value.iter_mut().zip(&numbers[4..]).for_each(|(v, n)| *v = *n);
+    /// Four angles, and what the columns say of the numbers. A negative polar angle is the far side of its plane,
+    /// phi + 180.
+    pub fn of(line: usize, numbers: &[f64], columns: &Columns) -> Self {
         Sample {
             light: upper([numbers[0], numbers[1]]),
             sensor: upper([numbers[2], numbers[3]]),
-            value,
+            values: columns.values(numbers),
+            errors: columns.errors(numbers),
+            hits: columns.hits(numbers),
             line,
         }
     }
@@ -46,20 +55,20 @@ impl Sample {
 /// from the light are the same at all stops, the table has those.
 ///
 /// Held by: tests/interchange_angles.rs.
-pub fn table(samples: &[Sample], colours: usize, isotropic: bool) -> Reason<BrdfTable> {
+pub fn table(samples: &[Sample], columns: &Columns, isotropic: bool) -> Reason<BrdfTable> {
     if samples.is_empty() {
         return Err("no samples".into());
     }
-    let from_light = || samples.iter().copied().map(Sample::from_light).collect::<Vec<_>>();
+    let from_light = || samples.iter().cloned().map(Sample::from_light).collect::<Vec<_>>();
     if isotropic {
-        return one_azimuth(product(&from_light(), colours, true)?);
+        return one_azimuth(product(&from_light(), columns, true)?);
     }
-    let absolute = product(samples, colours, false);
+    let absolute = product(samples, columns, false);
     // The first reason is about what the file says.
-    absolute.or_else(|why| product(&from_light(), colours, true).map_err(|_| why))
+    absolute.or_else(|why| product(&from_light(), columns, true).map_err(|_| why))
 }
 
-fn product(samples: &[Sample], colours: usize, phi_r_relative: bool) -> Reason<BrdfTable> {
+fn product(samples: &[Sample], columns: &Columns, phi_r_relative: bool) -> Reason<BrdfTable> {
     let (mut stops, mut points) = (Directions::default(), Directions::default());
     let places: Vec<(usize, usize)> =
         samples.iter().map(|sample| (stops.place(sample.light), points.place(sample.sensor))).collect();
@@ -74,17 +83,24 @@ fn product(samples: &[Sample], colours: usize, phi_r_relative: bool) -> Reason<B
     let mut first: Vec<Option<&Sample>> = vec![None; pixels];
     for (sample, (stop, bin)) in samples.iter().zip(places) {
         match &mut first[stop * bins + bin] {
-            Some(earlier) => agree(earlier, sample, colours)?,
+            Some(earlier) => agree(earlier, sample)?,
             empty => *empty = Some(sample),
         }
     }
     let all: Vec<&Sample> = first.into_iter().collect::<Option<_>>().ok_or_else(wrong)?;
-    let total = (0..colours).map(|c| all.iter().map(|sample| sample.value[c] as f32).collect()).collect();
+    let total = (0..columns.colours()).map(|c| all.iter().map(|sample| sample.values[c]).collect()).collect();
     let (stops_deg, points_deg) = (stops.list, points.list);
     let grid = Grid { kind: GridKind::Points, stops_deg, points_deg, phi_r_relative, ..Grid::default() };
     let grid = with_axes(grid);
     check_grid(&grid)?;
-    foreign_table(grid, total)
+    let mut table = spectral_table(grid, total, &columns.wavelengths_nm)?;
+    for (c, colour) in table.colours.iter_mut().enumerate() {
+        colour.stderr = all.iter().map(|sample| sample.errors.get(c).copied().unwrap_or(UNKNOWN)).collect();
+        colour.stderr_single = colour.stderr.clone();
+    }
+    // Every value counts as an arrival where none are counted.
+    table.hits = all.iter().map(|sample| sample.hits.unwrap_or(1)).collect();
+    Ok(table)
 }
 
 /// Directions by the order in which they come.
@@ -115,11 +131,11 @@ pub fn alike(a: f64, b: f64) -> bool {
     (a - b).abs() <= 4.0 * f64::from(f32::EPSILON) * a.abs().max(b.abs())
 }
 
-fn agree(a: &Sample, b: &Sample, colours: usize) -> Reason<()> {
-    match (0..colours).find(|&c| !alike(a.value[c], b.value[c])) {
+fn agree(a: &Sample, b: &Sample) -> Reason<()> {
+    match (0..a.values.len()).find(|&c| !alike(f64::from(a.values[c]), f64::from(b.values[c]))) {
         Some(c) => Err(format!(
             "lines {} and {}: the same light {:?} and sensor {:?} (degrees) with {} and {}",
-            a.line, b.line, b.light, b.sensor, a.value[c], b.value[c]
+            a.line, b.line, b.light, b.sensor, a.values[c], b.values[c]
         )),
         None => Ok(()),
     }
@@ -183,7 +199,7 @@ pub fn listed<'a>(
             return Err(format!("sample {count} is at {found:?} degrees, the bin at {wanted:?}"));
         }
         for colour in 0..table.colours.len() {
-            listing.add(stop, bin, colour, sample.value[colour] as f32);
+            listing.add(stop, bin, colour, sample.values[colour]);
         }
         count += 1;
         Ok(())

@@ -6,8 +6,9 @@
 use std::io::{BufRead, ErrorKind, Write};
 
 use super::lookup::{bin_axes, stop_axes};
+use super::named_columns::Columns;
 use super::read_back::{Listing, ReadBack};
-use super::{Fail, Reason, foreign_table, seam};
+use super::{Fail, Reason, seam, spectral_table};
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
@@ -74,30 +75,32 @@ fn increasing(angles: &[f64], azimuths: bool) -> Vec<(f64, usize)> {
 /// Held by: `ssdd_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs), tests/interchange_angles.rs.
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let mut lines = Lines::of(bytes);
-    let (grid, colours) = heading(&mut lines)?;
+    let (grid, columns) = heading(&mut lines)?;
+    let colours = columns.colours();
     let (stops, bins) = check_grid(&grid)?;
     let pixels = stops.checked_mul(bins).filter(|&pixels| pixels <= bytes.len());
     let pixels =
         pixels.ok_or_else(|| format!("{stops} stops of {bins} directions: more than the file holds"))?;
     let mut total = vec![vec![0.0f32; pixels]; colours];
-    each_value(&mut lines, &grid, colours, |stop, bin, colour, value| {
-        total[colour][stop * bins + bin] = value;
+    each_line(&mut lines, &grid, &columns, |stop, bin, values| {
+        total.iter_mut().zip(values).for_each(|(total, &value)| total[stop * bins + bin] = value);
     })?;
-    seam::dropped(foreign_table(grid, total)?)
+    seam::dropped(spectral_table(grid, total, &columns.wavelengths_nm)?)
 }
 
 /// Holds a file of the table's own angles to the table, line by line, each value at its angles.
 pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
     let mut lines = Lines::of(file);
-    let (grid, colours) = heading(&mut lines)?;
+    let (grid, columns) = heading(&mut lines)?;
+    let colours = columns.colours();
     let sizes = (grid.stops(), grid.bins(), colours);
     if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {
         return Err(format!("{} stops of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
     }
     let (stops, bins) = seam::places(&grid, &table.grid)?;
     let mut listing = Listing::new(table);
-    each_value(&mut lines, &grid, colours, |stop, bin, colour, value| {
-        listing.add(stops[stop], bins[bin], colour, value)
+    each_line(&mut lines, &grid, &columns, |stop, bin, values| {
+        values.iter().enumerate().for_each(|(c, &value)| listing.add(stops[stop], bins[bin], c, value));
     })?;
     listing.finish()
 }
@@ -138,13 +141,13 @@ fn without_comment(line: &str) -> &str {
     line.match_indices('#').find(begins).map_or(line, |(at, _)| &line[..at])
 }
 
-/// The geometry, and the number of colours.
-fn heading(lines: &mut Lines<impl BufRead>) -> Reason<(Grid, usize)> {
+/// The geometry, and what a line of values holds.
+fn heading(lines: &mut Lines<impl BufRead>) -> Reason<(Grid, Columns)> {
     if lines.next()?.is_none_or(|(_, line)| !line.starts_with("VERSION ")) {
         return Err("no VERSION line: not an SSDD file".into());
     }
     let mut lists: [Vec<f64>; 4] = Default::default();
-    let mut colours = 0;
+    let (mut model, mut wavelengths) = (String::new(), Vec::new());
     loop {
         let Some((number, line)) = lines.next()? else { return Err("no DATA line".into()) };
         let (key, value) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
@@ -156,9 +159,8 @@ fn heading(lines: &mut Lines<impl BufRead>) -> Reason<(Grid, usize)> {
             "DATA_TYPE" => needs("brdf")?,
             "PARAM_TYPE" => needs("spherical_coordinate_system")?,
             "REDUCTION_TYPE" => return Err(format!("line {number}: reduced tables are not read")),
-            "COLOR_MODEL" if value == "monochrome" => colours = 1,
-            "COLOR_MODEL" if value == "rgb" => colours = 3,
-            "COLOR_MODEL" => return Err(format!("line {number}: COLOR_MODEL monochrome or rgb needed")),
+            "COLOR_MODEL" => model = value.to_string(),
+            "WAVELENGTH_LIST" => wavelengths = value.split_whitespace().map(|nm| format!("{nm}nm")).collect(),
             _ => {
                 let list = key.strip_prefix("PARAM").and_then(|rest| rest.strip_suffix("_LIST"));
                 if let Some(k) = list.and_then(|k| k.parse::<usize>().ok()).filter(|&k| k < 4) {
@@ -168,6 +170,14 @@ fn heading(lines: &mut Lines<impl BufRead>) -> Reason<(Grid, usize)> {
             }
         }
     }
+    let names: Vec<&str> = match model.as_str() {
+        "monochrome" => vec!["value"],
+        "rgb" => vec!["R", "G", "B"],
+        "xyz" => vec!["X", "Y", "Z"],
+        "spectrum" => wavelengths.iter().map(String::as_str).collect(),
+        _ => return Err(format!("COLOR_MODEL {model}: monochrome, rgb, xyz or spectrum needed")),
+    };
+    let columns = Columns::of(&names, 0).map_err(|why| format!("COLOR_MODEL {model}: {why}"))?;
     // Azimuths of the light are needed of anisotropic data: without them there is one kind of azimuth, from the light.
     let phi_r_relative = lists[1].is_empty();
     if phi_r_relative {
@@ -176,15 +186,15 @@ fn heading(lines: &mut Lines<impl BufRead>) -> Reason<(Grid, usize)> {
     let [theta_i_deg, phi_i_deg, theta_r, phi_r] = lists;
     let points_deg = theta_r.iter().flat_map(|&t| phi_r.iter().map(move |&p| [t, p])).collect();
     let kind = GridKind::Points;
-    Ok((Grid { kind, theta_i_deg, phi_i_deg, phi_r_relative, points_deg, ..Grid::default() }, colours))
+    Ok((Grid { kind, theta_i_deg, phi_i_deg, phi_r_relative, points_deg, ..Grid::default() }, columns))
 }
 
-/// Visits the values: stop, bin, colour.
-fn each_value(
+/// Visits the lines of values: stop, bin, and a value for each colour; negative ones become 0.
+fn each_line(
     lines: &mut Lines<impl BufRead>,
     grid: &Grid,
-    colours: usize,
-    mut visit: impl FnMut(usize, usize, usize, f32),
+    colours: &Columns,
+    mut visit: impl FnMut(usize, usize, &[f32]),
 ) -> Reason<()> {
     let (thetas, phis, bins) = (grid.theta_i_deg.len(), grid.phi_i_deg.len(), grid.bins());
     let columns = grid.points_deg.iter().take_while(|point| point[0] == grid.points_deg[0][0]).count();
@@ -193,18 +203,13 @@ fn each_value(
     while let Some((number, line)) = lines.next()? {
         let (ti, pi, rest) = (count % thetas, count / thetas % phis, count / (thetas * phis));
         let (tr, pr) = (rest % rows, rest / rows);
-        let mut found = 0;
-        for cell in line.split_whitespace() {
-            let value: f32 = cell.parse().map_err(|_| format!("line {number}: no number"))?;
-            if found == colours || count == pixels {
-                return Err(format!("line {number}: {pixels} lines of {colours} values needed"));
-            }
-            visit(ti * phis + pi, tr * columns + pr, found, if value < 0.0 { 0.0 } else { value });
-            found += 1;
+        let cell = |cell: &str| cell.parse().map_err(|_| format!("line {number}: `{cell}` is no number"));
+        let numbers = line.split_whitespace().map(cell).collect::<Reason<Vec<f64>>>()?;
+        if numbers.len() != colours.colours() || count == pixels {
+            return Err(format!("line {number}: {pixels} lines of {} values needed", colours.colours()));
         }
-        if found != colours {
-            return Err(format!("line {number}: {pixels} lines of {colours} values needed"));
-        }
+        let values: Vec<f32> = colours.values(&numbers).iter().map(|&value| value.max(0.0)).collect();
+        visit(ti * phis + pi, tr * columns + pr, &values);
         count += 1;
     }
     if count != pixels {
