@@ -8,13 +8,18 @@ uniform sampler2DArray measured, model;
 uniform int angles, azimuths; uniform bool relative, mirrored, sky, split, two;
 uniform float theta[64], phi[64];
 uniform vec3 right, up, towards, lamp;
-uniform vec2 view, alpha, size; uniform float exposure, turn;
+uniform vec2 view, alpha, slopes, size; uniform float exposure, turn;
 const float PI = 3.14159265358979;
 
 // A stop's bins in a direction of the sample's frame.
 vec3 bins(bool left, vec3 w, int stop) {
   vec2 uv = vec2(atan(w.y, w.x) / (2. * PI) + .5 / size.x, (atan(length(w.xy), w.z) / (.5 * PI) * (size.y - 1.) + .5) / size.y);
   return left ? texture(measured, vec3(uv, float(stop))).rgb : texture(model, vec3(uv, float(stop))).rgb;
+}
+
+// As in table.js.
+float projected(vec3 w) {
+  return .5 * (w.z + length(vec3(w.z, slopes * w.xy)));
 }
 
 // BRDF between measured light directions: the same half vector at each neighbour, as table.js does it.
@@ -51,10 +56,10 @@ vec3 brdf(bool left, vec3 wi, vec3 wo) {
     vec3 there = vec3(sin(theta[row]) * cos(azimuth), sin(theta[row]) * sin(azimuth), cos(theta[row]));
     vec3 w = 2. * dot(h, there) * h - there;
     if (w.z <= 0.) continue;
-    sum += weight * bins(left, w, row * azimuths + column) * (there.z + w.z);
+    sum += weight * bins(left, w, row * azimuths + column) * projected(there) * projected(w);
     weights += weight;
   }
-  return weights > 0. ? sum / weights / (wi.z + wo.z) : vec3(0.);
+  return weights > 0. ? sum / weights / (projected(wi) * projected(wo)) : vec3(0.);
 }
 
 vec3 radiance(vec3 w) {
@@ -198,13 +203,9 @@ class SceneView {
     return Math.atan2(fold.y * Math.sin(phi * RAD), fold.x * Math.cos(phi * RAD)) / RAD + this.table.rotation;
   }
 
-  // Width of the lobe for the choice of points: the campaign's, or that of the peak under the steepest light.
+  // Width of the lobe for the choice of points.
   alpha() {
-    if (this.table.alpha) return this.table.alpha.map((a) => Math.min(Math.max(a, 0.02), 1));
-    const first = this.table.layers[0].values.subarray(0, this.table.bins);
-    const peak = first.reduce((a, b) => Math.max(a, b), 1e-3);
-    const alpha = Math.min(Math.max(Math.sqrt(1 / (4 * Math.PI * peak)), 0.03), 1);
-    return [alpha, alpha];
+    return this.table.slopes.map((alpha) => Math.min(Math.max(alpha, 0.02), 1));
   }
 
   two() {
@@ -242,6 +243,7 @@ class SceneView {
     const width = (this.two() ? 0.5 : 1) / ratio, half = 0.33 / this.orbit.zoom / Math.min(1, width);
     gl.uniform2f(at("view"), half * width, half);
     gl.uniform2fv(at("alpha"), this.alpha());
+    gl.uniform2fv(at("slopes"), this.table.slopes);
     gl.uniform2fv(at("size"), this.size);
     gl.uniform1f(at("exposure"), 2 ** state.exposure);
     gl.uniform1f(at("turn"), table.rotation * RAD);

@@ -56,6 +56,23 @@ class Table {
     const azimuths = data.phi_i.map((phi, index) => ({ phi: this.folded(phi - data.rotation).phi, index, raw: phi }));
     const sorted = azimuths.sort((a, b) => a.phi - b.phi);
     this.azimuths = sorted.filter((a, k) => k === 0 || a.phi > sorted[k - 1].phi + 1e-6);
+    this.slopes = this.guide();
+  }
+
+  // Alphas of the GGX whose masking and cosines guide from light to light: the surface's, or by the highest value. One
+  // for all azimuths where the table has one frame for all of them.
+  guide() {
+    let [x, y] = this.alpha || [0, 0];
+    if (!this.alpha) {
+      const peak = this.layers[0].values.subarray(0, this.bins).reduce((most, value) => Math.max(most, value), 1e-3);
+      x = y = Math.sqrt(1 / (4 * Math.PI * peak));
+    }
+    return this.relative ? [Math.sqrt(x * y), Math.sqrt(x * y)] : [x, y];
+  }
+
+  // Cosine over masking of an arm (sample's frame), after Smith: f times that of both arms changes slowly.
+  projected(w) {
+    return 0.5 * (w[2] + Math.hypot(w[2], this.slopes[0] * w[0], this.slopes[1] * w[1]));
   }
 
   // An azimuth in degrees brought into the measured range: `x`, `y` are -1 where the sample is mirrored.
@@ -177,7 +194,8 @@ class Table {
   }
 
   // BRDF for any two directions (stage's frame, angles of the light in degrees). Neighbouring stops are looked up
-  // at the same half vector, so that the lobe moves instead of doubling; f (cos_i + cos_o) is what changes slowly.
+  // at the same half vector, so that the lobe moves instead of doubling; f `projected(wi)` `projected(wo)` is what
+  // changes slowly.
   value(layer, colour, theta_i, phi_i, wo) {
     const turn = this.relative ? phi_i : this.rotation;
     const fold = this.relative ? { phi: 0, x: 1, y: 1 } : this.folded(phi_i - this.rotation);
@@ -191,10 +209,10 @@ class Table {
       const twice = 2 * dot(h, there);
       const w = [twice * h[0] - there[0], twice * h[1] - there[1], twice * h[2] - there[2]];
       if (w[2] <= 0) continue;
-      sum += near.weight * this.lookUp(layer, colour, near, w) * (there[2] + w[2]);
+      sum += near.weight * this.lookUp(layer, colour, near, w) * this.projected(there) * this.projected(w);
       weights += near.weight;
     }
-    return weights > 0 ? sum / weights / (wi[2] + out[2]) : 0;
+    return weights > 0 ? sum / weights / (this.projected(wi) * this.projected(out)) : 0;
   }
 
   // A direction of the sample's frame in the bins of a neighbour.
