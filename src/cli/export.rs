@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::instrument::GridKind;
 use crate::instrument::klems::Basis;
 use crate::interchange::merl::Sampling;
-use crate::interchange::{self, Export, Format, Options};
+use crate::interchange::{self, AlbedoCurve, Export, Format, Options};
 use crate::table::TableRows;
 
 /// Write a table in another program's format, and say how far the file is from the table
@@ -77,6 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
             "convention": export.convention,
             "notes": export.notes,
             "read_back": to_json(&export.read_back)?,
+            "albedo": to_json(&export.albedo)?,
         });
         out.json(&document)?;
     } else {
@@ -123,5 +124,22 @@ fn lines(format: Format, output: &Path, export: &Export) -> Vec<String> {
             back.worst
         )
     }));
+    lines.extend(export.albedo.iter().flat_map(|curve| wrapped("albedo      ", &albedo(curve))));
     lines
+}
+
+/// The albedo curve of the file beside the table's.
+fn albedo(curve: &AlbedoCurve) -> String {
+    let at = &curve.points[curve.worst_point];
+    let mut text = format!(
+        "within {:.2} % of the table's, at the stops and between them (worst: light {:.2} {:.2}); ",
+        100.0 * curve.worst,
+        at.theta_i_deg,
+        at.phi_i_deg
+    );
+    if curve.theta_r_up_to_deg < 90.0 {
+        text += &format!("of the light up to theta_r {}; ", curve.theta_r_up_to_deg);
+    }
+    let row = |[theta, table, file]: [f64; 3]| format!("{theta:.1} {table:.4} {file:.4}");
+    text + "theta_i, table, file: " + &curve.by_theta().into_iter().map(row).collect::<Vec<_>>().join("; ")
 }

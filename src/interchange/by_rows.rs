@@ -48,7 +48,7 @@ pub fn export_rows(rows: &mut TableRows, format: Format, path: &Path, bytes: u64
     };
     let internal = |why: String| Error::Internal(format!("{} does not read back: {why}", path.display()));
     let read_back = held.map_err(internal)?.read_back();
-    Ok(Export { convention: convention.into(), notes: vec![], read_back })
+    Ok(Export { convention: convention.into(), notes: vec![], read_back, albedo: None })
 }
 
 fn take(rows: &mut TableRows, band: &Range<usize>) -> Result<BrdfTable> {

@@ -8,8 +8,8 @@ use super::format::{Format, Options};
 use super::half_difference::{HalfDifference, as_arms};
 use super::import::{Imported, decode};
 use super::{
-    Brdf, Fail, Lookup, ReadBack, Reason, astm, csv, exr_parts, klems, luminance, merl, npy, npz, pabopto,
-    read_back, rgl, ssdd, tensor_tree, utia, zemax,
+    AlbedoCurve, Brdf, Fail, Lookup, ReadBack, Reason, astm, csv, exr_parts, klems, luminance, merl, npy,
+    npz, pabopto, read_back, rgl, ssdd, tensor_tree, utia, zemax,
 };
 use crate::error::{Error, Result};
 use crate::files;
@@ -25,6 +25,8 @@ pub struct Export {
     pub notes: Vec<String>,
     /// The file's own reader against the table's bins; `None` where the table holds nothing but zeros.
     pub read_back: Option<ReadBack>,
+    /// Of a format of other directions than the table's, its albedo beside the table's, between the stops too.
+    pub albedo: Option<AlbedoCurve>,
 }
 
 /// Writes a format's bytes.
@@ -75,7 +77,15 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
     }
     let image = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
     let options = &Options { utia_image: image, ..options.clone() };
-    let Exported { fill, convention, notes } = prepare(table, format, options).map_err(refused)?;
+    let mut exported = prepare(table, format, options).map_err(refused)?;
+    let albedo = if format.is_resampled() {
+        let (curve, whole) = albedo_of(table, format, options, exported).map_err(refused)?;
+        exported = whole;
+        curve
+    } else {
+        None
+    };
+    let Exported { fill, convention, notes } = exported;
     let mut reason = None;
     let written = files::write_atomically_with(path, |out| {
         fill(out).map_err(|fail| match fail {
@@ -91,7 +101,46 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
     }
     written?;
     let read_back = back(table, format, options, path)?;
-    Ok(Export { convention, notes, read_back })
+    Ok(Export { convention, notes, read_back, albedo })
+}
+
+/// The albedo of what is about to be written, and the same bytes. A file that makes light is refused.
+fn albedo_of<'a>(
+    table: &BrdfTable,
+    format: Format,
+    options: &Options,
+    Exported { fill, convention, mut notes }: Exported<'a>,
+) -> Reason<(Option<AlbedoCurve>, Exported<'a>)> {
+    let mut bytes = Vec::new();
+    fill(&mut bytes).map_err(|fail| match fail {
+        Fail::Refused(why) => why,
+        Fail::Io(error) => error.to_string(),
+    })?;
+    // Half/difference cells and patches kept as they are have no incidences to look between.
+    let curve = match Lookup::new(table) {
+        Ok(lookup) => {
+            let file = function(format, decode(format, options, &bytes)?)?;
+            AlbedoCurve::of(&lookup, file.as_ref(), format)
+        }
+        Err(_) => None,
+    };
+    if let Some(curve) = &curve {
+        curve.check(format)?;
+        notes.extend(curve.note());
+    }
+    Ok((curve, held(bytes, &convention, notes)))
+}
+
+/// A file as its own reader sees it.
+fn function(format: Format, file: Imported) -> Reason<Box<dyn Brdf>> {
+    Ok(match file {
+        Imported::Function(brdf, _) => brdf,
+        Imported::Table(found) if format == Format::Klems => Box::new(klems::Patchwise::new(found)?),
+        Imported::Table(found) if found.grid.kind == GridKind::HalfDifference => {
+            Box::new(HalfDifference::new(&found)?)
+        }
+        Imported::Table(found) => Box::new(Lookup::new(&found)?),
+    })
 }
 
 fn prepare<'a>(table: &'a BrdfTable, format: Format, options: &'a Options) -> Reason<Exported<'a>> {
@@ -170,7 +219,7 @@ fn export_folder(table: &BrdfTable, path: &Path) -> Result<Export> {
         totals.extend(values);
     }
     let read_back = read_back::listed(table, &[totals]).map_err(Error::Internal)?;
-    Ok(Export { convention: pabopto::CONVENTION.into(), notes: vec![], read_back })
+    Ok(Export { convention: pabopto::CONVENTION.into(), notes: vec![], read_back, albedo: None })
 }
 
 fn coarse(what: &str) -> Vec<String> {
@@ -187,10 +236,12 @@ fn held<'a>(bytes: Vec<u8>, convention: &str, notes: Vec<String>) -> Exported<'a
 fn resampling_notes(lookup: &Lookup) -> Vec<String> {
     let last = lookup.theta_i()[lookup.theta_i().len() - 1].to_degrees();
     let mut notes = vec![
-        "resampled: cubic between bins, at equal half vector between stops; error bars are not held".into(),
+        "resampled: cubic between bins, at equal half vector between stops, with the table's albedo; error bars are not \
+         held"
+            .into(),
     ];
     if last < 80.0 {
-        notes.push(format!("the stops end at {last:.4} degrees: beyond, the last stop at equal half vector"));
+        notes.push(format!("the stops end at {last:.4} degrees: beyond, the last stop's ratio to a guiding law at equal half vector"));
     }
     notes
 }
@@ -246,23 +297,17 @@ fn back(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Re
     if let Some(listed) = listed {
         return listed.map_err(internal);
     }
-    let held_to = |brdf: &dyn Brdf| read_back::read_back(table, brdf);
-    Ok(match decode(format, options, &files::read(path)?).map_err(internal)? {
-        Imported::Table(found) if format == Format::Klems => {
-            held_to(&klems::Patchwise::new(found).map_err(internal)?)
+    let file = decode(format, options, &files::read(path)?).map_err(internal)?;
+    let mut arms = None;
+    if let Imported::Table(found) = &file
+        && found.grid.kind == GridKind::HalfDifference
+    {
+        if found.grid == table.grid {
+            let totals: Vec<Vec<f32>> = found.colours.iter().map(|colour| colour.total.clone()).collect();
+            return read_back::listed(table, &totals).map_err(internal);
         }
-        Imported::Table(found) if found.grid.kind == GridKind::HalfDifference => {
-            if found.grid == table.grid {
-                let totals: Vec<Vec<f32>> = found.colours.into_iter().map(|colour| colour.total).collect();
-                return read_back::listed(table, &totals).map_err(internal);
-            }
-            let brdf = HalfDifference::new(&found).map_err(internal)?;
-            match as_arms(table, None).map_err(internal)? {
-                Some(arms) => read_back::read_back(&arms, &brdf),
-                None => held_to(&brdf),
-            }
-        }
-        Imported::Table(found) => held_to(&Lookup::new(&found).map_err(internal)?),
-        Imported::Function(brdf, _) => held_to(brdf.as_ref()),
-    })
+        arms = as_arms(table, None).map_err(internal)?;
+    }
+    let brdf = function(format, file).map_err(internal)?;
+    Ok(read_back::read_back(arms.as_ref().unwrap_or(table), brdf.as_ref()))
 }

@@ -93,6 +93,12 @@ impl Format {
         matches!(self, Format::Npy | Format::Csv)
     }
 
+    /// Whether the format has directions of its own, on which the table is interpolated.
+    pub fn is_resampled(self) -> bool {
+        use Format::{Klems, Merl, Rgl, TensorTree, Utia, Zemax};
+        matches!(self, Merl | Rgl | Utia | Klems | TensorTree | Zemax)
+    }
+
     /// Whether the file holds totals alone: no error bars, no orders.
     pub fn holds_totals_alone(self) -> bool {
         !matches!(self, Format::Npz | Format::Csv | Format::ExrParts | Format::Merl)

@@ -4,6 +4,8 @@
 //! table's is written through [`Lookup`], an interpolant that keeps the table's bin means; a foreign file whose
 //! directions are no list of stops and bins is a [`Brdf`] and is averaged over bins by [`resample`].
 
+pub mod albedo;
+mod angles;
 pub mod astm;
 mod axis;
 mod by_rows;
@@ -11,12 +13,16 @@ mod colour;
 pub mod csv;
 pub mod export;
 pub mod exr_parts;
+mod folds;
 pub mod format;
+mod guide;
 pub mod half_difference;
 pub mod import;
 pub mod klems;
+mod levels;
 pub mod lookup;
 pub mod maps;
+mod means;
 pub mod merl;
 pub mod named_columns;
 pub mod npy;
@@ -27,6 +33,7 @@ pub mod read_back;
 pub mod resample;
 pub mod rgl;
 pub mod samples;
+mod sampling;
 mod seam;
 pub mod ssdd;
 mod tensor_cells;
@@ -40,6 +47,7 @@ pub mod zemax;
 mod zemax_energy;
 mod zemax_text;
 
+pub use albedo::AlbedoCurve;
 pub use by_rows::export_rows;
 pub use export::{Export, Exported, export};
 pub use format::{Format, Options};
@@ -58,7 +66,7 @@ use crate::table::{BrdfTable, ColourChannels};
 /// Weights of linear R, G, B in the luminance (ITU-R BT.709).
 const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-/// The luminance of a table, for formats of one channel: totals only.
+/// The luminance of a table, for formats of one channel: totals only, and the campaign, which says what is symmetric.
 pub fn luminance(table: &BrdfTable) -> Reason<BrdfTable> {
     let total = match &table.colours[..] {
         [r, g, b] => {
@@ -68,7 +76,8 @@ pub fn luminance(table: &BrdfTable) -> Reason<BrdfTable> {
         }
         colours => colours[0].total.clone(),
     };
-    foreign_table(table.grid.clone(), vec![total])
+    let luminance = foreign_table(table.grid.clone(), vec![total])?;
+    Ok(BrdfTable { campaign: table.campaign.clone(), ..luminance })
 }
 
 /// Values of one pair of directions by colour; a table of one colour uses the first.

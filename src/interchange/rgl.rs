@@ -11,6 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::guide::Lobe;
 use super::tensor_file::{Data, Field, TensorFile, encode};
 use super::warp::{Slices, Warp, cell};
 use super::{Brdf, Colour, Lookup, Reason};
@@ -29,60 +30,6 @@ const LAST_THETA: f64 = 88.0 * PI / 180.0;
 const NDF_NODES: usize = 256;
 /// Least luminance, so that no slice is 0 throughout.
 const LEAST_LUMINANCE: f32 = 1e-6;
-
-/// The auxiliary distribution: GGX in vector form.
-#[derive(Clone, Copy)]
-struct Auxiliary {
-    alpha_x: f64,
-    alpha_y: f64,
-}
-
-impl Auxiliary {
-    /// 1/sr, positive everywhere.
-    fn d(self, m: DVec3) -> f64 {
-        let q = (m.x / self.alpha_x).powi(2) + (m.y / self.alpha_y).powi(2) + m.z * m.z;
-        1.0 / (PI * self.alpha_x * self.alpha_y * q * q)
-    }
-
-    /// Projected area towards w: (w.z + sqrt(w.z^2 + ax^2 w.x^2 + ay^2 w.y^2))/2.
-    fn sigma(self, w: DVec3) -> f64 {
-        0.5 * (w.z + (w.z * w.z + (self.alpha_x * w.x).powi(2) + (self.alpha_y * w.y).powi(2)).sqrt())
-    }
-
-    /// The one whose slopes have the medians that the light of the first stop sees: of GGX, half the facets have a
-    /// slope below alpha, and half a slope along x below alpha_x/sqrt 3.
-    fn of(lookup: &Lookup) -> Self {
-        let wi = sphere::direction(lookup.theta_i()[0], lookup.phi_i()[0]);
-        let (polar, around) = (400, 72);
-        let mut slopes = Vec::with_capacity(polar * around);
-        for k in 0..polar * around {
-            let theta = (0.5 + (k / around) as f64) / polar as f64 * 0.5 * FRAC_PI_2;
-            let h = sphere::direction(theta, TAU * (k % around) as f64 / around as f64);
-            let wo = 2.0 * wi.dot(h) * h - wi;
-            if wo.z > 0.0 {
-                let flux = lookup.brdf(wi, wo)[lookup.colours() / 2] * wo.z * 4.0 * wi.dot(h) * theta.sin();
-                slopes.push(([(h.x / h.z).abs(), (h.y / h.z).abs(), theta.tan()], flux));
-            }
-        }
-        let median = |axis: usize| {
-            let mut sorted: Vec<(f64, f64)> =
-                slopes.iter().map(|(slope, flux)| (slope[axis], *flux)).collect();
-            sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let half = 0.5 * sorted.iter().map(|s| s.1).sum::<f64>();
-            let mut sum = 0.0;
-            let found = sorted.iter().find(|s| {
-                sum += s.1;
-                sum >= half
-            });
-            // Any positive D will do; narrower than this no node of the warp would fall into it.
-            found.map_or(1.0, |s| s.0).max(0.005)
-        };
-        if lookup.is_isotropic() {
-            return Auxiliary { alpha_x: median(2), alpha_y: median(2) };
-        }
-        Auxiliary { alpha_x: 3f64.sqrt() * median(0), alpha_y: 3f64.sqrt() * median(1) }
-    }
-}
 
 fn theta_of(u: f64) -> f64 {
     FRAC_PI_2 * u * u
@@ -169,7 +116,7 @@ fn phi_nodes(lookup: &Lookup) -> Vec<f64> {
 pub fn write(lookup: &Lookup, wavelengths_nm: Option<&[f64]>, description: &str) -> Reason<Vec<u8>> {
     let isotropic = lookup.is_isotropic();
     let (vndf_side, side) = if isotropic { (128, 64) } else { (64, 32) };
-    let auxiliary = Auxiliary::of(lookup);
+    let auxiliary = Lobe::of(lookup);
     let rows = if isotropic { 2 } else { NDF_NODES / 2 };
     let ndf = Map::of(rows, NDF_NODES, |m| auxiliary.d(m));
     let sigma = Map::of(rows, NDF_NODES, |w| auxiliary.sigma(w));

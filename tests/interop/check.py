@@ -6,6 +6,7 @@ import tempfile
 
 import numpy as np
 
+import energy
 import measured
 import radiance
 import readers
@@ -86,8 +87,8 @@ def plain(folder):
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        parts = (rgl, measured.pairs_and_sphere, radiance.matrices, radiance.trees, radiance.normal, radiance.colours,
-                 radiance.tools, wincalc.matrices, plain)
+        parts = (rgl, energy.between, measured.pairs_and_sphere, radiance.matrices, radiance.trees, radiance.normal,
+                 radiance.colours, radiance.tools, wincalc.matrices, plain)
         ok = [part(folder) for part in parts]
     sys.exit(0 if all(ok) else 1)
 

@@ -1,0 +1,181 @@
+//! How much light a file sends back, at the table's incidences and between them, as the file's own reader sees it.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::format::Format;
+use super::sampling::{integral, samples};
+use super::{Brdf, Lookup, Reason};
+use crate::sphere;
+
+/// Directions of each of three kinds in an integral: of smooth lobes right to 0.1 %.
+const SAMPLES: usize = 1 << 11;
+/// Incidences of the table that are looked at, at most.
+const STOPS: usize = 12;
+/// The last incidence, degrees.
+const LAST_DEG: f64 = 85.0;
+/// Azimuths where all are alike: formats of cells tell them apart.
+const AZIMUTHS_DEG: [f64; 3] = [0.0, 37.0, 130.0];
+/// Differences above this are said, relative.
+pub const SAID_ABOVE: f64 = 0.01;
+/// A file may exceed the larger of 1 and the table's own albedo by this, relative; more is refused.
+pub const REFUSED_ABOVE: f64 = 0.02;
+
+/// A direction of the light, and the albedo of table and file there, by colour.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AlbedoPoint {
+    /// Degrees.
+    pub theta_i_deg: f64,
+    /// Degrees.
+    pub phi_i_deg: f64,
+    /// The table's: at its stops the one of its bins, between them interpolated.
+    pub table: Vec<f64>,
+    /// The file's.
+    pub file: Vec<f64>,
+}
+
+/// The albedo of a file beside the table's.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AlbedoCurve {
+    /// By polar angle of the light, then azimuth.
+    pub points: Vec<AlbedoPoint>,
+    /// Light beyond this polar angle of the sensor is left out: the format ends there.
+    pub theta_r_up_to_deg: f64,
+    /// The largest |file/table - 1|.
+    pub worst: f64,
+    /// Which of `points` has it.
+    pub worst_point: usize,
+}
+
+impl AlbedoPoint {
+    /// The largest |file/table - 1| of its colours.
+    fn off(&self) -> f64 {
+        let lit = self.table.iter().zip(&self.file).filter(|(table, _)| **table > 0.0);
+        lit.map(|(table, file)| (file / table - 1.0).abs()).fold(0.0, f64::max)
+    }
+}
+
+impl AlbedoCurve {
+    /// The curve of a file; `None` where the table is dark.
+    pub fn of(lookup: &Lookup, file: &dyn Brdf, format: Format) -> Option<Self> {
+        let (theta_i_end, theta_r_end) = reach(format, lookup);
+        let horizon = theta_r_end.to_radians().cos();
+        let thetas =
+            between(&lookup.theta_i().iter().map(|t| t.to_degrees()).collect::<Vec<_>>(), theta_i_end);
+        let phis = azimuths(lookup);
+        let colours = lookup.colours().min(3);
+        let point = |k: usize| {
+            let (theta_i_deg, phi_i_deg) = (thetas[k / phis.len()], phis[k % phis.len()]);
+            let wi = sphere::direction_deg(theta_i_deg, phi_i_deg);
+            let mut to = samples(wi, lookup.guide().lobe(), SAMPLES);
+            to.retain(|to| to.wo.z >= horizon);
+            let [table, found] =
+                [integral(&to, |wo| lookup.brdf(wi, wo)), integral(&to, |wo| file.brdf(wi, wo))];
+            let last = file.colours() - 1;
+            AlbedoPoint {
+                theta_i_deg,
+                phi_i_deg,
+                table: table[..colours].to_vec(),
+                file: (0..colours).map(|c| found[c.min(last)]).collect(),
+            }
+        };
+        let points: Vec<AlbedoPoint> = (0..thetas.len() * phis.len()).into_par_iter().map(point).collect();
+        let (worst_point, worst) =
+            points.iter().map(AlbedoPoint::off).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let lit = points.iter().any(|point| point.table.iter().any(|&value| value > 0.0));
+        lit.then_some(AlbedoCurve { points, theta_r_up_to_deg: theta_r_end, worst, worst_point })
+    }
+
+    /// Refuses a file that makes light: more than 1, and more than the table, by [`REFUSED_ABOVE`]. Zemax files have the
+    /// table's own incidences: how a reader goes on between them is said by [`Self::note`] alone.
+    pub fn check(&self, format: Format) -> Reason<()> {
+        if format == Format::Zemax {
+            return Ok(());
+        }
+        let most = |pick: fn(&AlbedoPoint) -> &Vec<f64>| {
+            let of = |point| pick(point).iter().copied().fold(0.0, f64::max);
+            self.points.iter().map(|point| (of(point), point)).max_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let (Some((file, at)), Some((table, _))) = (most(|p| &p.file), most(|p| &p.table)) else {
+            return Ok(());
+        };
+        if file <= table.max(1.0) * (1.0 + REFUSED_ABOVE) {
+            return Ok(());
+        }
+        Err(format!(
+            "a reader of the file would find the albedo {file:.4} under light from {:.2} {:.2} degrees (the table: \
+             {table:.4} at most): the format's directions do not hold the lobe; choose another format, a wider lobe, \
+             or more incidences and bins",
+            at.theta_i_deg, at.phi_i_deg
+        ))
+    }
+
+    /// What is to be said of differences above [`SAID_ABOVE`].
+    pub fn note(&self) -> Option<String> {
+        let at = &self.points[self.worst_point];
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        (self.worst > SAID_ABOVE).then(|| {
+            format!(
+                "its albedo is {:.4} where the table's is {:.4} ({:.1} %), light {:.2} {:.2}: the format's directions \
+                 do not hold the lobe there",
+                mean(&at.file),
+                mean(&at.table),
+                100.0 * self.worst,
+                at.theta_i_deg,
+                at.phi_i_deg
+            )
+        })
+    }
+
+    /// theta_i in degrees, the table's albedo and the file's, means over azimuths and colours.
+    pub fn by_theta(&self) -> Vec<[f64; 3]> {
+        let mut rows: Vec<[f64; 4]> = Vec::new();
+        for point in &self.points {
+            if rows.last().is_none_or(|row| row[0] != point.theta_i_deg) {
+                rows.push([point.theta_i_deg, 0.0, 0.0, 0.0]);
+            }
+            if let Some(row) = rows.last_mut() {
+                row[1] += point.table.iter().sum::<f64>();
+                row[2] += point.file.iter().sum::<f64>();
+                row[3] += point.table.len() as f64;
+            }
+        }
+        rows.into_iter().map(|[theta, table, file, count]| [theta, table / count, file / count]).collect()
+    }
+}
+
+/// The last polar angles of light and sensor that a format has, degrees.
+fn reach(format: Format, lookup: &Lookup) -> (f64, f64) {
+    let last = lookup.theta_i()[lookup.theta_i().len() - 1].to_degrees();
+    match format {
+        Format::Utia => (75.0, 75.0),
+        Format::Zemax => (last, 90.0),
+        _ => (LAST_DEG.max(last.min(89.0)), 90.0),
+    }
+}
+
+/// Some of the stops, the middles between them, and one half-way to the end and at the end where they stop before it.
+fn between(stops: &[f64], end: f64) -> Vec<f64> {
+    let step = stops.len().div_ceil(STOPS);
+    let mut chosen: Vec<f64> = stops.iter().copied().step_by(step).filter(|&theta| theta <= end).collect();
+    let before = chosen.last().copied().unwrap_or(0.0);
+    chosen.extend((end > before + 1.0).then_some(end));
+    let middles: Vec<f64> = chosen.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    chosen.extend(middles);
+    chosen.sort_by(f64::total_cmp);
+    // A tenth of a thousandth of a degree: angles are said with few digits.
+    chosen.iter().map(|theta| (theta * 1e4).round() / 1e4).collect()
+}
+
+/// Two azimuths of the light and the middles behind them, degrees.
+fn azimuths(lookup: &Lookup) -> Vec<f64> {
+    if lookup.is_isotropic() {
+        return AZIMUTHS_DEG.to_vec();
+    }
+    let all = lookup.phi_i();
+    let next = |k: usize| if k + 1 < all.len() { all[k + 1] } else { all[0] + std::f64::consts::TAU };
+    let both = |k: usize| [all[k], 0.5 * (all[k] + next(k))];
+    let mut chosen: Vec<f64> = [0, all.len() / 3].into_iter().flat_map(both).collect();
+    chosen.dedup();
+    chosen.iter().map(|phi| (phi.to_degrees() * 1e4).round() / 1e4).collect()
+}
