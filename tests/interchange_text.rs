@@ -163,3 +163,61 @@ fn damaged_texts_are_refused() {
     let pabopto_text = pabopto::write(&wanted, 1).expect("written");
     assert!(mutations::survives(pabopto_text.as_bytes(), 100_000, pabopto::read) > 10_000);
 }
+
+/// Two stops of two directions, the last numbers of each line `values`.
+fn astm(names: &str, values: &str) -> String {
+    let angles = ["0,0,0.2,0", "0,0,0.4,0", "0.5,0,0.2,0", "0.5,0,0.4,0"];
+    let lines: String = angles.iter().map(|angles| format!("{angles},{values}\n")).collect();
+    format!("LAB_NAME x\nNUM_POINTS 4\nVARS theta_i,phi_i,theta_s,phi_s,{names}\n{lines}")
+}
+
+#[test]
+fn channels_of_astm_are_what_they_are_called() {
+    let read = |names: &str, values: &str| gonio::interchange::astm::read(astm(names, values).as_bytes());
+    let first = |table: &BrdfTable| table.colours.iter().map(|colour| colour.total[0]).collect::<Vec<f32>>();
+    // B, G, R is R, G, B the other way round.
+    assert_eq!(first(&read("B,G,R", "0.1,0.2,0.3").expect("read")), [0.3, 0.2, 0.1]);
+    // White D65 is X, Y, Z = 0.9505, 1, 1.089 by the matrix of IEC 61966-2-1, and R = G = B = 1.
+    let white = first(&read("X,Y,Z", "0.9505,1,1.089").expect("read"));
+    assert!(white.iter().all(|value| (value - 1.0).abs() < 1e-6), "{white:?}");
+    let counted = read("value,stderr,count", "0.2,0.01,100").expect("read");
+    assert_eq!((first(&counted), counted.colours[0].stderr[0], counted.hits[0]), (vec![0.2], 0.01, 100));
+    let spectral = read("650nm,450nm", "0.6,0.4").expect("read");
+    let found: Vec<_> = spectral.colours.iter().map(|c| (c.wavelength_nm, c.total[0])).collect();
+    assert_eq!(found, [(Some(450.0), 0.4), (Some(650.0), 0.6)]);
+    assert!(read("Q", "0.1").expect_err("unknown").contains("the column `Q` is not known"));
+    // Blanks between the numbers.
+    let blanks = "VARS theta_i,phi_i,theta_s,phi_s,Y\n0.0 0.0 0.1 0.0 0.31\n";
+    assert_eq!(first(&gonio::interchange::astm::read(blanks.as_bytes()).expect("read")), [0.31]);
+}
+
+#[test]
+fn csv_of_other_hands_is_read_by_its_headings() {
+    let read = |text: &str| gonio::interchange::csv::read(text.as_bytes());
+    let plain =
+        read("theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,B,R,G\n0,0,10,20,0.1,0.3,0.2\n").expect("read");
+    let of = |table: &BrdfTable| table.colours.iter().map(|colour| colour.total[0]).collect::<Vec<f32>>();
+    assert_eq!(of(&plain), [0.3, 0.2, 0.1]);
+    let german = "\u{feff}# Messung\nphi_r_deg;theta_r_deg;phi_i_deg;theta_i_deg;Y;stderr.Y;hits\n20,5;10;0;0;0,25;0,5;7\n";
+    let german = read(german).expect("read");
+    assert_eq!((of(&german), german.colours[0].stderr[0], german.hits[0]), (vec![0.25], 0.5, 7));
+    assert_eq!(german.grid.points_deg, [[10.0, 20.5]]);
+    let unknown = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,Y,temperature\n0,0,10,20,0.1,20\n";
+    assert!(read(unknown).expect_err("unknown").contains("the column `temperature` is not known"));
+}
+
+#[test]
+fn colours_of_ssdd_are_those_of_its_model() {
+    let text = |model: &str, values: &str| {
+        format!(
+            "VERSION 0.2\nDATA_TYPE brdf\nCOLOR_MODEL {model}\nPARAM_TYPE spherical_coordinate_system\nPARAM0_LIST 0\n\
+             PARAM2_LIST 0 10\nPARAM3_LIST 0\nDATA ascii\n{values}\n{values}\n"
+        )
+    };
+    let read = |model: &str, values: &str| gonio::interchange::ssdd::read(text(model, values).as_bytes());
+    let white = read("xyz", "0.9505 1 1.089").expect("read");
+    assert!(white.colours.iter().all(|colour| (colour.total[0] - 1.0).abs() < 1e-6));
+    let spectrum = read("spectrum\nWAVELENGTH_LIST 450 650", "0.4 0.6").expect("read");
+    assert_eq!(spectrum.colours[1].wavelength_nm, Some(650.0));
+    assert!(read("ycbcr", "1 1 1").expect_err("unknown").contains("COLOR_MODEL ycbcr"));
+}
