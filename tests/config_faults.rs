@@ -292,12 +292,18 @@ fn azimuths_are_reduced_and_noted() {
     assert!(parsed.notes[0].contains("reduced to [0, 360)"), "{:?}", parsed.notes);
     let whole = accepted(&phi("{ from = 0, to = 345, step = 15 }"));
     assert!(matches!(&whole.campaign.light.azimuth, Azimuth::Absolute(phis) if phis.len() == 24));
+    // Increasing as written; the table has them in order.
+    for list in ["[-90, -45, 0, 45, 90]", "{ from = -90, to = 90, step = 45 }"] {
+        let negative = accepted(&phi(list)).campaign;
+        assert_eq!(negative.light.azimuth, Azimuth::Absolute(vec![0.0, 45.0, 90.0, 270.0, 315.0]));
+    }
     let key = "light.phi_i_deg";
     for (list, phrase) in [
         ("[0, 360]", "360 is there twice (reduced to 0 here)"),
         ("[0, 90, 360]", "360 is there twice"),
         ("{ from = 0, to = 360, step = 15 }", "360 is there twice"),
-        ("[-90, 0]", "0 comes after 270"),
+        ("[-90, 0, -45]", "315 here"),
+        ("[-90, 270]", "270 is there twice"),
         ("[nan]", "must be finite"),
         ("[1e300]", "must lie in [-3600, 3600]"),
     ] {

@@ -63,9 +63,11 @@ pub(super) fn reduced(angle: f64) -> f64 {
 /// The angles of an axis, strictly increasing, in degrees.
 pub(super) fn axis(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
     let given = if item.is_table() { range(item, rules)? } else { list(item, rules)? };
-    let angles: Vec<f64> =
+    let mut angles: Vec<f64> =
         if rules.wraps { given.iter().map(|a| reduced(*a)).collect() } else { given.clone() };
     check_order(item, &given, &angles)?;
+    // From -90 to 90 increases as it is written; the table has what it reduces to in order.
+    angles.sort_by(f64::total_cmp);
     if given != angles {
         item.note("azimuths are reduced to [0, 360)");
     }
@@ -119,13 +121,15 @@ fn range(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
     Some(points)
 }
 
-/// A fault at the first angle that is not above the one before it.
+/// A fault at the first angle that is not above the one before it, as written, or is there twice once reduced.
 fn check_order(item: &Item<'_>, given: &[f64], angles: &[f64]) -> Option<()> {
-    let Some(before) = angles.windows(2).position(|pair| !matches!(pair, [a, b] if a < b)) else {
+    let falls = |list: &[f64]| list.windows(2).position(|pair| !matches!(pair, [a, b] if a < b));
+    if falls(angles).is_none() {
         return Some(());
-    };
-    let index = before + 1;
-    let (angle, earlier) = (angles[index], angles[before]);
+    }
+    let twice = (1..angles.len()).find(|&index| angles[..index].contains(&angles[index]));
+    let Some(index) = falls(given).map(|before| before + 1).or(twice) else { return Some(()) };
+    let (angle, earlier) = (angles[index], angles[index - 1]);
     let seen_as =
         if given[index] == angle { String::new() } else { format!(" (reduced to {} here)", plain(angle)) };
     let fault = if angles[..index].contains(&angle) {
