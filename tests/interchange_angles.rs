@@ -257,3 +257,50 @@ fn a_table_of_points_comes_back_from_every_list() {
         );
     }
 }
+
+const SSDD: &str = "VERSION 0.2\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE spherical_coordinate_system\n\
+    PARAM0_LIST 0 30\nPARAM2_LIST 10\nPARAM3_LIST 0 90 180\nDATA ascii\n1\n2\n3\n4\n5\n6\n";
+
+#[test]
+fn ssdd_half_a_turn_is_mirrored_at_the_plane_of_incidence() {
+    let reduced = SSDD.replace("PARAM0", "REDUCTION_TYPE bilateral_symmetry\nPARAM0");
+    let found = ssdd::read(reduced.as_bytes()).expect("readable");
+    assert_eq!(found.grid.points_deg, [[10.0, 0.0], [10.0, 90.0], [10.0, 180.0], [10.0, 270.0]]);
+    // theta_i runs fastest, phi_o slowest: 90 and 270 have 3 under the first light, 4 under the second.
+    assert_eq!(found.colours[0].total, [1.0, 3.0, 5.0, 3.0, 2.0, 4.0, 6.0, 4.0]);
+    let turned = ssdd::read(reduced.replace("PARAM2", "PARAM1_LIST 30\nPARAM2").as_bytes());
+    assert!(turned.expect_err("no plane").contains("bilateral_symmetry"));
+    assert!(ssdd::read(reduced.replace("90 180", "90 270").as_bytes()).is_err());
+}
+
+#[test]
+fn ssdd_in_binary_is_little_endian_f32() {
+    let wanted = ssdd::read(SSDD.as_bytes()).expect("readable");
+    let mut bytes = SSDD.split("ascii").next().expect("there").as_bytes().to_vec();
+    bytes.extend(b"binary\n");
+    (1..=6u8).for_each(|k| bytes.extend(f32::from(k).to_le_bytes()));
+    assert!(ssdd::read(&bytes).expect("readable") == wanted);
+    assert!(ssdd::read(&bytes[..bytes.len() - 1]).expect_err("cut").contains("6 values"));
+}
+
+#[test]
+fn ssdd_colours_go_by_the_model() {
+    let of = |model: &str, values: &str| {
+        format!(
+            "VERSION 0.2\nDATA_TYPE brdf\nCOLOR_MODEL {model}\nPARAM_TYPE spherical_coordinate_system\nPARAM0_LIST 0\n\
+            PARAM2_LIST 0\nPARAM3_LIST 0\nDATA ascii\n{values}\n"
+        )
+    };
+    // Red of IEC 61966-2-1 is X 0.4124, Y 0.2126, Z 0.0193.
+    let red = ssdd::read(of("xyz", "0.4124 0.2126 0.0193").as_bytes()).expect("readable");
+    for (colour, wanted) in red.colours.iter().zip([1.0, 0.0, 0.0]) {
+        // f32 through a matrix of condition number below 5.
+        assert!((colour.total[0] - wanted).abs() < 10.0 * f32::EPSILON);
+    }
+    let spectrum =
+        ssdd::read(of("spectrum\nWAVELENGTH_LIST 450 550", "0.25 0.5").as_bytes()).expect("readable");
+    let found: Vec<_> = spectrum.colours.iter().map(|c| (c.wavelength_nm, c.total[0])).collect();
+    assert_eq!(found, [(Some(450.0), 0.25), (Some(550.0), 0.5)]);
+    assert!(ssdd::read(of("spectrum", "1").as_bytes()).expect_err("no list").contains("WAVELENGTH_LIST"));
+    assert!(ssdd::read(of("lab", "1 2 3").as_bytes()).expect_err("unknown").contains("xyz"));
+}

@@ -3,12 +3,11 @@
 //! `KEY value` lines, `PARAM0_LIST` .. `PARAM3_LIST` (theta_i, phi_i, theta_o, phi_o), `DATA ascii`, then one colour a
 //! line, theta_i fastest, phi_o slowest. Source: the SSDD 0.2 specification.
 
-use std::io::{BufRead, ErrorKind, Write};
+use std::io::{BufRead, Write};
 
 use super::lookup::{bin_axes, stop_axes};
-use super::named_columns::Columns;
 use super::read_back::{Listing, ReadBack};
-use super::{Fail, Reason, seam, spectral_table};
+use super::{Fail, Reason, colour, seam, spectral_table};
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
@@ -69,64 +68,71 @@ fn increasing(angles: &[f64], azimuths: bool) -> Vec<(f64, usize)> {
     list
 }
 
-/// The table of points of an ASCII file in spherical coordinates; negative values become 0. Without `PARAM1_LIST` it is
+/// The table of points of a file in spherical coordinates; negative values become 0, X, Y, Z linear R, G, B. Without `PARAM1_LIST` it is
 /// isotropic. Azimuths a turn apart are one where their values agree.
 ///
 /// Held by: `ssdd_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs), tests/interchange_angles.rs.
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let mut lines = Lines::of(bytes);
-    let (grid, columns) = heading(&mut lines)?;
-    let colours = columns.colours();
-    let (stops, bins) = check_grid(&grid)?;
-    let pixels = stops.checked_mul(bins).filter(|&pixels| pixels <= bytes.len());
+    let heading = heading(&mut lines)?;
+    let (colours, (stops, bins)) = (heading.colours, check_grid(&heading.grid)?);
+    let values = stops.checked_mul(bins).and_then(|pixels| pixels.checked_mul(colours));
+    let pixels = values.filter(|&values| values <= bytes.len()).map(|values| values / colours);
     let pixels =
         pixels.ok_or_else(|| format!("{stops} stops of {bins} directions: more than the file holds"))?;
     let mut total = vec![vec![0.0f32; pixels]; colours];
-    each_line(&mut lines, &grid, &columns, |stop, bin, values| {
-        total.iter_mut().zip(values).for_each(|(total, &value)| total[stop * bins + bin] = value);
+    each_value(&mut lines, &heading, |stop, bin, colour, value| {
+        total[colour][stop * bins + bin] = value;
     })?;
-    seam::dropped(spectral_table(grid, total, &columns.wavelengths_nm)?)
+    if heading.xyz {
+        for at in 0..pixels {
+            let rgb = colour::rgb([0, 1, 2].map(|c| f64::from(total[c][at])));
+            (0..3).for_each(|c| total[c][at] = rgb[c] as f32);
+        }
+    }
+    let grid = if heading.bilateral { mirrored(heading.grid, &mut total) } else { heading.grid };
+    seam::dropped(spectral_table(grid, total, &heading.wavelengths_nm)?)
 }
 
 /// Holds a file of the table's own angles to the table, line by line, each value at its angles.
 pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
     let mut lines = Lines::of(file);
-    let (grid, columns) = heading(&mut lines)?;
-    let colours = columns.colours();
-    let sizes = (grid.stops(), grid.bins(), colours);
+    let heading = heading(&mut lines)?;
+    let grid = &heading.grid;
+    let sizes = (grid.stops(), grid.bins(), heading.colours);
     if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {
         return Err(format!("{} stops of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
     }
-    let (stops, bins) = seam::places(&grid, &table.grid)?;
+    let (stops, bins) = seam::places(grid, &table.grid)?;
     let mut listing = Listing::new(table);
-    each_line(&mut lines, &grid, &columns, |stop, bin, values| {
-        values.iter().enumerate().for_each(|(c, &value)| listing.add(stops[stop], bins[bin], c, value));
+    each_value(&mut lines, &heading, |stop, bin, colour, value| {
+        listing.add(stops[stop], bins[bin], colour, value)
     })?;
     listing.finish()
 }
 
 /// The lines of a file that are not empty, without comments and the space round them, and their numbers.
 struct Lines<R> {
-    lines: std::io::Lines<R>,
+    file: R,
     number: usize,
 }
 
 impl<R: BufRead> Lines<R> {
     fn of(file: R) -> Self {
-        Lines { lines: file.lines(), number: 0 }
+        Lines { file, number: 0 }
     }
 
     fn next(&mut self) -> Reason<Option<(usize, String)>> {
-        for line in self.lines.by_ref() {
+        let mut bytes = Vec::new();
+        while self.file.read_until(b'\n', &mut bytes).map_err(|e| e.to_string())? > 0 {
             self.number += 1;
-            let line = line.map_err(|e| match e.kind() {
-                ErrorKind::InvalidData => "not a text in UTF-8: only `DATA ascii` is read".to_string(),
-                _ => e.to_string(),
-            })?;
-            let line = without_comment(&line).trim();
+            let line = std::str::from_utf8(&bytes)
+                .map_err(|_| format!("line {}: not a text in UTF-8", self.number))?;
+            let line = without_comment(line).trim();
             if !line.is_empty() {
                 return Ok(Some((self.number, line.to_string())));
             }
+            bytes.clear();
         }
         Ok(None)
     }
@@ -141,75 +147,153 @@ fn without_comment(line: &str) -> &str {
     line.match_indices('#').find(begins).map_or(line, |(at, _)| &line[..at])
 }
 
-/// The geometry, and what a line of values holds.
-fn heading(lines: &mut Lines<impl BufRead>) -> Reason<(Grid, Columns)> {
+/// What stands before the values.
+#[derive(Default)]
+struct Heading {
+    grid: Grid,
+    colours: usize,
+    /// X, Y, Z instead of R, G, B.
+    xyz: bool,
+    wavelengths_nm: Vec<f64>,
+    /// f32, little-endian, instead of text.
+    binary: bool,
+    /// The sensor's azimuths beyond half a turn are those before, mirrored at the plane of incidence.
+    bilateral: bool,
+}
+
+fn heading(lines: &mut Lines<impl BufRead>) -> Reason<Heading> {
     if lines.next()?.is_none_or(|(_, line)| !line.starts_with("VERSION ")) {
         return Err("no VERSION line: not an SSDD file".into());
     }
     let mut lists: [Vec<f64>; 4] = Default::default();
-    let (mut model, mut wavelengths) = (String::new(), Vec::new());
+    let mut found = Heading::default();
     loop {
         let Some((number, line)) = lines.next()? else { return Err("no DATA line".into()) };
         let (key, value) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
-        let needs = |wanted: &str| {
-            if value == wanted { Ok(()) } else { Err(format!("line {number}: {key} {wanted} needed")) }
+        let value = value.trim();
+        let needs = |wanted: &str| Err(format!("line {number}: {key} {value}: {wanted} needed"));
+        let numbers = || {
+            let numbers = value.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>();
+            numbers.map_err(|_| format!("line {number}: {key}: numbers needed"))
         };
-        match key {
-            "DATA" => break needs("ascii")?,
-            "DATA_TYPE" => needs("brdf")?,
-            "PARAM_TYPE" => needs("spherical_coordinate_system")?,
-            "REDUCTION_TYPE" => return Err(format!("line {number}: reduced tables are not read")),
-            "COLOR_MODEL" => model = value.to_string(),
-            "WAVELENGTH_LIST" => wavelengths = value.split_whitespace().map(|nm| format!("{nm}nm")).collect(),
+        match (key, value) {
+            ("DATA", "ascii") => break,
+            ("DATA", "binary") => {
+                found.binary = true;
+                break;
+            }
+            ("DATA", _) => return needs("ascii or binary"),
+            ("DATA_TYPE", "brdf") | ("PARAM_TYPE", "spherical_coordinate_system") => {}
+            ("DATA_TYPE", _) => return needs("brdf"),
+            ("PARAM_TYPE", _) => return needs("spherical_coordinate_system"),
+            ("REDUCTION_TYPE", "bilateral_symmetry") => found.bilateral = true,
+            ("REDUCTION_TYPE", _) => return needs("bilateral_symmetry"),
+            ("COLOR_MODEL", "monochrome") => found.colours = 1,
+            ("COLOR_MODEL", "rgb" | "xyz") => (found.colours, found.xyz) = (3, value == "xyz"),
+            ("COLOR_MODEL", "spectrum") => {}
+            ("COLOR_MODEL", _) => return needs("monochrome, rgb, xyz or spectrum"),
+            ("WAVELENGTH_LIST", _) => found.wavelengths_nm = numbers()?,
             _ => {
                 let list = key.strip_prefix("PARAM").and_then(|rest| rest.strip_suffix("_LIST"));
                 if let Some(k) = list.and_then(|k| k.parse::<usize>().ok()).filter(|&k| k < 4) {
-                    let angles = value.split_whitespace().map(str::parse).collect::<Result<_, _>>();
-                    lists[k] = angles.map_err(|_| format!("line {number}: {key}: numbers needed"))?;
+                    lists[k] = numbers()?;
                 }
             }
         }
     }
-    let names: Vec<&str> = match model.as_str() {
-        "monochrome" => vec!["value"],
-        "rgb" => vec!["R", "G", "B"],
-        "xyz" => vec!["X", "Y", "Z"],
-        "spectrum" => wavelengths.iter().map(String::as_str).collect(),
-        _ => return Err(format!("COLOR_MODEL {model}: monochrome, rgb, xyz or spectrum needed")),
-    };
-    let columns = Columns::of(&names, 0).map_err(|why| format!("COLOR_MODEL {model}: {why}"))?;
-    // Azimuths of the light are needed of anisotropic data: without them there is one kind of azimuth, from the light.
-    let phi_r_relative = lists[1].is_empty();
-    if phi_r_relative {
-        lists[1] = vec![0.0];
+    let nm = &found.wavelengths_nm;
+    if !nm.windows(2).all(|pair| pair[0] < pair[1]) || !nm.iter().all(|nm| *nm > 0.0 && nm.is_finite()) {
+        return Err("WAVELENGTH_LIST: increasing positive numbers needed".into());
     }
-    let [theta_i_deg, phi_i_deg, theta_r, phi_r] = lists;
-    let points_deg = theta_r.iter().flat_map(|&t| phi_r.iter().map(move |&p| [t, p])).collect();
-    let kind = GridKind::Points;
-    Ok((Grid { kind, theta_i_deg, phi_i_deg, phi_r_relative, points_deg, ..Grid::default() }, columns))
+    match (found.colours, nm.len()) {
+        (0, 0) => return Err("COLOR_MODEL spectrum needs a WAVELENGTH_LIST".into()),
+        (0, count) => found.colours = count,
+        _ => found.wavelengths_nm.clear(),
+    }
+    found.grid = grid(lists, found.bilateral)?;
+    Ok(found)
 }
 
-/// Visits the lines of values: stop, bin, and a value for each colour; negative ones become 0.
-fn each_line(
+fn grid([theta_i_deg, mut phi_i_deg, theta_r, phi_r]: [Vec<f64>; 4], bilateral: bool) -> Reason<Grid> {
+    // Azimuths of the light are needed of anisotropic data: without them there is one kind of azimuth, from the light.
+    let phi_r_relative = phi_i_deg.is_empty();
+    if phi_r_relative {
+        phi_i_deg.push(0.0);
+    }
+    if bilateral && (phi_i_deg != [0.0] || phi_r.iter().any(|phi| !(0.0..=180.0).contains(phi))) {
+        return Err("bilateral_symmetry: PARAM3_LIST in [0, 180] and no azimuths of the light needed".into());
+    }
+    let points_deg = theta_r.iter().flat_map(|&t| phi_r.iter().map(move |&p| [t, p])).collect();
+    let kind = GridKind::Points;
+    Ok(Grid { kind, theta_i_deg, phi_i_deg, phi_r_relative, points_deg, ..Grid::default() })
+}
+
+/// The other half of a table that is its own mirror image at the plane of incidence.
+fn mirrored(grid: Grid, total: &mut [Vec<f32>]) -> Grid {
+    let (bins, points) = (grid.bins(), &grid.points_deg);
+    let half: Vec<usize> = (0..bins).filter(|&bin| points[bin][1] > 0.0 && points[bin][1] < 180.0).collect();
+    // Azimuths run fastest and up within a polar angle: the mirrored ones follow, down from 360.
+    let rows = points.chunk_by(|a, b| a[0] == b[0]).scan(0, |first, row| {
+        let begin = *first;
+        *first += row.len();
+        Some(begin..*first)
+    });
+    let order: Vec<(usize, bool)> = rows
+        .flat_map(|row| {
+            let back = row.clone().rev().filter(|bin| half.contains(bin)).map(|bin| (bin, true));
+            row.map(|bin| (bin, false)).chain(back.collect::<Vec<_>>())
+        })
+        .collect();
+    for values in total.iter_mut() {
+        *values = values.chunks(bins).flat_map(|stop| order.iter().map(|(bin, _)| stop[*bin])).collect();
+    }
+    let point = |&(bin, back): &(usize, bool)| {
+        let [theta, phi] = points[bin];
+        [theta, if back { 360.0 - phi } else { phi }]
+    };
+    Grid { points_deg: order.iter().map(point).collect(), ..grid }
+}
+
+/// Visits the values: stop, bin, colour.
+fn each_value(
     lines: &mut Lines<impl BufRead>,
-    grid: &Grid,
-    colours: &Columns,
-    mut visit: impl FnMut(usize, usize, &[f32]),
+    heading: &Heading,
+    mut visit: impl FnMut(usize, usize, usize, f32),
 ) -> Reason<()> {
+    let (grid, colours) = (&heading.grid, heading.colours);
     let (thetas, phis, bins) = (grid.theta_i_deg.len(), grid.phi_i_deg.len(), grid.bins());
     let columns = grid.points_deg.iter().take_while(|point| point[0] == grid.points_deg[0][0]).count();
     let (rows, pixels) = (bins / columns.max(1), thetas * phis * bins);
     let mut count = 0;
-    while let Some((number, line)) = lines.next()? {
+    let place = |count: usize| {
         let (ti, pi, rest) = (count % thetas, count / thetas % phis, count / (thetas * phis));
-        let (tr, pr) = (rest % rows, rest / rows);
-        let cell = |cell: &str| cell.parse().map_err(|_| format!("line {number}: `{cell}` is no number"));
-        let numbers = line.split_whitespace().map(cell).collect::<Reason<Vec<f64>>>()?;
-        if numbers.len() != colours.colours() || count == pixels {
-            return Err(format!("line {number}: {pixels} lines of {} values needed", colours.colours()));
+        (ti * phis + pi, rest % rows * columns + rest / rows)
+    };
+    let positive = |value: f32| if value < 0.0 { 0.0 } else { value };
+    if heading.binary {
+        let mut bytes = [0; 4];
+        for at in 0..pixels * colours {
+            let short = |_| format!("{} values of 4 bytes needed after `DATA binary`", pixels * colours);
+            lines.file.read_exact(&mut bytes).map_err(short)?;
+            let (stop, bin) = place(at / colours);
+            visit(stop, bin, at % colours, positive(f32::from_le_bytes(bytes)));
         }
-        let values: Vec<f32> = colours.values(&numbers).iter().map(|&value| value.max(0.0)).collect();
-        visit(ti * phis + pi, tr * columns + pr, &values);
+        return Ok(());
+    }
+    while let Some((number, line)) = lines.next()? {
+        let (stop, bin) = place(count);
+        let mut found = 0;
+        for cell in line.split_whitespace() {
+            let value: f32 = cell.parse().map_err(|_| format!("line {number}: no number"))?;
+            if found == colours || count == pixels {
+                return Err(format!("line {number}: {pixels} lines of {colours} values needed"));
+            }
+            visit(stop, bin, found, positive(value));
+            found += 1;
+        }
+        if found != colours {
+            return Err(format!("line {number}: {pixels} lines of {colours} values needed"));
+        }
         count += 1;
     }
     if count != pixels {
