@@ -162,7 +162,8 @@ fn check_slopes(map: &HeightMap, cuts: &Cuts, notes: &mut Vec<String>) -> std::r
     };
     if sdq.is_nan() || sdq > ABSURD_SDQ {
         return Err(format!(
-            "rms slope Sdq = {sdq:.3e}, {units}: above {ABSURD_SDQ} (88 degrees) only a slip of units has it; correct height unit or pitch"
+            "rms slope Sdq = {sdq:.3e}, {units}: above {ABSURD_SDQ} (88 degrees) only a slip of units has it; correct \
+             height unit or pitch"
         ));
     }
     if sdq > steep {
@@ -196,14 +197,16 @@ fn refinement(refined: &Refined) -> Vec<String> {
             String::new()
         };
         notes.push(format!(
-            "slopes depend on the diagonal that cells are cut along by {}, above {}: a mirrored map will not give the              mirrored table{more}",
+            "slopes depend on the diagonal that cells are cut along by {}, above {}: a mirrored map will not give the \
+             mirrored table{more}",
             percent(after.disagreement()),
             percent(AGREEMENT)
         ));
     }
     if (after.sdq - before.sdq).abs() > RESOLVED * before.sdq {
         notes.push(format!(
-            "the samples do not resolve the slopes: rms slope {:.4} from sample to sample, {:.4} of the spline through              them; steps and noise overshoot, refine = 1 leaves them as they are",
+            "the samples do not resolve the slopes: rms slope {:.4} from sample to sample, {:.4} of the spline through \
+             them; steps and noise overshoot, refine = 1 leaves them as they are",
             before.sdq, after.sdq
         ));
     }
