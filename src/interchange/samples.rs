@@ -44,7 +44,7 @@ impl Sample {
     }
 
     /// The sensor's azimuth counted from the light, to ten digits.
-    fn from_light(mut self) -> Self {
+    fn seen_from_light(mut self) -> Self {
         self.sensor[1] = ((self.sensor[1] - self.light[1]) * 1e10).round() / 1e10;
         self
     }
@@ -59,7 +59,7 @@ pub fn table(samples: &[Sample], columns: &Columns, isotropic: bool) -> Reason<B
     if samples.is_empty() {
         return Err("no samples".into());
     }
-    let from_light = || samples.iter().cloned().map(Sample::from_light).collect::<Vec<_>>();
+    let from_light = || samples.iter().cloned().map(Sample::seen_from_light).collect::<Vec<_>>();
     if isotropic {
         return one_azimuth(product(&from_light(), columns, true)?);
     }

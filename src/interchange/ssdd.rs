@@ -85,13 +85,18 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
         total[colour][stop * bins + bin] = value;
     })?;
     if heading.xyz {
-        for at in 0..pixels {
-            let rgb = colour::rgb([0, 1, 2].map(|c| f64::from(total[c][at])));
-            (0..3).for_each(|c| total[c][at] = rgb[c] as f32);
-        }
+        to_rgb(&mut total);
     }
     let grid = if heading.bilateral { mirrored(heading.grid, &mut total) } else { heading.grid };
     seam::dropped(spectral_table(grid, total, &heading.wavelengths_nm)?)
+}
+
+/// X, Y, Z as linear R, G, B.
+fn to_rgb(total: &mut [Vec<f32>]) {
+    let [x, y, z] = total else { return };
+    for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+        [*x, *y, *z] = colour::rgb([*x, *y, *z].map(f64::from)).map(|value| value as f32);
+    }
 }
 
 /// Holds a file of the table's own angles to the table, line by line, each value at its angles.
