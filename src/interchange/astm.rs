@@ -109,6 +109,9 @@ fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) 
             // Degrees to eight digits: what twelve digits of radians are worth.
             *angle = (angle.to_degrees() * 1e8).round() / 1e8;
         }
+        if let Some(why) = columns.fault(&numbers) {
+            return Err(format!("line {number}: {why}"));
+        }
         let mut sample = Sample::of(number, &numbers, &columns);
         sample.values.iter_mut().for_each(|value| *value = value.max(0.0));
         visit(sample)?;

@@ -150,6 +150,9 @@ impl<R: Read> Lines<R> {
         }
         let angles = self.angles.iter().map(|&column| numbers[column]);
         let all: Vec<f64> = angles.chain(numbers.iter().copied()).collect();
+        if let Some(why) = self.columns.fault(&all) {
+            return Err(format!("line {line}: {why}"));
+        }
         let sample = Sample::of(line as usize, &all, &self.columns);
         // Rounded as a table holds it: what f32 cannot hold is infinite there.
         if let Some(value) = sample.values.iter().find(|v| !(v.is_finite() && **v >= 0.0)) {

@@ -69,7 +69,11 @@ impl Columns {
                     ));
                 }
                 Role::Value(name) => named.push((name, column)),
+                Role::Error(of) if errors.iter().any(|&(other, _)| other == of) => {
+                    return Err(format!("the column `{}` is there twice", names[column - first].trim()));
+                }
                 Role::Error(of) => errors.push((of, column)),
+                Role::Hits if hits.is_some() => return Err("two columns count arrivals".into()),
                 Role::Hits => hits = Some(column),
                 Role::Known => {}
             }
@@ -97,6 +101,16 @@ impl Columns {
     /// Number of colours.
     pub fn colours(&self) -> usize {
         self.values.len()
+    }
+
+    /// Why a line's errors or counts are none, if they are not.
+    pub fn fault(&self, numbers: &[f64]) -> Option<String> {
+        let error = self.errors.iter().map(|&column| numbers[column]).find(|&e| e < 0.0 && e != -1.0);
+        let hits = self.hits.map(|column| numbers[column]);
+        let hits = hits.filter(|hits| hits.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(hits));
+        error
+            .map(|error| format!("{error} is no standard error (0 or more; -1: not available)"))
+            .or_else(|| hits.map(|hits| format!("{hits} is no number of arrivals")))
     }
 
     /// The values of a line.
