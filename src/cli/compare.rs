@@ -17,8 +17,8 @@ use crate::validate::two_tables::{Difference, DifferenceFigures, Side, differenc
 /// Compare two tables on the same grid bin by bin, with the errors of both
 #[derive(Args)]
 #[command(
-    after_help = "Distances are relative to B. Tables of the same patches are paired by realisation. Exits with 1 where \
-    they differ by more than noise explains.\n\n\
+    after_help = "Distances are relative to B. Tables of the same patches are paired by realisation.\n\
+    Exits with 1 where they differ by more than noise explains.\n\n\
     Example: gonio compare out/a/a.exr out/b/b.exr"
 )]
 pub struct Arguments {

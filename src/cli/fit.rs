@@ -20,10 +20,10 @@ const STRETCHED: &str = "direction_correlated: lambda takes the azimuth between 
 /// Fit analytic models to a table, each bin weighted by its size over the model
 #[derive(Args)]
 #[command(
-    after_help = "Errors come from leaving out one realisation at a time. Amplitudes are held at 0 or above, F0 in 0 .. 1, slopes\n\
-    in 0.0001 .. 10; a parameter on its bound is said to be there and has no error. Gaps of an imported table (no\n\
-    hits, no error) are left out. direction_correlated takes the azimuth between the stretched directions\n\
-    (alpha_x x, alpha_y y).\n\n\
+    after_help = "Errors come from leaving out one realisation at a time. Amplitudes are held at 0 or above,\n\
+    F0 in 0 .. 1, slopes in 0.0001 .. 10; a parameter on its bound is named and has no error.\n\
+    Gaps of an imported table (no hits, no error) are left out. direction_correlated takes the\n\
+    azimuth between the stretched directions (alpha_x x, alpha_y y).\n\n\
     Example: gonio fit out/quickstart/quickstart.exr --model ggx"
 )]
 pub struct Arguments {

@@ -37,13 +37,13 @@ pub struct Arguments {
     /// Average over this table's stops and bins
     #[arg(long, value_name = "TABLE.exr")]
     like: Option<PathBuf>,
-    /// The file's single azimuth of the light stands for all: the sample is isotropic
+    /// The single azimuth of the light stands for all
     #[arg(long)]
     isotropic: bool,
     /// MERL: values at the cells' centres
     #[arg(long)]
     merl_centre: bool,
-    /// Klems, tensor tree: the block `Reflection Back` (+z, read where it is there) or `Reflection Front` (-z)
+    /// Klems, tensor tree: the block `Reflection Back` (+z) or `Front` (-z)
     #[arg(long, value_name = "back|front")]
     side: Option<Side>,
     /// Maps: a texel that becomes a campaign; several times for several

@@ -19,10 +19,11 @@ use crate::table::realisations;
 
 /// Measure a campaign: table, realisations, summary and report
 #[derive(Args)]
-#[command(after_help = "Writes <name>.exr, <name>.realisations.exr, <name>.html (the page to look at),\n\
-    <name>.card.md (where it comes from) and, last, <name>.json to the folder; several roughnesses\n\
-    or materials give one set each, <name>_alpha_<value>, <name>_<material>.\n\n\
-    Example: gonio measure configs/quickstart.toml --threads 2")]
+#[command(
+    after_help = "Writes <name>.exr, <name>.realisations.exr, <name>.html (the page), <name>.card.md and, last,\n\
+    <name>.json; several roughnesses or materials give one set each, <name>_alpha_<value>, ...\n\n\
+    Example: gonio measure configs/quickstart.toml --threads 2"
+)]
 pub struct Arguments {
     /// The campaign, a TOML file
     campaign: PathBuf,
@@ -32,19 +33,19 @@ pub struct Arguments {
     /// Seed instead of the campaign's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Worker threads, 0 for one a core; results do not depend on it
+    /// Worker threads, 0: one a core; results do not depend on it
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
     /// Take the patches that `gonio surface` wrote there instead of making them
     #[arg(long, value_name = "DIR")]
     pub patches: Option<PathBuf>,
-    /// MiB that may be used; larger tables go in bands [default: half of the free]
+    /// MiB that may be used; larger tables go in bands [default: half the free]
     #[arg(long, value_name = "N")]
     memory_mb: Option<u64>,
-    /// Measure one of N shards, whole stops of it; `gonio merge` puts them together
+    /// Measure one of N shards, whole stops; `gonio merge` puts them together
     #[arg(long, value_name = "K/N")]
     shard: Option<Shard>,
-    /// Keep every realisation, however large their file: for fit, study, compare and validate
+    /// Keep all realisations, however large: for fit, compare and validate
     #[arg(long)]
     keep_realisations: bool,
     /// Go on with a run that was ended (Ctrl-C, a crash), to the same bytes

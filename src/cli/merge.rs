@@ -33,7 +33,7 @@ pub struct Arguments {
     /// Merge what is there, though shards are missing
     #[arg(long)]
     partial: bool,
-    /// MiB that may be used; larger tables go in bands [default: half of the free]
+    /// MiB that may be used; larger tables go in bands [default: half the free]
     #[arg(long, value_name = "N")]
     memory_mb: Option<u64>,
     /// Keep every realisation, however large their file
