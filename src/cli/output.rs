@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::error::{Error, Result};
+use crate::validate::Verdict;
 
 /// Columns of the terminal that every text fits.
 pub const WIDTH: usize = 100;
@@ -110,6 +111,14 @@ pub fn wrapped(head: &str, text: &str) -> Vec<String> {
         empty = false;
     }
     lines.push(line);
+    lines
+}
+
+/// A verdict: its comparisons, each law, and all of them in one line.
+pub fn verdict_lines(verdict: &Verdict) -> Vec<String> {
+    let mut lines = verdict.lines();
+    lines.extend(verdict.judgements.iter().flat_map(|judgement| wrapped("", &judgement.line())));
+    lines.extend(wrapped("verdict: ", &verdict.verdict));
     lines
 }
 

@@ -131,17 +131,19 @@ pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verd
     out.lines(lost_light_line(measured, plan))?;
     out.lines(end_lines(measured, plan))?;
     out.line("")?;
-    out.lines(verdict.lines())
+    out.lines(output::verdict_lines(verdict))
 }
 
 /// How much light left an open map by its edge, where any did.
-fn lost_light_line(measured: &Measured, plan: &Plan) -> Option<String> {
+fn lost_light_line(measured: &Measured, plan: &Plan) -> Vec<String> {
     let stops = measured.stops.iter().enumerate().map(|(index, stop)| (index, stop.lost_light[1]));
-    let (index, flux) = stops.filter(|stop| stop.1 > 0.0).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let most = stops.filter(|stop| stop.1 > 0.0).max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((index, flux)) = most else { return vec![] };
     let (theta, phi) = plan.grid.stop_deg(index);
-    Some(format!(
-        "left map: at {theta:.2}, {phi:.2} up to {flux:.4} of the light is missing; error bars cover where it may have gone"
-    ))
+    let text = format!(
+        "at {theta:.2}, {phi:.2} up to {flux:.4} of the light is missing; error bars cover where it may have gone"
+    );
+    output::wrapped("left map: ", &text)
 }
 
 /// What ended the stops, where it was not that all samples were measured.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::{Output, say, to_json};
+use super::output::{Output, say, to_json, verdict_lines};
 use super::table_file::{self, Opened};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if arguments.json {
         out.json(&to_json(&verdict)?)?;
     } else {
-        out.lines(verdict.lines())?;
+        out.lines(verdict_lines(&verdict))?;
     }
     if verdict.ok { Ok(0) } else { Err(Error::Disagreement(verdict.failures.join("\nerror: "))) }
 }

@@ -1,11 +1,11 @@
 //! The verdict in words and columns, at most 100 wide.
 
 use super::compare::{self, Comparison};
-use super::judgement::Judgement;
 use super::verdict::Verdict;
 
 impl Verdict {
-    /// The printable report.
+    /// The table of the comparisons, where there are any; of a verdict the laws have a line each besides
+    /// ([`Judgement::line`](super::Judgement::line)).
     pub fn lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(first) = self.comparisons.first() {
@@ -15,8 +15,6 @@ impl Verdict {
             ));
             lines.extend(self.comparison_lines(first));
         }
-        lines.extend(self.judgements.iter().map(Judgement::line));
-        lines.push(format!("verdict: {}", self.verdict));
         lines
     }
 
