@@ -260,8 +260,13 @@ fn interval(figures: &Figures) -> Option<(f64, f64, f64)> {
     }
     // Without realisations nothing is known of the sum of the bins but its noise, were all of them off together.
     let noise = figures.l1_noise?;
-    let found = figures.l1_model.or(figures.l1)?;
-    Some((found, (found - noise).max(0.0), found + noise))
+    if let Some(found) = figures.l1_model {
+        return Some((found, (found - noise).max(0.0), found + noise));
+    }
+    // Of fewer than four realisations there is only l1, which noise alone makes as large as itself, and its estimate of
+    // noise is rough.
+    let l1 = figures.l1?;
+    Some((l1, (l1 - 3.0 * noise).max(0.0), l1 + noise))
 }
 
 #[cfg(test)]
@@ -294,6 +299,13 @@ mod tests {
         assert_eq!(ruling(0.001, Some(0.003), 0.003), Ruling::Passed);
         // Just above the bar, which the interval holds.
         assert_eq!(ruling(0.004, Some(0.001), 0.003), Ruling::NotJudged);
+        // Three realisations have no l1_model.
+        let few = |l1, noise| {
+            let figures = Figures { l1: Some(l1), l1_noise: Some(noise), ..Figures::default() };
+            distance(&figures, 0.0165).ruling
+        };
+        assert_eq!(few(0.4746, 0.4325), Ruling::NotJudged);
+        assert_eq!(few(0.895, 0.007), Ruling::Failed);
         let unknown = Figures { l1: Some(0.9), ..Figures::default() };
         assert_eq!(distance(&unknown, 0.0035).ruling, Ruling::NotJudged);
     }
