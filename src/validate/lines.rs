@@ -48,9 +48,7 @@ impl Verdict {
                 .nearest_masking
                 .as_ref()
                 .filter(|_| self.comparisons.len() > 1)
-                .map_or(String::new(), |m| {
-                    format!("  {m}{}", self.nearest_p.map_or(String::new(), |p| format!(" (p {p:.2})")))
-                }),
+                .map_or(String::new(), |m| format!("  {m}")),
         );
         lines
     }
