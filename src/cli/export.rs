@@ -37,7 +37,7 @@ pub struct Arguments {
     /// RGL: spectral, wavelengths of B, G, R: 465,532,630
     #[arg(long, value_name = "NM", value_delimiter = ',')]
     wavelengths_nm: Vec<f64>,
-    /// Klems: 145, 73 or 41 patches; without it the table's own, else full
+    /// Klems: 145, 73 or 41 patches (else the table's own, or full)
     #[arg(long, value_name = "full|half|quarter")]
     klems: Option<Basis>,
     /// Replace the file if it is there
