@@ -13,7 +13,7 @@ pub fn mean_and_se(values: impl Iterator<Item = f64> + Clone) -> (f64, Option<f6
     (mean, (count > 1.0).then(|| (squares / (count * (count - 1.0))).sqrt()))
 }
 
-/// E[s]/sigma of a normal sample of `n` >= 2: the bias of the sample standard deviation.
+/// E\[s\]/sigma of a normal sample of `n` >= 2: the bias of the sample standard deviation.
 ///
 /// c4(n) = sqrt(2/(n-1)) Gamma(n/2)/Gamma((n-1)/2). Held by: `c4_matches_published_values`.
 pub fn c4(n: usize) -> f64 {

@@ -31,7 +31,7 @@ pub struct Data {
     pub absolute: bool,
     /// The campaign's turn of the sample, rad: alpha_x is given for the axis within 45 degrees of it.
     pub rotation: f64,
-    /// `value` of each realisation, [realisation][colour][entry]; empty where they are not known.
+    /// `value` of each realisation, \[realisation\]\[colour\]\[entry\]; empty where they are not known.
     pub parts: Vec<Vec<Vec<f64>>>,
 }
 

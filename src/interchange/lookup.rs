@@ -3,11 +3,11 @@
 //! Along the sensor's angles: cubic between the middles of the bins, with node values such that the means of the
 //! interpolant over the bins are the table's. A cubic may swing below 0 beside a lobe; there the value is 0.
 //!
-//! Between the stops of the light: the ratio to a law that the table nearly follows ([`Guide`]), cubic at equal half
+//! Between the stops of the light: the ratio to a law that the table nearly follows (`Guide`), cubic at equal half
 //! vector. There the mirrored light is alike (f(wi, wo) = D(h) times what varies slowly), where at equal `wo` two lobes
 //! would show; and masking and the two cosines, by which the values at one half vector grow manifold towards grazing
 //! light, are the law's. Beyond the stops the ratio of the nearest holds. Last, the values of every direction of the
-//! light are scaled such that their integral is the table's albedo, interpolated as the values are ([`Levels`]).
+//! light are scaled such that their integral is the table's albedo, interpolated as the values are (`Levels`).
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! MERL `.binary`: isotropic, 90 x 90 x 180 half/difference cells, three colours.
 //!
-//! Three int32 (90, 90, 180), then f64 [colour][theta_h][theta_d][phi_d], divided by a scale for each colour.
+//! Three int32 (90, 90, 180), then f64 \[colour\]\[theta_h\]\[theta_d\]\[phi_d\], divided by a scale for each colour.
 //! theta_h = 90 (i/90)^2 degrees, theta_d = i, phi_d = i degrees; phi_d and phi_d + 180 are one cell. The format does
 //! not say where in its cell a value lies: [`Sampling`]. Layout: the MERL BRDF database's reader (Matusik et al. 2003).
 

@@ -2,7 +2,7 @@
 //!
 //! Enters: a [`BrdfTable`] or the bytes of a foreign file. Leaves: the other. A format whose directions are not the
 //! table's is written through [`Lookup`], an interpolant that keeps the table's bin means; a foreign file whose
-//! directions are no list of stops and bins is a [`Brdf`] and is averaged over bins by [`resample`].
+//! directions are no list of stops and bins is a [`Brdf`] and is averaged over bins by [`resample()`].
 
 pub mod albedo;
 mod angles;

@@ -51,9 +51,9 @@ pub struct Zemax {
     pub azimuths: Vec<f64>,
     /// Angles from the mirror direction.
     pub radials: Vec<f64>,
-    /// Luminance, or X, Y and Z: [rotation][incidence][azimuth][radial].
+    /// Luminance, or X, Y and Z: \[rotation\]\[incidence\]\[azimuth\]\[radial\].
     pub values: Vec<Vec<f32>>,
-    /// TIS by channel, [rotation][incidence].
+    /// TIS by channel, \[rotation\]\[incidence\].
     pub tis: Vec<Vec<f64>>,
 }
 

@@ -31,7 +31,7 @@ pub fn albedo(table: &BrdfTable, theta: f64, phi: f64) -> Option<f64> {
 
 impl Zemax {
     /// Integral of a channel times the cosine over the hemisphere at each incidence of each rotation: two Gauss points in
-    /// each interval of the file's angles and of [`FINE`] steps.
+    /// each interval of the file's angles and of `FINE` steps.
     pub fn integrals(&self, channel: usize) -> Vec<f64> {
         let (half, times) = if self.symmetric { (180.0, 2.0) } else { (360.0, 1.0) };
         let (azimuths, radials) =

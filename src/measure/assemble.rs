@@ -15,10 +15,10 @@ use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, Sch
 /// What a stop shows besides its bins.
 #[derive(Debug, Clone)]
 pub struct StopResult {
-    /// Share of the incident flux in each order, one value for each realisation: [order][realisation], mean of the
+    /// Share of the incident flux in each order, one value for each realisation: \[order\]\[realisation\], mean of the
     /// colours. No realisation where only the light towards the apertures is followed.
     pub albedo_by_order: Vec<Vec<f64>>,
-    /// All orders and the cut paths with F = 1: [realisation]; empty where only the light towards the apertures is
+    /// All orders and the cut paths with F = 1: \[realisation\]; empty where only the light towards the apertures is
     /// followed.
     pub closure: Vec<f64>,
     /// Whether F = 1.

@@ -64,7 +64,7 @@ pub struct Study {
     pub worst: Option<Worst>,
 }
 
-/// What the measured turn of a sample shows; `measured` comes from a campaign and plan of [`turned`].
+/// What the measured turn of a sample shows; `measured` comes from a campaign and plan of [`turned()`].
 ///
 /// Held by: `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/study.rs).
 pub fn examine(measured: &Measured) -> Study {

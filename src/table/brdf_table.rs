@@ -56,7 +56,7 @@ pub struct SchlickSums {
     pub unit: Vec<f32>,
     /// Order 1 times (1-c)^5.
     pub first: Vec<f32>,
-    /// The parts (`optics::parts`) of orders 2, 3, ... (channels by order), or of all of them together: [group][part].
+    /// The parts (`optics::parts`) of orders 2, 3, ... (channels by order), or of all of them together: \[group\]\[part\].
     pub further: Vec<Vec<Vec<f32>>>,
 }
 

@@ -44,7 +44,7 @@ pub enum Model {
 
 /// One model's means over the bins of one stop.
 pub struct StopMeans {
-    /// [masking][colour][bin], 1/sr.
+    /// \[masking\]\[colour\]\[bin\], 1/sr.
     pub values: Vec<Vec<Vec<f64>>>,
 }
 
