@@ -153,11 +153,24 @@ impl PairValues {
         means.iter().map(move |mean| mean[2 * pair] / mean[2 * pair + 1])
     }
 
-    /// How far the correction may be off: by as much as the maskings differ in it.
+    /// How far the correction may be off: by as much as the maskings differ in it, and, for random heights, which are not
+    /// the model, by half of what the nearest masking is off in the bins. That half is an assumption: what a surface is off
+    /// has one sign in both bins of a pair, which differ in shape alone. A stop that is scaled is off by all of it.
     pub fn allowance(&self, pair: usize) -> f64 {
         let back = f64::from(self.value[2 * pair + 1]);
         let off = self.ratios(pair).map(|ratio| (ratio - self.ratio(pair)).abs()).fold(0.0, f64::max);
-        off * back
+        let own = if self.facets.is_some() && !self.exact {
+            self.misfit(2 * pair).max(self.ratio(pair) * self.misfit(2 * pair + 1))
+        } else {
+            0.0
+        };
+        off * back + 0.5 * own
+    }
+
+    /// How far the nearest masking is from the value of one way.
+    fn misfit(&self, way: usize) -> f64 {
+        let value = f64::from(self.value[way]);
+        self.mean.iter().map(|mean| (value - mean[way]).abs()).reduce(f64::min).unwrap_or(0.0)
     }
 
     /// The value one way.
