@@ -32,8 +32,12 @@ impl Seen {
             let lit = band.colours.iter().any(|colour| colour.total[here.clone()].iter().any(|&f| f > 0.0));
             self.stops += 1;
             self.dark += usize::from(!lit);
+            // Bounds are those of an open map: no other table needs the sizes of its bins here.
+            if band.colours.iter().all(|colour| colour.left_map.is_empty()) {
+                continue;
+            }
             let sizes: Vec<f64> = band.grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
-            for colour in band.colours.iter().filter(|colour| !colour.left_map.is_empty()) {
+            for colour in &band.colours {
                 let bounds = colour.left_map[here.clone()].iter().zip(&sizes);
                 let lost: f64 = bounds.map(|(&bound, size)| f64::from(bound) * size).sum();
                 let se = colour.albedo_se.get(stop).map_or(0.0, |&se| f64::from(se));

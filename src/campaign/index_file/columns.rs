@@ -73,8 +73,8 @@ pub(super) fn parse(text: &str) -> Result<Dispersion, String> {
     Dispersion::new(eta, k.curve())
 }
 
-/// Wavelength and value on each line, in nm: a renderer's spectrum.
-pub(super) fn spectrum(text: &str) -> Result<Curve, String> {
+/// Wavelength in nm and n or k (`name`) on each line: a renderer's spectrum.
+pub(super) fn spectrum(text: &str, name: &str) -> Result<Curve, String> {
     let style = style_of(text)?;
     let mut points = Points::default();
     for (number, line) in lines(text) {
@@ -86,7 +86,7 @@ pub(super) fn spectrum(text: &str) -> Result<Curve, String> {
         if nm < SHORTEST_NM {
             return Err(micrometres(number, nm));
         }
-        points.push(number, nm, "k", value)?;
+        points.push(number, nm, name, value)?;
     }
     points.curve().ok_or("holds no line of a wavelength in nm and a value".into())
 }

@@ -45,13 +45,14 @@ pub(super) fn read(path: &Path) -> Result<Dispersion, String> {
 
 /// n from one file and k from the other: two columns each, wavelengths in nm.
 fn pair(files: [PathBuf; 2]) -> Result<Dispersion, String> {
-    let [eta, k] = files.map(|file| {
+    let read = |file: &Path, quantity: &str| {
         let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let text =
-            text_of(&file).map_err(|why| format!("{name}: {why}; both files of the pair are needed"))?;
-        columns::spectrum(&text).map_err(|why| format!("{name}: {why}"))
-    });
-    Dispersion::new(eta?, Some(k?))
+            text_of(file).map_err(|why| format!("{name}: {why}; both files of the pair are needed"))?;
+        columns::spectrum(&text, quantity).map_err(|why| format!("{name}: {why}"))
+    };
+    let [eta, k] = &files;
+    Dispersion::new(read(eta, "n")?, Some(read(k, "k")?))
 }
 
 fn text_of(path: &Path) -> Result<String, String> {
