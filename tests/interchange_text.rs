@@ -135,7 +135,7 @@ fn damaged_texts_are_refused() {
     assert!(reason("").contains("VARS"));
     assert!(reason(&astm_text.replace("phi_s,Y", "phi_s,Y,Z")).contains("nor X Y Z"));
     assert!(reason(&astm_text.replacen("0.000000000000,", "nan,", 1)).contains("line 7"));
-    assert!(reason(astm_text.trim_end().rsplit_once('\n').expect("lines").0).contains("do not make"));
+    assert!(reason(astm_text.trim_end().rsplit_once('\n').expect("lines").0).contains("cut short"));
     let ssdd_text = text(|out| ssdd::write(&wanted, out));
     let reason = |text: &str| ssdd::read(text.as_bytes()).expect_err("must be refused");
     assert!(reason("").contains("VERSION"));

@@ -58,7 +58,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     check_output(&arguments.table, &arguments.output, arguments.force)?;
     let export = match table_file::open_as_stored(&arguments.table, TableRows::row_bytes)? {
         Opened::Whole(table) => {
-            let table = if format.holds_totals_alone() { table.totals_alone() } else { *table };
+            let alone = format.holds_totals_alone() && table.gaps() == 0;
+            let table = if alone { table.totals_alone() } else { *table };
             interchange::export(&table, format, &options, &arguments.output)?
         }
         Opened::Rows(mut rows) if format.goes_by_rows() && rows.grid().kind != GridKind::HalfDifference => {

@@ -36,17 +36,13 @@ pub struct Data {
 }
 
 impl Data {
-    /// The data of a table; `campaign` is `None` for an imported one, whose bins without hits and errors are gaps.
+    /// The data of a table; `campaign` is `None` for an imported one.
     pub fn new(table: &BrdfTable, campaign: Option<&Campaign>, parts: Option<&Realisations>) -> Data {
         let grid = table.grid.clone();
-        let gap = |entry: usize| {
-            let unknown = table.colours.iter().all(|colour| colour.stderr_single[entry] < 0.0);
-            campaign.is_none() && table.hits[entry] == 0 && unknown
-        };
         let regions = (0..grid.stops()).flat_map(|stop| grid.regions(stop));
         let size = regions.enumerate().map(|(entry, region)| {
             let size = Some(region.projected_solid_angle()).filter(|size| *size > 0.0).unwrap_or(1.0);
-            if gap(entry) { 0.0 } else { size }
+            if table.is_gap(entry) { 0.0 } else { size }
         });
         let size: Vec<f64> = size.collect();
         let value: Vec<Vec<f64>> = table.colours.iter().map(|colour| wide(&colour.single)).collect();

@@ -22,11 +22,11 @@ const ISOTROPIC: &str = "ISOTROPIC";
 /// More lines than are worth reading as text.
 const MOST_LINES: usize = 1 << 26;
 
-/// Writes the totals.
+/// Writes the totals; a gap has no line.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     let (stops, bins) = (table.grid.stops(), table.grid.bins());
     writeln!(out, "LAB_NAME gonio\nSYSTEM_NAME gonio {}\nMEAS_NAME BRDF", table.version)?;
-    writeln!(out, "NUM_POINTS {}", stops * bins)?;
+    writeln!(out, "NUM_POINTS {}", stops * bins - table.gaps())?;
     if table.grid.is_isotropic() {
         writeln!(out, "{ISOTROPIC} yes")?;
     }
@@ -35,6 +35,9 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     for stop in 0..stops {
         let (theta_i, phi_i) = table.grid.stop_deg(stop);
         for (bin, (theta_s, phi_s)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
+            if table.is_gap(stop * bins + bin) {
+                continue;
+            }
             let angles = [theta_i, phi_i, theta_s, phi_s].map(|deg| format!("{:.12}", deg.to_radians()));
             let values = table.colours.iter().map(|colour| colour.total[stop * bins + bin].to_string());
             let line: Vec<String> = angles.into_iter().chain(values).collect();
@@ -74,11 +77,16 @@ fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) 
         _ => e.to_string(),
     };
     let mut lines = file.lines().enumerate().map(|(k, line)| (k + 1, line.map_err(unread)));
-    let mut isotropic = false;
+    let (mut isotropic, mut points) = (false, None);
     let names = loop {
         let Some((_, line)) = lines.next() else { return Err("no VARS line: not an ASTM file".into()) };
         let line = line?;
         isotropic |= line.split_whitespace().eq([ISOTROPIC, "yes"]);
+        if let Some(count) = line.trim().strip_prefix("NUM_POINTS ") {
+            let count = count.trim();
+            points =
+                Some(count.parse::<usize>().map_err(|_| format!("NUM_POINTS {count}: a number needed"))?);
+        }
         if let Some(names) = line.trim().strip_prefix("VARS ") {
             break cells(names).map(str::to_string).collect::<Vec<_>>();
         }
@@ -88,6 +96,7 @@ fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) 
     }
     let channels: Vec<&str> = names[ANGLES.len()..].iter().map(String::as_str).collect();
     let columns = Columns::of(&channels, ANGLES.len()).map_err(|why| format!("VARS: {why}"))?;
+    let mut found = 0;
     for (number, line) in lines {
         let line = line?;
         let line = line.trim();
@@ -115,6 +124,10 @@ fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) 
         let mut sample = Sample::of(number, &numbers, &columns);
         sample.values.iter_mut().for_each(|value| *value = value.max(0.0));
         visit(sample)?;
+        found += 1;
+    }
+    if let Some(points) = points.filter(|&points| points > found) {
+        return Err(format!("NUM_POINTS is {points}, the file has {found} samples: it was cut short"));
     }
     Ok((columns, isotropic))
 }

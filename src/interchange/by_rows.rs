@@ -128,7 +128,7 @@ fn csv_back(rows: &mut TableRows, bands: &[Range<usize>], file: BufReader<File>)
     for band in bands {
         let band = take(rows, band).map_err(|e| e.to_string())?;
         let listing = samples::listed(&band, 0.0, |each| {
-            lines.by_ref().take(band.hits.len()).try_for_each(|sample| each(sample?))
+            lines.by_ref().take(band.hits.len() - band.gaps()).try_for_each(|sample| each(sample?))
         })?;
         held.join(listing)?;
     }

@@ -47,7 +47,7 @@ pub fn write_heading(
     writer.write_record(&heading).map_err(failed)
 }
 
-/// The lines of a table, or of a band of it.
+/// The lines of a table, or of a band of it. A gap has none.
 pub fn write_lines(
     table: &BrdfTable,
     isotropic: bool,
@@ -59,6 +59,9 @@ pub fn write_lines(
         let regions = table.grid.regions(stop);
         for (bin, (theta_r, phi_r)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
             let (at, region) = (stop * bins + bin, &regions[bin]);
+            if table.is_gap(at) {
+                continue;
+            }
             let size = Region::projected_solid_angle(region);
             let angles = [theta_i, phi_i, theta_r, phi_r, size].map(|value| value.to_string());
             let totals = table.colours.iter().map(|colour| colour.total[at].to_string());

@@ -8,8 +8,8 @@ use super::format::{Format, Options};
 use super::half_difference::{HalfDifference, as_arms};
 use super::import::{Imported, decode};
 use super::{
-    AlbedoCurve, Brdf, Fail, Lookup, ReadBack, Reason, astm, csv, exr_parts, klems, luminance, merl, npy,
-    npz, pabopto, read_back, rgl, ssdd, tensor_tree, utia, zemax,
+    AlbedoCurve, Brdf, Fail, Lookup, ReadBack, Reason, astm, csv, exr_parts, klems, luminance, merl,
+    not_measured, npy, npz, pabopto, read_back, rgl, ssdd, tensor_tree, utia, zemax,
 };
 use crate::error::{Error, Result};
 use crate::files;
@@ -52,6 +52,10 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
         return Err(refused(format!(
             "holds Y or R G B, the table has {count} wavelengths; npz and npy hold them"
         )));
+    }
+    // Half/difference angles have cells below the horizon, which no format counts.
+    if table.gaps() > 0 && table.grid.kind != GridKind::HalfDifference && !format.holds_gaps() {
+        return Err(refused(not_measured(table)));
     }
     if !format.holds_half_difference()
         && let Some(arms) = as_arms(table, None).map_err(refused)?
@@ -216,7 +220,9 @@ fn export_folder(table: &BrdfTable, path: &Path) -> Result<Export> {
         let text = pabopto::write(table, stop).map_err(Error::Internal)?;
         files::write_atomically(&file, text.as_bytes())?;
         let (_, values) = pabopto::read(&files::read(&file)?).map_err(|why| Error::format(&file, why))?;
-        totals.extend(values);
+        let (bins, mut values) = (table.grid.bins(), values.into_iter());
+        let measured = |bin: usize| !table.is_gap(stop * bins + bin);
+        totals.extend((0..bins).filter_map(|bin| if measured(bin) { values.next() } else { Some(0.0) }));
     }
     let read_back = read_back::listed(table, &[totals]).map_err(Error::Internal)?;
     Ok(Export { convention: pabopto::CONVENTION.into(), notes: vec![], read_back, albedo: None })

@@ -83,6 +83,11 @@ impl Format {
         matches!(self, Format::Npz | Format::Npy | Format::Merl)
     }
 
+    /// Whether the file can leave out a pair of directions that was not measured.
+    pub fn holds_gaps(self) -> bool {
+        matches!(self, Format::Npz | Format::Csv | Format::ExrParts | Format::Astm | Format::Pabopto)
+    }
+
     /// Whether the file has one channel: the luminance of a table of three colours.
     pub fn has_one_channel(self) -> bool {
         matches!(self, Format::Zemax | Format::Pabopto)

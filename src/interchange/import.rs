@@ -7,8 +7,8 @@ use super::half_difference::HalfDifference;
 use super::resample::default_grid;
 use super::samples::one_azimuth;
 use super::{
-    Brdf, Lookup, Reason, astm, csv, exr_parts, klems, merl, npz, resample, rgl, ssdd, tensor_tree, utia,
-    zemax,
+    Brdf, Lookup, Reason, astm, csv, exr_parts, gaps, klems, merl, npz, resample, rgl, ssdd, tensor_tree,
+    utia, zemax,
 };
 use crate::error::{Error, Result};
 use crate::files;
@@ -97,11 +97,21 @@ pub fn import(
     Ok((table, notes.into_iter().chain(how).collect()))
 }
 
-/// A table of what was read, on the geometry of `like` where that is given; and how it was resampled.
-fn on_grid(imported: Imported, like: Option<&Grid>) -> Reason<(BrdfTable, Option<String>)> {
+/// A table of what was read, on the geometry of `like` where that is given, with what is to be said of
+/// gaps and of resampling.
+fn on_grid(imported: Imported, like: Option<&Grid>) -> Reason<(BrdfTable, Vec<String>)> {
     match imported {
         Imported::Table(table) => {
-            let Some(grid) = like.filter(|grid| **grid != table.grid) else { return Ok((table, None)) };
+            let Some(grid) = like.filter(|grid| **grid != table.grid) else {
+                let (gaps, all) = (table.gaps(), table.grid.stops() * table.grid.bins());
+                let scan = gaps > 0 && table.grid.kind != GridKind::HalfDifference;
+                let note = format!(
+                    "{gaps} of {all} pairs of directions were not measured: gaps, which count nowhere; --like \
+                     TABLE.exr fills them in"
+                );
+                return Ok((table, scan.then_some(note).into_iter().collect()));
+            };
+            let (table, filled) = gaps::filled(table)?;
             let (brdf, how): (Box<dyn Brdf>, &str) = match table.grid.kind {
                 GridKind::HalfDifference => {
                     (Box::new(HalfDifference::new(&table)?), "linear between half/difference angles")
@@ -112,7 +122,8 @@ fn on_grid(imported: Imported, like: Option<&Grid>) -> Reason<(BrdfTable, Option
                 ),
                 _ => (Box::new(Lookup::new(&table)?), "by cubic interpolation at equal half vector"),
             };
-            Ok((resample(brdf.as_ref(), grid)?, Some(format!("resampled: {how}"))))
+            let notes = filled.into_iter().chain([format!("resampled: {how}")]).collect();
+            Ok((resample(brdf.as_ref(), grid)?, notes))
         }
         Imported::Function(brdf, own) => {
             let grid = like.unwrap_or(&own);
@@ -121,7 +132,7 @@ fn on_grid(imported: Imported, like: Option<&Grid>) -> Reason<(BrdfTable, Option
                 grid.stops(),
                 grid.bins()
             );
-            Ok((resample(brdf.as_ref(), grid)?, Some(how)))
+            Ok((resample(brdf.as_ref(), grid)?, vec![how]))
         }
     }
 }

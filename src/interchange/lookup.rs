@@ -20,13 +20,13 @@ use super::folds::{Fold, unfolded};
 use super::guide::Guide;
 use super::levels::Levels;
 use super::means::keep_means;
-use super::{Brdf, Colour, Reason};
+use super::{Brdf, Colour, Reason, not_measured};
 use crate::instrument::GridKind;
 use crate::sphere;
 use crate::table::BrdfTable;
 
 /// The widest gap between azimuths that is interpolated over.
-const WIDEST_GAP_DEG: f64 = 46.0;
+pub(super) const WIDEST_GAP_DEG: f64 = 46.0;
 
 /// The interpolant.
 pub struct Lookup {
@@ -56,6 +56,9 @@ impl Lookup {
     /// go all the way round, or do with the mirror images that the law of the campaign's surface has.
     pub fn new(table: &BrdfTable) -> Reason<Self> {
         let grid = &table.grid;
+        if table.gaps() > 0 {
+            return Err(not_measured(table));
+        }
         let (theta_i_deg, phi_i_deg) = stop_axes(grid)?;
         let (theta_i, phi_i) = (increasing("theta_i", &theta_i_deg)?, around("phi_i", &phi_i_deg)?);
         let isotropic = grid.phi_r_relative && phi_i.angles.len() == 1;

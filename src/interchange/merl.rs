@@ -180,11 +180,11 @@ pub struct Merl {
 /// Reads the bytes of a file.
 pub fn read(bytes: &[u8], sampling: Sampling) -> Reason<Merl> {
     let table = read_table(bytes, sampling)?;
-    let unseen = table.hits.iter().filter(|&&hits| hits == 0).count();
-    Ok(Merl { half: HalfDifference::new(&table)?, invalid: unseen as f64 / CELLS as f64 })
+    let invalid = table.gaps() as f64 / CELLS as f64;
+    Ok(Merl { half: HalfDifference::new(&table)?, invalid })
 }
 
-/// The table of a file's own cells; invalid ones have no arrivals.
+/// The table of a file's own cells; invalid ones are gaps.
 ///
 /// Refused: another length, another size of the grid, values that are not finite. Held by:
 /// `damaged_files_are_refused`, `the_cells_of_a_file_are_a_table` (tests/interchange_merl.rs).
@@ -219,8 +219,9 @@ pub fn read_table(bytes: &[u8], sampling: Sampling) -> Reason<BrdfTable> {
         return Err("every value is marked invalid".into());
     }
     let seen = |values: Vec<f32>| values.iter().zip(&hits).map(|(&v, &hits)| v * hits as f32 + 0.0).collect();
-    let table = foreign_table(grid(sampling), total.into_iter().map(seen).collect())?;
-    Ok(BrdfTable { hits, ..table })
+    let mut table = foreign_table(grid(sampling), total.into_iter().map(seen).collect())?;
+    (0..CELLS).filter(|&cell| hits[cell] == 0).for_each(|cell| table.set_gap(cell));
+    Ok(table)
 }
 
 impl Brdf for Merl {

@@ -15,6 +15,7 @@ pub mod export;
 pub mod exr_parts;
 mod folds;
 pub mod format;
+mod gaps;
 mod guide;
 pub mod half_difference;
 pub mod import;
@@ -76,7 +77,8 @@ pub fn luminance(table: &BrdfTable) -> Reason<BrdfTable> {
         }
         colours => colours[0].total.clone(),
     };
-    let luminance = foreign_table(table.grid.clone(), vec![total])?;
+    let mut luminance = foreign_table(table.grid.clone(), vec![total])?;
+    (0..table.hits.len()).filter(|&entry| table.is_gap(entry)).for_each(|gap| luminance.set_gap(gap));
     Ok(BrdfTable { campaign: table.campaign.clone(), ..luminance })
 }
 
@@ -114,6 +116,16 @@ impl From<String> for Fail {
     fn from(reason: String) -> Self {
         Fail::Refused(reason)
     }
+}
+
+/// Why a table with gaps is not what was asked for.
+fn not_measured(table: &BrdfTable) -> String {
+    format!(
+        "{} of {} pairs of directions were not measured; npz, csv, astm, exr_parts and pabopto keep such gaps, import \
+         --like TABLE.exr fills them in",
+        table.gaps(),
+        table.grid.stops() * table.grid.bins()
+    )
 }
 
 /// A table of foreign values: no error bars, no orders, no campaign. `total[colour]` is row-major.

@@ -13,7 +13,7 @@ use crate::table::BrdfTable;
 pub const CONVENTION: &str = "one file a stop; degrees, theta from the normal, phi absolute; format BSDF: 1/sr, no cosine; \
     colorimetry CIE-Y; the middle of each bin";
 
-/// The text of one stop of a table with one colour.
+/// The text of one stop of a table with one colour; a gap has no line.
 pub fn write(table: &BrdfTable, stop: usize) -> Reason<String> {
     let (theta_i, phi_i) = table.grid.stop_deg(stop);
     let mut text = format!(
@@ -21,6 +21,9 @@ pub fn write(table: &BrdfTable, stop: usize) -> Reason<String> {
     );
     let bins = table.grid.bins();
     for (bin, (theta, phi)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
+        if table.is_gap(stop * bins + bin) {
+            continue;
+        }
         let value = table.colours[0].total[stop * bins + bin];
         writeln!(text, "{theta} {phi} {value}").map_err(|e| e.to_string())?;
     }

@@ -120,10 +120,13 @@ impl<'a> Listing<'a> {
         }
     }
 
-    /// Takes in a value of a stop, bin and colour.
+    /// Takes in a value of a stop, bin and colour; what stands for a gap is passed over.
     pub fn add(&mut self, stop: usize, bin: usize, colour: usize, found: f32) {
-        let colours = self.table.colours.len();
-        let value = self.table.colours[colour].total[stop * self.sizes.len() + bin];
+        let (colours, entry) = (self.table.colours.len(), stop * self.sizes.len() + bin);
+        if self.table.is_gap(entry) {
+            return;
+        }
+        let value = self.table.colours[colour].total[entry];
         let off = f64::from((found - value).abs());
         let [peak, distance, sum] = &mut self.sums[stop * colours + colour];
         *distance += self.sizes[bin] * off;
@@ -157,7 +160,7 @@ impl Held {
     /// Takes in a band that was read to its end.
     pub fn join(&mut self, band: Listing) -> Reason<()> {
         let grid = &band.table.grid;
-        let bins = grid.stops() * grid.bins();
+        let bins = grid.stops() * grid.bins() - band.table.gaps();
         let wanted = bins * band.table.colours.len();
         if band.count != wanted {
             return Err(format!("{} values, {wanted} needed", band.count));

@@ -9,8 +9,8 @@ use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
 
-/// A standard error that is not available.
-const UNKNOWN: f32 = -1.0;
+/// Pairs that a list does not have, at most: each takes the memory of a value.
+const MOST_GAPS: usize = 1 << 22;
 
 /// The values for (theta_i, phi_i, theta_r, phi_r) in degrees, absolute azimuths.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,57 +50,94 @@ impl Sample {
     }
 }
 
-/// The table of points. Stops come in the order of their first sample, and so do directions; all stops must see the
-/// same ones, in any order. A pair that is there twice, as a seam at 0 and 360 degrees, must agree. Where only azimuths
-/// from the light are the same at all stops, the table has those.
+/// The table of points. Stops come in the order of their first sample, and so do directions, in any order at each stop.
+/// A pair that is there twice, as a seam at 0 and 360 degrees, must agree. Where only azimuths from the light are the
+/// same at all stops, the table has those. Pairs that the list does not have are gaps ([`BrdfTable::is_gap`]).
 ///
-/// Held by: tests/interchange_angles.rs.
+/// Held by: tests/interchange_angles.rs, tests/ragged_scans.rs.
 pub fn table(samples: &[Sample], columns: &Columns, isotropic: bool) -> Reason<BrdfTable> {
     if samples.is_empty() {
         return Err("no samples".into());
     }
     let from_light = || samples.iter().cloned().map(Sample::seen_from_light).collect::<Vec<_>>();
     if isotropic {
-        return one_azimuth(product(&from_light(), columns, true)?);
+        return one_azimuth(Layout::of(&from_light()).table(columns, true)?);
     }
-    let absolute = product(samples, columns, false);
-    // The first reason is about what the file says.
-    absolute.or_else(|why| product(&from_light(), columns, true).map_err(|_| why))
+    let absolute = Layout::of(samples);
+    if absolute.gaps() == 0 {
+        return absolute.table(columns, false);
+    }
+    let turned = from_light();
+    let relative = Layout::of(&turned);
+    // The azimuths by which the list has fewer gaps are those of the instrument.
+    if relative.gaps() < absolute.gaps() {
+        relative.table(columns, true)
+    } else {
+        absolute.table(columns, false)
+    }
 }
 
-fn product(samples: &[Sample], columns: &Columns, phi_r_relative: bool) -> Reason<BrdfTable> {
-    let (mut stops, mut points) = (Directions::default(), Directions::default());
-    let places: Vec<(usize, usize)> =
-        samples.iter().map(|sample| (stops.place(sample.light), points.place(sample.sensor))).collect();
-    let (stop_count, bins) = (stops.list.len(), points.list.len());
-    let wrong = || {
-        format!(
-            "{} samples do not make {stop_count} stops of {bins} directions each: every stop needs the same ones",
-            samples.len()
-        )
-    };
-    let pixels = stop_count.checked_mul(bins).filter(|&pixels| pixels <= samples.len()).ok_or_else(wrong)?;
-    let mut first: Vec<Option<&Sample>> = vec![None; pixels];
-    for (sample, (stop, bin)) in samples.iter().zip(places) {
-        match &mut first[stop * bins + bin] {
-            Some(earlier) => agree(earlier, sample)?,
-            empty => *empty = Some(sample),
+/// Samples over all pairs of their stops and directions.
+struct Layout<'a> {
+    samples: &'a [Sample],
+    stops: Directions,
+    points: Directions,
+    /// Stop and direction of each sample.
+    places: Vec<(usize, usize)>,
+}
+
+impl<'a> Layout<'a> {
+    fn of(samples: &'a [Sample]) -> Self {
+        let (mut stops, mut points) = (Directions::default(), Directions::default());
+        let place = |sample: &Sample| (stops.place(sample.light), points.place(sample.sensor));
+        let places = samples.iter().map(place).collect();
+        Layout { samples, stops, points, places }
+    }
+
+    /// Pairs without a sample, at least.
+    fn gaps(&self) -> usize {
+        self.stops.list.len().saturating_mul(self.points.list.len()).saturating_sub(self.samples.len())
+    }
+
+    fn table(self, columns: &Columns, phi_r_relative: bool) -> Reason<BrdfTable> {
+        let (stop_count, bins) = (self.stops.list.len(), self.points.list.len());
+        if self.gaps() > MOST_GAPS {
+            return Err(format!(
+                "{} samples of {stop_count} lights and {bins} directions of the sensor: most directions belong to one \
+                 light alone, and a table of all pairs would be nearly empty; at most {MOST_GAPS} gaps are kept",
+                self.samples.len()
+            ));
         }
+        let mut first: Vec<Option<&Sample>> = vec![None; stop_count * bins];
+        for (sample, (stop, bin)) in self.samples.iter().zip(self.places) {
+            match &mut first[stop * bins + bin] {
+                Some(earlier) => agree(earlier, sample)?,
+                empty => *empty = Some(sample),
+            }
+        }
+        let number = |sample: &Option<&Sample>, c: usize| sample.map_or(0.0, |sample| sample.values[c]);
+        let total = (0..columns.colours()).map(|c| first.iter().map(|sample| number(sample, c)).collect());
+        let (stops_deg, points_deg) = (self.stops.list, self.points.list);
+        let grid = Grid { kind: GridKind::Points, stops_deg, points_deg, phi_r_relative, ..Grid::default() };
+        let grid = with_axes(grid);
+        check_grid(&grid)?;
+        let mut table = spectral_table(grid, total.collect(), &columns.wavelengths_nm)?;
+        for (entry, sample) in first.into_iter().enumerate() {
+            match sample {
+                Some(sample) => put(&mut table, entry, sample),
+                None => table.set_gap(entry),
+            }
+        }
+        Ok(table)
     }
-    let all: Vec<&Sample> = first.into_iter().collect::<Option<_>>().ok_or_else(wrong)?;
-    let total = (0..columns.colours()).map(|c| all.iter().map(|sample| sample.values[c]).collect()).collect();
-    let (stops_deg, points_deg) = (stops.list, points.list);
-    let grid = Grid { kind: GridKind::Points, stops_deg, points_deg, phi_r_relative, ..Grid::default() };
-    let grid = with_axes(grid);
-    check_grid(&grid)?;
-    let mut table = spectral_table(grid, total, &columns.wavelengths_nm)?;
-    for (c, colour) in table.colours.iter_mut().enumerate() {
-        colour.stderr = all.iter().map(|sample| sample.errors.get(c).copied().unwrap_or(UNKNOWN)).collect();
-        colour.stderr_single = colour.stderr.clone();
+}
+
+/// Errors and arrivals of an entry. Every value counts as an arrival where none are counted.
+fn put(table: &mut BrdfTable, entry: usize, sample: &Sample) {
+    for (colour, &error) in table.colours.iter_mut().zip(&sample.errors) {
+        (colour.stderr[entry], colour.stderr_single[entry]) = (error, error);
     }
-    // Every value counts as an arrival where none are counted.
-    table.hits = all.iter().map(|sample| sample.hits.unwrap_or(1)).collect();
-    Ok(table)
+    table.hits[entry] = sample.hits.unwrap_or(1);
 }
 
 /// Directions by the order in which they come.
@@ -178,14 +215,18 @@ pub fn listed<'a>(
     visit: impl FnOnce(&mut dyn FnMut(Sample) -> Reason<()>) -> Reason<()>,
 ) -> Reason<Listing<'a>> {
     let (grid, bins) = (&table.grid, table.grid.bins());
-    let (mut listing, mut count, mut middles) = (Listing::new(table), 0, Vec::new());
+    let (mut listing, mut entry, mut middles) = (Listing::new(table), 0, Vec::new());
+    let mut middles_of = None;
     let mut each = |sample: Sample| {
-        let (stop, bin) = (count / bins, count % bins);
+        while table.is_gap(entry) {
+            entry += 1;
+        }
+        let (stop, bin) = (entry / bins, entry % bins);
         if stop >= grid.stops() {
             return Err("more samples than bins".into());
         }
-        if bin == 0 {
-            middles = middles_deg(grid, stop);
+        if middles_of != Some(stop) {
+            (middles, middles_of) = (middles_deg(grid, stop), Some(stop));
         }
         let (light, sensor) = (grid.stop_deg(stop), middles[bin]);
         let wanted = [light.0, light.1, sensor.0, sensor.1];
@@ -196,12 +237,12 @@ pub fn listed<'a>(
             turn.min(360.0 - turn) > digits
         });
         if off {
-            return Err(format!("sample {count} is at {found:?} degrees, the bin at {wanted:?}"));
+            return Err(format!("entry {entry} is at {found:?} degrees, the bin at {wanted:?}"));
         }
         for colour in 0..table.colours.len() {
             listing.add(stop, bin, colour, sample.values[colour]);
         }
-        count += 1;
+        entry += 1;
         Ok(())
     };
     visit(&mut each)?;

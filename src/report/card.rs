@@ -114,20 +114,24 @@ pub struct Facts {
     errors: Errors,
     /// Bins without arrivals, and all.
     empty: (usize, usize),
+    /// Pairs that were not measured.
+    gaps: usize,
     names: String,
 }
 
 impl Facts {
     /// Of a table of all stops of `grid`.
     pub fn new(grid: &Grid, colours: usize) -> Self {
-        Facts { errors: Errors::new(grid, colours), empty: (0, 0), names: String::new() }
+        Facts { errors: Errors::new(grid, colours), empty: (0, 0), gaps: 0, names: String::new() }
     }
 
     /// Takes the next stops.
     pub fn add(&mut self, band: &BrdfTable, first_stop: usize) {
         self.errors.add(band, first_stop);
-        self.empty.0 += band.hits.iter().filter(|&&hits| hits == 0).count();
-        self.empty.1 += band.hits.len();
+        let gaps = band.gaps();
+        self.empty.0 += band.hits.iter().filter(|&&hits| hits == 0).count() - gaps;
+        self.empty.1 += band.hits.len() - gaps;
+        self.gaps += gaps;
         self.names = band.colour_names().join(" ");
     }
 }
@@ -145,13 +149,13 @@ pub fn card_of(heading: &BrdfTable, digest: &str, facts: Facts, summary: &Value)
     let name = summary["name"].as_str().unwrap_or("table");
     let mut lines = vec![format!("# {name}: a measured BRDF table"), String::new()];
     lines.extend(["| | |".into(), "|---|---|".into()]);
-    let (names, empty) = (facts.names.clone(), facts.empty);
+    let (names, empty, gaps) = (facts.names.clone(), facts.empty, facts.gaps);
     let quality = facts.errors.quality();
     let rows =
         [said_of(heading, digest, &names), summarised(summary), goodness(heading, quality, summary)].concat();
     lines.extend(rows.iter().map(|(what, text)| format!("| {what} | {text} |")));
     lines.extend([String::new(), "## What it is not".into(), String::new()]);
-    lines.extend(limits(empty, summary).iter().map(|limit| format!("- {limit}")));
+    lines.extend(limits(empty, gaps, summary).iter().map(|limit| format!("- {limit}")));
     lines.extend([String::new(), "## How it was made".into(), String::new()]);
     lines.push("`gonio measure` of this campaign gives the same bytes with the same version:".into());
     lines.extend([String::new(), "```toml".into(), heading.campaign.trim_end().into(), "```".into()]);
@@ -228,7 +232,7 @@ fn position(table: &BrdfTable, stop: usize) -> String {
     format!("theta_i {theta}, phi_i {phi}")
 }
 
-fn limits((empty, all): (usize, usize), summary: &Value) -> Vec<String> {
+fn limits((empty, all): (usize, usize), gaps: usize, summary: &Value) -> Vec<String> {
     let mut limits = vec![
         "Geometric optics: facets are flat mirrors, without diffraction or interference.".into(),
         "Values are means over bins, not values at their centres; compare them with means.".into(),
@@ -237,6 +241,9 @@ fn limits((empty, all): (usize, usize), summary: &Value) -> Vec<String> {
             .into(),
         format!("{empty} of {all} bins had no arrival: value 0, error the BRDF of 1.5 arrivals."),
     ];
+    if gaps > 0 {
+        limits.push(format!("{gaps} pairs of directions were not measured: value 0, error -2."));
+    }
     if summary["surface"].is_object() {
         let why =
             "The surface is a heightfield of its own: D F G2/(4 |n.l||n.v|) is near it, not equal to it";

@@ -54,7 +54,7 @@ struct Reduction {
 /// The table and its models for the page; `None` for grids that it does not know. `masking` is the model that stays
 /// where there is room for one only.
 pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize) -> Option<Inline> {
-    let shown = shown(&scene.table.grid).filter(|shown| !shown.stops.is_empty())?;
+    let shown = shown(&scene.table.grid, scene.table.gaps() > 0).filter(|shown| !shown.stops.is_empty())?;
     let (plan, notes) = reduction(scene, &shown, masking);
     let notes = [shown.notes.clone(), notes].concat();
     let layers = layers(scene, &shown, &plan);
@@ -203,7 +203,10 @@ fn layers(scene: &Scene, shown: &Shown, plan: &Reduction) -> Vec<Layer> {
     let table = scene.table;
     let bins = table.grid.bins();
     let stored = |pick: &dyn Fn(usize, usize) -> f32| {
-        reduced(shown, plan, &|colour, stop, bin| f64::from(pick(colour, stop * bins + bin)))
+        let value = |colour: usize, entry: usize| {
+            if table.is_gap(entry) { ABSENT } else { f64::from(pick(colour, entry)) }
+        };
+        reduced(shown, plan, &|colour, stop, bin| value(colour, stop * bins + bin))
     };
     let single = stored(&|colour, at| table.colours[colour].single[at]);
     let mut layers = vec![Layer { name: "measured".into(), kind: "measured", values: single }];
@@ -251,8 +254,9 @@ fn merged(raster: &Raster, [by_row, by_column]: [usize; 2], value: &dyn Fn(usize
             let (mut flux, mut size) = (0.0, 0.0);
             for r in row..(row + by_row).min(rows) {
                 for c in column..(column + by_column).min(columns) {
-                    if let Some(bin) = raster.source[r * columns + c] {
-                        flux += sizes[r * columns + c] * value(bin);
+                    let value = raster.source[r * columns + c].map(value).filter(|&value| value != ABSENT);
+                    if let Some(value) = value {
+                        flux += sizes[r * columns + c] * value;
                         size += sizes[r * columns + c];
                     }
                 }

@@ -1,7 +1,7 @@
 //! The plots of the page: which charts a table gives, and which it cannot give, with the reason.
 
 use super::chart::{Axis, Chart, MEASURED, Marker, Series, Style, model_style, ratio_style, series_style};
-use super::slices::{Scene, Sweep, in_plane, mirror_bin};
+use super::slices::{Scene, Sweep, mirror_bin};
 
 /// Light angles and azimuths that get plots of their own at most.
 const MOST_ANGLES: usize = 8;
@@ -46,7 +46,7 @@ pub fn stop_name(scene: &Scene, stop: usize) -> String {
 /// The lobe in the plane of incidence: order 1 with its 95 % band, all orders, and every model; `None` without light
 /// in the plane.
 pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
-    let cuts = in_plane(&scene.table.grid, stop);
+    let cuts = scene.in_plane(stop);
     if cuts.len() < 2 {
         return None;
     }
@@ -90,7 +90,7 @@ pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
 ///
 /// Bins whose 95 % interval is wider than +-`WIDEST` of the model say nothing of it and are left out.
 pub fn ratio(scene: &Scene, stop: usize) -> Option<Chart> {
-    let cuts = in_plane(&scene.table.grid, stop);
+    let cuts = scene.in_plane(stop);
     let mut series = vec![line_at_one()];
     for (index, label) in scene.maskings().into_iter().enumerate() {
         let (mut points, mut error) = (Vec::new(), Vec::new());
@@ -183,6 +183,9 @@ pub fn anisotropy(scene: &Scene) -> Option<Chart> {
         for &stop in &rounds[row].stops {
             let phi = grid.stop_deg(stop).1;
             let bin = mirror_bin(grid, stop)?;
+            if scene.table.is_gap(stop * grid.bins() + bin) {
+                continue;
+            }
             (first, last) = (phi.min(first), phi.max(last));
             points.push([phi, scene.single(stop, bin)]);
             error.push(scene.half_width(stop, bin).unwrap_or(0.0));

@@ -1,7 +1,7 @@
 //! The polar plot: every lobe of one azimuth of the light over a half circle, each to its own peak.
 
 use super::chart::{Drawing, MEASURED, escaped, model_style};
-use super::slices::{Scene, in_plane};
+use super::slices::Scene;
 
 const RADIUS: f64 = 200.0;
 const CENTRE: [f64; 2] = [240.0, 262.0];
@@ -67,7 +67,7 @@ struct Lobe {
 
 impl Lobe {
     fn of(scene: &Scene, stop: usize, masking: usize) -> Option<Lobe> {
-        let cuts = in_plane(&scene.table.grid, stop);
+        let cuts = scene.in_plane(stop);
         let peak =
             cuts.iter().max_by(|a, b| scene.single(stop, a.bin).total_cmp(&scene.single(stop, b.bin)))?;
         let highest = scene.single(stop, peak.bin);

@@ -64,11 +64,12 @@ pub struct Raster {
     pub nodes_deg: Option<[Vec<f64>; 2]>,
 }
 
-/// What is drawn of a grid; `None` for kinds that are not known here.
+/// What is drawn of a grid; `None` for kinds that are not known here. With gaps in its table nothing is drawn between
+/// single directions.
 ///
 /// Held by: `klems_patches_are_drawn_where_they_lie`, `directions_in_rings_are_drawn_about_themselves`,
 /// `an_arm_in_a_plane_is_drawn_as_single_directions`.
-pub fn shown(grid: &Grid) -> Option<Shown> {
+pub fn shown(grid: &Grid, has_gaps: bool) -> Option<Shown> {
     if grid.kind == GridKind::HalfDifference {
         return None;
     }
@@ -84,7 +85,7 @@ pub fn shown(grid: &Grid) -> Option<Shown> {
     } else if grid.kind == GridKind::Patches {
         Places::Bins(patches(grid))
     } else {
-        directions(grid, &mut notes)
+        directions(grid, has_gaps, &mut notes)
     };
     Some(Shown { theta_i_deg, phi_i_deg, stops, sensor, notes })
 }
@@ -144,9 +145,18 @@ fn patches(grid: &Grid) -> Raster {
 }
 
 /// Single directions: rings of equal azimuths, a hemisphere of scattered ones, or spots.
-fn directions(grid: &Grid, notes: &mut Vec<String>) -> Places {
+fn directions(grid: &Grid, has_gaps: bool, notes: &mut Vec<String>) -> Places {
     let axes: Vec<DVec3> = grid.regions(0).iter().map(middle).collect();
     let degrees = |axis: &DVec3| [sphere::theta(*axis).to_degrees(), sphere::phi(*axis).to_degrees()];
+    let spots = || Places::Spots {
+        directions_deg: axes.iter().map(degrees).collect(),
+        aperture_deg: grid.aperture_deg.unwrap_or(0.0),
+        step: if grid.kind == GridKind::Arm { grid.phi_r_deg.len() } else { 1 },
+    };
+    if has_gaps {
+        notes.push("single directions alone, as not every light has all of them".into());
+        return spots();
+    }
     if let Some(rings) = rings(grid) {
         return Places::Bins(rings);
     }
@@ -162,11 +172,7 @@ fn directions(grid: &Grid, notes: &mut Vec<String>) -> Places {
         notes.push("in every direction the value of the nearest one that was measured".into());
         return Places::Bins(Raster { theta_deg, phi_deg, source, nodes_deg: None });
     }
-    Places::Spots {
-        directions_deg: axes.iter().map(degrees).collect(),
-        aperture_deg: grid.aperture_deg.unwrap_or(0.0),
-        step: if grid.kind == GridKind::Arm { grid.phi_r_deg.len() } else { 1 },
-    }
+    spots()
 }
 
 /// Directions that are all pairs of some polar angles and some azimuths all around: cells with edges midway.
@@ -241,7 +247,7 @@ mod tests {
                 .concat(),
             ..Grid::default()
         };
-        let shown = shown(&grid).expect("known");
+        let shown = shown(&grid, false).expect("known");
         assert_eq!(
             (&shown.theta_i_deg[..], &shown.phi_i_deg[..]),
             (&[0.0, 60.0][..], &[0.0, 90.0, 180.0, 270.0][..])
@@ -266,7 +272,7 @@ mod tests {
             points_deg: pairs(&[0.0, 30.0, 60.0]),
             ..Grid::default()
         };
-        let Places::Bins(raster) = shown(&grid).expect("known").sensor else { panic!("rings") };
+        let Places::Bins(raster) = shown(&grid, false).expect("known").sensor else { panic!("rings") };
         assert_eq!(raster.theta_deg, [0.0, 15.0, 45.0, 75.0]);
         assert_eq!((raster.phi_deg[0], raster.phi_deg[1], raster.phi_deg[12]), (-15.0, 15.0, 345.0));
         assert_eq!(raster.nodes_deg.as_ref().map(|nodes| nodes[0].clone()), Some(vec![0.0, 30.0, 60.0]));
@@ -284,7 +290,8 @@ mod tests {
             aperture_deg: Some(2.0),
             ..Grid::default()
         };
-        let Places::Spots { directions_deg, aperture_deg, step } = shown(&grid).expect("known").sensor else {
+        let Places::Spots { directions_deg, aperture_deg, step } = shown(&grid, false).expect("known").sensor
+        else {
             panic!("three directions are no hemisphere");
         };
         assert_eq!((directions_deg.len(), aperture_deg, step), (3, 2.0, 1));

@@ -45,7 +45,7 @@ pub struct Cut {
 ///
 /// A bin between edges counts on the side whose azimuth its half-open interval holds; a circular aperture counts
 /// where the plane passes through it. Held by: `the_plane_of_incidence_cuts_a_row_on_either_side`.
-pub fn in_plane(grid: &Grid, stop: usize) -> Vec<Cut> {
+fn in_plane(grid: &Grid, stop: usize) -> Vec<Cut> {
     let phi_i = grid.stop_deg(stop).1.to_radians();
     let mut cuts = Vec::new();
     for (bin, region) in grid.regions(stop).iter().enumerate() {
@@ -99,6 +99,15 @@ pub fn middle(region: &Region) -> DVec3 {
 }
 
 impl Scene<'_> {
+    /// The bins of the plane of incidence that were measured.
+    pub fn in_plane(&self, stop: usize) -> Vec<Cut> {
+        let first = stop * self.table.grid.bins();
+        in_plane(&self.table.grid, stop)
+            .into_iter()
+            .filter(|cut| !self.table.is_gap(first + cut.bin))
+            .collect()
+    }
+
     /// The colour that the plots show: the only one, or green.
     pub fn colour(&self) -> usize {
         self.table.colours.len() / 2

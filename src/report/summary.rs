@@ -95,7 +95,7 @@ fn table_stop(table: &BrdfTable, stop: usize) -> Value {
     let mean = |pick: fn(&ColourChannels) -> &Vec<f32>| {
         // Bins that fill the hemisphere, up to the rounding of their edges.
         let size: f64 = regions.iter().map(|region| region.projected_solid_angle()).sum();
-        let whole = (size - std::f64::consts::PI).abs() < 1e-6;
+        let whole = (size - std::f64::consts::PI).abs() < 1e-6 && table.gaps() == 0;
         whole.then(|| stats::mean(&table.colours.iter().map(|colour| flux(pick(colour))).collect::<Vec<_>>()))
     };
     let (single, total) = (mean(|colour| &colour.single), mean(|colour| &colour.total));

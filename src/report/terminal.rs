@@ -1,7 +1,7 @@
 //! The lobe in the plane of incidence as plain text, for a terminal of 80 columns.
 
 use super::plots::{spread, stop_name};
-use super::slices::{Cut, Scene, in_plane};
+use super::slices::{Cut, Scene};
 
 /// Columns and rows of the plot inside its frame.
 const COLUMNS: usize = 61;
@@ -29,7 +29,7 @@ pub fn lobes(scene: &Scene, masking: usize) -> Vec<String> {
 }
 
 fn lobe(scene: &Scene, stop: usize, masking: usize) -> Option<Vec<String>> {
-    let cuts = in_plane(&scene.table.grid, stop);
+    let cuts = scene.in_plane(stop);
     let measured = |bin: usize| scene.single(stop, bin);
     let model = |bin: usize| scene.model(masking, stop, bin).unwrap_or(0.0);
     let highest = cuts.iter().map(|c| measured(c.bin).max(model(c.bin))).fold(0.0, f64::max);

@@ -133,7 +133,7 @@ impl BrdfTable {
     }
 
     /// The table without everything but totals and hits: what readers of values alone need, a third of the memory or
-    /// less. It cannot be stored.
+    /// less. It cannot be stored, and knows no gaps.
     pub fn totals_alone(self) -> Self {
         let total = |colour: ColourChannels| ColourChannels {
             total: colour.total,

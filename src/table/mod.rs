@@ -3,6 +3,7 @@
 pub mod brdf_table;
 mod channels;
 mod content_digest;
+pub mod gaps;
 pub mod realisations;
 pub mod recolour;
 pub mod rows;

@@ -98,6 +98,7 @@ pub struct StopDifference {
 
 /// Compares two tables bin by bin; `Err` says in one line what does not fit.
 ///
+/// - Gaps of either table are left out.
 /// - Bins without hits in either table count in l1 and are left out of t's; a stderr of -1 anywhere makes the noise null.
 /// - Degrees of freedom by Welch and Satterthwaite, rounded down; realisations - 1 where the tables are paired.
 /// - Held by: `equal_laws_differ_by_their_noise_alone`, `the_measures_follow_their_definitions` (tests/compare.rs).
@@ -272,6 +273,9 @@ impl<'a> Pair<'a> {
 
     fn entry(&self, entry: Entry, region: &Region, counted: bool, sums: &mut Sums) {
         let Entry { at, colour } = entry;
+        if self.a.table.is_gap(at) || self.b.table.is_gap(at) {
+            return;
+        }
         let value = |side: &Side| f64::from(side.table.colours[colour].total[at]);
         let (a, b) = (value(&self.a), value(&self.b));
         let hit = self.a.table.hits[at] > 0 && self.b.table.hits[at] > 0;

@@ -107,6 +107,7 @@ class LobeView {
   // Values over the hemisphere for a light direction, a lobe for each layer; one peak for all.
   show({ layers, theta, phi, log }) {
     const stop = this.table.spots ? this.table.nearestStop(theta, phi) : null;
+    this.stop = stop;
     this.light = stop === null || this.table.relative ? { theta, phi } : this.table.lightOf(stop);
     if (stop !== null) this.light.theta = this.table.lightOf(stop).theta;
     const sample = (layer) => {
@@ -160,10 +161,12 @@ class LobeView {
     const data = [], pins = [];
     const colour = (k) => viridis(this.radius(values[k])).map((x) => x / 255);
     const place = (k) => spots[k].map((x) => x * this.radius(values[k]));
+    const absent = (k) => this.table.isAbsent(this.stop, k);
     values.forEach((value, k) => {
+      if (absent(k)) return;
       pins.push(0, 0, 0, 0, 0, 0, ...colour(k), ...place(k), 0, 0, 0, ...colour(k));
       const next = k + step;
-      if (next >= values.length || dot(spots[k], spots[next]) < Math.cos(25 * RAD)) return;
+      if (next >= values.length || absent(next) || dot(spots[k], spots[next]) < Math.cos(25 * RAD)) return;
       const [a, b] = [spots[k], spots[next]];
       const normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
       for (const corner of [[0, 0, 0], place(k), place(next)]) {
@@ -275,7 +278,8 @@ class LobeView {
 
   spotsInPlane(lobe) {
     const [c, s] = [Math.cos(this.light.phi * RAD), Math.sin(this.light.phi * RAD)];
-    const found = this.table.spotsAt(this.light.phi).map((wo, k) => [wo, lobe.values[k]])
+    const found = this.table.spotsAt(this.light.phi).map((wo, k) => [wo, lobe.values[k], k])
+      .filter(([, , k]) => !this.table.isAbsent(this.stop, k))
       .filter(([wo]) => Math.abs(wo[1] * c - wo[0] * s) < 0.03)
       .map(([wo, value]) => [Math.atan2(-(wo[0] * c + wo[1] * s), wo[2]) / RAD, value]);
     return found.sort((a, b) => a[0] - b[0]);

@@ -111,6 +111,7 @@ class Pictures {
   spots(g, n, stop, colour) {
     const size = Math.max(this.table.spots.aperture / 90 * n / 2, 3.5);
     this.table.spotsAt(this.table.lightOf(stop).phi).forEach((wo, bin) => {
+      if (this.table.isAbsent(stop, bin)) return;
       const [x, y] = discPlace(wo);
       g.fillStyle = `rgb(${colour(bin).map(Math.round)})`;
       g.beginPath();
@@ -141,7 +142,7 @@ class Pictures {
     const origin = this.table.relative ? this.table.lightOf(stop).phi : 0;
     const phi = Math.atan2(y, x) / RAD - origin;
     const bin = this.table.row(90 * radius) * this.table.columns + this.table.column(phi);
-    return this.table.absent[bin] ? null : bin;
+    return this.table.isAbsent(stop, bin) ? null : bin;
   }
 
   // The single direction that is drawn at a place.
@@ -149,7 +150,7 @@ class Pictures {
     let best = null, least = Math.max(this.table.spots.aperture, 4) / 90;
     this.table.spotsAt(this.table.lightOf(stop).phi).forEach((wo, bin) => {
       const [u, v] = discPlace(wo), distance = Math.hypot(x - u, y - v);
-      if (distance < least) [best, least] = [bin, distance];
+      if (distance < least && !this.table.isAbsent(stop, bin)) [best, least] = [bin, distance];
     });
     return best;
   }
@@ -224,7 +225,7 @@ class Pictures {
       for (let bin = 0; bin < this.table.bins; bin += 1) {
         const x = tile[0] * (columns + 1) + bin % columns, y = tile[1] * (rows + 1) + Math.floor(bin / columns);
         const value = this.measured.values[this.table.at(this.colour, stop, bin)];
-        const colour = this.table.absent[bin] ? [228, 228, 228] : viridis(this.scale.place(value));
+        const colour = this.table.isAbsent(stop, bin) ? [228, 228, 228] : viridis(this.scale.place(value));
         image.data.set([...colour, 255], 4 * (y * width + x));
       }
     }

@@ -50,7 +50,7 @@ class Table {
     this.phi_middles = data.phi_nodes || middles(data.phi_edges || []);
     for (const layer of this.layers) layer.values = decoded(layer.data, data.scale);
     // Below 0: nothing was measured there.
-    this.absent = Array.from(this.layers[0].values.subarray(0, this.bins), (value) => value < 0);
+    this.absent = Array.from(this.layers[0].values.subarray(0, this.stops * this.bins), (value) => value < 0);
     for (const layer of this.layers) layer.values.forEach((value, k) => { if (value < 0) layer.values[k] = 0; });
     // Azimuths between which the light is interpolated, in the sample's frame; a mirrored law needs a quarter only.
     const azimuths = data.phi_i.map((phi, index) => ({ phi: this.folded(phi - data.rotation).phi, index, raw: phi }));
@@ -103,6 +103,10 @@ class Table {
   // Where a bin of a stop lies among a layer's values.
   at(colour, stop, bin) {
     return (colour * this.stops + stop) * this.bins + bin;
+  }
+
+  isAbsent(stop, bin) {
+    return this.absent[this.at(0, stop, bin)];
   }
 
   // The two rows whose middles enclose theta (degrees), and how far it is from the lower one.
