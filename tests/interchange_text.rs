@@ -59,6 +59,44 @@ fn ssdd_comes_back() {
 }
 
 #[test]
+fn spectral_tables_come_back_from_lists() {
+    let nm = [405.0, 450.5, 546.1, 632.8, 1064.0];
+    let mut wanted = table(&Ggx::new(0.4, 0.7), &hemisphere(vec![0.0, 40.0], Some(steps(90.0, 4)), 3, 4));
+    let first = wanted.colours.remove(0);
+    wanted.colours = (1u8..)
+        .zip(nm)
+        .map(|(k, nm)| {
+            let mut colour = first.clone();
+            colour.wavelength_nm = Some(nm);
+            // No two values of a direction are alike.
+            colour.total.iter_mut().for_each(|value| *value /= f32::from(k) + 0.3);
+            colour.stderr = colour.total.iter().map(|value| value * 0.01).collect();
+            colour
+        })
+        .collect();
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("spectral");
+    for (format, heading) in [
+        (Format::Csv, ",405nm,450.5nm,546.1nm,632.8nm,1064nm,stderr.405nm,"),
+        (Format::Astm, "phi_s,405nm,450.5nm,546.1nm,632.8nm,1064nm\n"),
+        (Format::Ssdd, "COLOR_MODEL spectrum\nWAVELENGTH_LIST 405 450.5 546.1 632.8 1064\n"),
+    ] {
+        let export = interchange::export(&wanted, format, &Options::default(), &path).expect("written");
+        assert_eq!(export.read_back.expect("not zero").worst, 0.0, "{format:?}");
+        assert!(std::fs::read_to_string(&path).expect("text").contains(heading), "{format:?}");
+        let (back, _) = interchange::import(&path, format, &Options::default(), None).expect("read");
+        for (k, (found, wanted)) in back.colours.iter().zip(&wanted.colours).enumerate() {
+            assert_eq!(found.wavelength_nm, Some(nm[k]), "{format:?}");
+            assert!(found.total == wanted.total, "{format:?} {k}");
+            assert!(format != Format::Csv || found.stderr == wanted.stderr, "{k}");
+        }
+        assert_eq!(back.colours.len(), nm.len());
+    }
+    let refused = interchange::export(&wanted, Format::Zemax, &Options::default(), &path).expect_err("no room");
+    assert!(refused.to_string().contains("csv, astm and ssdd hold them"), "{refused}");
+}
+
+#[test]
 fn zemax_tables_stand_about_the_mirror_direction() {
     let ggx = Ggx::new(0.3, 0.3);
     let own = table(&ggx, &hemisphere(steps(5.0, 18), None, 90, 120));

@@ -5,7 +5,7 @@
 
 use std::io::{BufRead, ErrorKind, Write};
 
-use super::named_columns::Columns;
+use super::named_columns::{Columns, names_of};
 use super::read_back::{ReadBack, middles_deg};
 use super::samples::{self, Sample};
 use super::text_decoding::decode_text_or_latin1;
@@ -30,8 +30,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     if table.grid.is_isotropic() {
         writeln!(out, "{ISOTROPIC} yes")?;
     }
-    let channels = if table.colours.len() == 1 { "Y" } else { "R,G,B" };
-    writeln!(out, "VARS {},{channels}", ANGLES.join(","))?;
+    writeln!(out, "VARS {},{}", ANGLES.join(","), names_of(table).join(","))?;
     for stop in 0..stops {
         let (theta_i, phi_i) = table.grid.stop_deg(stop);
         for (bin, (theta_s, phi_s)) in middles_deg(&table.grid, stop).into_iter().enumerate() {

@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::read_back::{Held, Listing};
-use super::{Export, Fail, Format, Reason, csv, npy, npz, samples};
+use super::{Export, Fail, Format, Reason, csv, named_columns, npy, npz, samples};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::files::npy as npy_file;
@@ -24,7 +24,7 @@ pub fn export_rows(rows: &mut TableRows, format: Format, path: &Path, bytes: u64
     let bands = rows.bands(bytes, rows.row_bytes());
     let first = rows.take(&[0])?;
     if first.is_spectral() && !format.holds_wavelengths() {
-        return Err(refused("holds Y or R G B, the table has wavelengths; npy holds them".into()));
+        return Err(refused("holds Y or R G B, the table has wavelengths; npy and csv hold them".into()));
     }
     // What ends the writing early, where it is not the system.
     let mut cause = None;
@@ -95,7 +95,7 @@ fn write_csv(
     };
     let mut writer = ::csv::Writer::from_writer(out);
     let isotropic = rows.grid().is_isotropic();
-    csv::write_heading(&first.colour_names(), isotropic, &mut writer).map_err(plain)?;
+    csv::write_heading(&named_columns::names_of(first), isotropic, &mut writer).map_err(plain)?;
     for band in bands {
         let band = take(rows, band).map_err(&mut *stop)?;
         csv::write_lines(&band, isotropic, &mut writer).map_err(plain)?;

@@ -2,7 +2,7 @@
 
 use std::io::{Chain, Cursor, Read, Write};
 
-use super::named_columns::Columns;
+use super::named_columns::{Columns, names_of};
 use super::read_back::{ReadBack, middles_deg};
 use super::samples::{self, Sample};
 use super::text_decoding::decode_text_or_latin1;
@@ -27,7 +27,7 @@ const MOST_LINES: usize = 1 << 26;
 /// Writes the totals with their errors.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     let mut writer = csv::Writer::from_writer(out);
-    write_heading(&table.colour_names(), table.grid.is_isotropic(), &mut writer)?;
+    write_heading(&names_of(table), table.grid.is_isotropic(), &mut writer)?;
     write_lines(table, table.grid.is_isotropic(), &mut writer)?;
     Ok(writer.flush()?)
 }

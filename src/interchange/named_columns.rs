@@ -3,6 +3,7 @@
 use smallvec::SmallVec;
 
 use super::{Colour, Reason, colour};
+use crate::table::BrdfTable;
 use crate::table::brdf_table::named_wavelength;
 
 /// Numbers of one sample, one for each colour.
@@ -29,6 +30,14 @@ enum Name {
     /// X, Y, Z.
     Xyz(usize),
     Wavelength(f64),
+}
+
+/// The names of a table's colours as columns: `Y`; `R`, `G`, `B`; or wavelengths such as `550nm`.
+///
+/// Held by: `spectral_tables_come_back_from_lists` (tests/interchange_text.rs).
+pub fn names_of(table: &BrdfTable) -> Vec<String> {
+    let nm = table.colours.iter().map(|colour| colour.wavelength_nm);
+    nm.zip(table.colour_names()).map(|(nm, name)| nm.map_or(name, |nm| format!("{nm}nm"))).collect()
 }
 
 /// The columns of a list, and the colours that they make.

@@ -35,7 +35,13 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
         increasing(&theta_r, false),
         increasing(&phi_r, true),
     ];
-    let model = if table.colours.len() == 1 { "monochrome" } else { "rgb" };
+    let nm: Vec<String> =
+        table.colours.iter().filter_map(|colour| colour.wavelength_nm).map(|nm| nm.to_string()).collect();
+    let model = match table.colours.len() {
+        _ if !nm.is_empty() => format!("spectrum\nWAVELENGTH_LIST {}", nm.join(" ")),
+        1 => "monochrome".into(),
+        _ => "rgb".into(),
+    };
     writeln!(
         out,
         "VERSION 0.2\nDATA_TYPE brdf\nCOLOR_MODEL {model}\nPARAM_TYPE spherical_coordinate_system"
