@@ -50,7 +50,7 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
     if table.is_spectral() && !format.holds_wavelengths() {
         let count = table.colours.len();
         return Err(refused(format!(
-            "holds Y or R G B, the table has {count} wavelengths; npz, npy, csv, astm and ssdd hold them"
+            "holds Y or R G B, the table has {count} wavelengths; npz, npy, csv, exr_parts, astm and ssdd hold them"
         )));
     }
     // Half/difference angles have cells below the horizon, which no format counts.

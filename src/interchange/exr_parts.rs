@@ -11,6 +11,7 @@ use super::{Reason, npz};
 use crate::files::image::{self, Part, Samples};
 use crate::files::image_rows;
 use crate::instrument::Grid;
+use crate::table::brdf_table::named_wavelength;
 use crate::table::{BrdfTable, ColourChannels, SchlickSums, check_grid};
 
 /// How the values are meant.
@@ -132,8 +133,11 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     if parts.len() != stops || !parts.iter().enumerate().all(fits) {
         return Err(format!("{} parts do not make {stops} stops of {width} x {height} bins", parts.len()));
     }
-    let names: &[&str] = if parts[0].channels.contains_key("Y") { &["Y"] } else { &["R", "G", "B"] };
-    let mut colours = vec![ColourChannels::default(); names.len()];
+    let names = colour_names(&parts[0]);
+    let mut colours: Vec<ColourChannels> = names
+        .iter()
+        .map(|name| ColourChannels { wavelength_nm: named_wavelength(name), ..ColourChannels::default() })
+        .collect();
     for (name, colour) in names.iter().zip(&mut colours) {
         for (layer, _, place) in CHANNELS {
             *place(colour) = floats(&mut parts, &format!("{layer}{name}"))?;
@@ -154,6 +158,18 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
         TEXTS.map(|name| parts[0].text(name).unwrap_or_default().to_string());
     let seed = seed.parse().map_err(|_| format!("gonio.seed = `{seed}` is no seed"))?;
     Ok(BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick })
+}
+
+/// Y, wavelengths in increasing order, or R, G, B.
+fn colour_names(part: &Part) -> Vec<String> {
+    let wavelength = |name: &String| named_wavelength(name).map(|nm| (nm, name.clone()));
+    let mut spectral: Vec<(f64, String)> = part.channels.keys().filter_map(wavelength).collect();
+    spectral.sort_by(|a, b| a.0.total_cmp(&b.0));
+    match spectral.is_empty() {
+        false => spectral.into_iter().map(|(_, name)| name).collect(),
+        true if part.channels.contains_key("Y") => vec!["Y".into()],
+        true => ["R", "G", "B"].map(String::from).to_vec(),
+    }
 }
 
 /// A FLOAT channel of all parts, where the first one has it.

@@ -111,7 +111,10 @@ impl Format {
 
     /// Whether the file can hold more colours than R, G and B.
     pub fn holds_wavelengths(self) -> bool {
-        matches!(self, Format::Npz | Format::Npy | Format::Csv | Format::Astm | Format::Ssdd)
+        matches!(
+            self,
+            Format::Npz | Format::Npy | Format::Csv | Format::ExrParts | Format::Astm | Format::Ssdd
+        )
     }
 }
 
