@@ -1,5 +1,6 @@
 //! Files: whole or not at all when written, bounded when read; folders; SHA-256; EXR and NPY in memory.
 
+mod claim;
 pub mod exr_header;
 pub mod image;
 pub mod image_blocks;
@@ -7,6 +8,7 @@ pub mod image_rows;
 pub mod lock;
 mod new_file;
 pub mod npy;
+mod own_file;
 pub mod row_writer;
 pub mod sealed;
 
@@ -14,7 +16,7 @@ pub use new_file::NewFile;
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
@@ -22,7 +24,7 @@ use crate::error::{Error, Result};
 
 /// Puts `bytes` in the place of the file at `path`, or leaves what was there.
 ///
-/// The bytes go to `name.tmp.<pid>` in the same folder, reach the disk, and take the name by a rename, after
+/// The bytes go to a file under way ([`claim`]) in the same folder, reach the disk, and take the name by a rename, after
 /// which the folder is flushed too. On failure the temporary file is removed.
 /// Held by: `a_failed_write_leaves_the_old_file_whole`.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
@@ -36,22 +38,16 @@ pub fn write_atomically_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> i
     file.commit()
 }
 
-/// Refuses what a rename would wrongly replace: folders, devices, pipes.
+/// Refuses what a rename would wrongly replace: folders, links, devices, pipes, files that nobody may write.
 fn check_target(path: &Path) -> io::Result<()> {
-    match fs::metadata(path) {
-        Ok(meta) if meta.is_file() => Ok(()),
-        Ok(meta) if meta.is_dir() => Err(io::Error::new(io::ErrorKind::IsADirectory, "is a folder")),
-        Ok(_) => Err(io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file")),
-        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(e) => Err(e),
+    match own_file::check_regular(path) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
+        regular => regular?,
     }
-}
-
-fn temporary_path(path: &Path) -> io::Result<PathBuf> {
-    let name = path.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "has no name"))?;
-    let mut name = name.to_os_string();
-    name.push(format!(".tmp.{}", std::process::id()));
-    Ok(path.with_file_name(name))
+    if fs::symlink_metadata(path)?.permissions().readonly() {
+        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "is read-only"));
+    }
+    Ok(())
 }
 
 /// Removes the temporary file and returns the cause, with what else went wrong.
@@ -83,8 +79,7 @@ fn sync_folder(_folder: &Path) -> io::Result<()> {
 /// Makes sure that `path` is a folder that takes files; missing parents are made.
 pub fn create_folder(path: &Path) -> Result<()> {
     fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
-    let probe = path.join(format!("probe.tmp.{}", std::process::id()));
-    File::create(&probe).and_then(|_| fs::remove_file(&probe)).map_err(|e| Error::io(path, e))
+    claim::Claim::on(path).map(|_| ()).map_err(|e| Error::io(path, e))
 }
 
 /// Bytes that the file system of a folder has free for whoever runs this, where it says so.
@@ -101,38 +96,17 @@ pub fn free_bytes(_folder: &Path) -> Option<u64> {
     None
 }
 
-/// Removes a file if it is there.
+/// Removes a file if it is there. What may not be replaced may not be removed.
 pub fn remove(path: &Path) -> Result<()> {
-    match fs::remove_file(path) {
+    match check_target(path).and_then(|()| fs::remove_file(path)) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => Err(Error::io(path, e)),
         _ => Ok(()),
     }
 }
 
-/// Removes the temporary files that dead processes left in `folder`, and returns their paths.
-///
-/// Where the system has no `/proc` to tell who lives, nothing is removed.
-pub fn remove_leftovers(folder: &Path) -> Result<Vec<PathBuf>> {
-    let mut removed = Vec::new();
-    if !Path::new("/proc/self").exists() {
-        return Ok(removed);
-    }
-    for entry in fs::read_dir(folder).map_err(|e| Error::io(folder, e))? {
-        let path = entry.map_err(|e| Error::io(folder, e))?.path();
-        if path.is_file() && is_leftover(&path) {
-            fs::remove_file(&path).map_err(|e| Error::io(&path, e))?;
-            removed.push(path);
-        }
-    }
-    removed.sort();
-    Ok(removed)
-}
-
-/// Whether the name ends in `.tmp.<pid>` of a process that is no more.
-fn is_leftover(path: &Path) -> bool {
-    let name = path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
-    let pid = name.rsplit_once(".tmp.").and_then(|(_, pid)| pid.parse::<u32>().ok());
-    pid.is_some_and(|pid| !Path::new("/proc").join(pid.to_string()).exists())
+/// Whether anything has this name, be it a link that leads nowhere.
+pub fn is_there(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok()
 }
 
 /// The content of a regular file.
@@ -215,19 +189,6 @@ mod tests {
         assert!(matches!(write_atomically(&path.join("no").join("x"), b"x"), Err(Error::Io { .. })));
         assert_eq!(names(folder.path()), ["taken"]);
         assert!(matches!(read(Path::new("/dev/zero")), Err(Error::Io { .. })));
-    }
-
-    #[test]
-    fn only_the_temporary_files_of_dead_processes_are_removed() {
-        let folder = tempfile::tempdir().expect("temporary folder");
-        let own = format!("a.exr.tmp.{}", std::process::id());
-        // The highest process number that Linux can be set to is 2^22.
-        for name in ["a.exr", "b.tmp.exr", &own, "c.exr.tmp.4194305"] {
-            fs::write(folder.path().join(name), b"x").expect("file");
-        }
-        let removed = remove_leftovers(folder.path()).expect("readable");
-        assert_eq!(removed, [folder.path().join("c.exr.tmp.4194305")]);
-        assert_eq!(names(folder.path()), ["a.exr", &own, "b.tmp.exr"]);
     }
 
     #[test]

@@ -158,6 +158,7 @@ fn outputs(arguments: &Arguments, path: &Path, campaign: &Campaign, resolved: &s
     targets::spare_inputs(&[&document, &picture], path, campaign)?;
     if !arguments.force {
         spare_another(&document, resolved)?;
+        targets::spare_foreign(&picture, plot::MARK, "plot")?;
     }
     Ok([document, picture])
 }
@@ -207,7 +208,7 @@ fn one_roughness(campaign: &Campaign, path: &Path) -> Result<()> {
 
 /// Refuses to replace the bench of another campaign.
 fn spare_another(document: &Path, resolved: &str) -> Result<()> {
-    if !document.exists() {
+    if !files::is_there(document) {
         return Ok(());
     }
     let found: Option<Value> = serde_json::from_slice(&files::read(document)?).ok();

@@ -9,6 +9,7 @@ use super::output::{Output, to_json, warn, wrapped};
 use super::table_file::{self, Opened};
 use super::targets::in_the_way;
 use crate::error::{Error, Result};
+use crate::files;
 use crate::instrument::GridKind;
 use crate::instrument::klems::Basis;
 use crate::interchange::merl::Sampling;
@@ -105,7 +106,7 @@ pub fn check_output(input: &Path, output: &Path, force: bool) -> Result<()> {
     if same(input, output) {
         return Err(Error::format(output, "is the file that is read; choose another -o"));
     }
-    if output.exists() && !force {
+    if files::is_there(output) && !force {
         return Err(in_the_way(output, "is there already"));
     }
     Ok(())

@@ -145,7 +145,7 @@ fn campaigns(arguments: &Arguments) -> Result<u8> {
         Some(why) if all_needed => return Err(why),
         why => why,
     };
-    if let Some((path, _)) = campaigns.iter().find(|(path, _)| path.exists() && !arguments.force) {
+    if let Some((path, _)) = campaigns.iter().find(|(path, _)| files::is_there(path) && !arguments.force) {
         return Err(in_the_way(path, "is there already"));
     }
     if let Some(why) = why {

@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     arguments.plan(&campaign)?;
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign));
-    let _lock = Lock::take(&folder.join(format!("{stem}.lock")))?;
+    let _lock = Lock::take(&folder, &stem)?;
     let keeping = Keeping::of(&folder, &stem);
     let mut out = Output::default();
     match arguments.shard {
@@ -124,7 +124,7 @@ fn one_shard(
     out: &mut Output,
 ) -> Result<()> {
     targets::spare_inputs(&[path], &arguments.campaign, &campaign)?;
-    if !arguments.force && path.exists() {
+    if !arguments.force && files::is_there(path) {
         let there =
             shards::heading(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
         let faults =

@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         campaign.name = format!("{}_partial", campaign.name);
     }
     let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
-    let _lock = Lock::take(&folder.join(format!("{}.lock", campaign.name)))?;
+    let _lock = Lock::take(&folder, &campaign.name)?;
     let all = Target::of(&campaign, &folder);
     let open = open(&all, arguments, !missing.is_empty())?;
     let mut out = Output::default();

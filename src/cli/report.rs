@@ -30,6 +30,9 @@ pub struct Arguments {
     /// The answer of `gonio bench`, for the plot of error against samples
     #[arg(long, value_name = "FILE")]
     bench: Option<PathBuf>,
+    /// Replace a file that is there and no page or card of this program
+    #[arg(long)]
+    force: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
@@ -39,6 +42,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     targets::spare(&output, [Some(path), arguments.bench.as_ref()].into_iter().flatten(), "command")?;
     let bench = arguments.bench.as_deref().map(read_json).transpose()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
+    if !arguments.force {
+        let (mark, what) = if is_card { (report::card::MARK, "card") } else { (report::page::MARK, "page") };
+        targets::spare_foreign(&output, mark, what)?;
+    }
     let text = match opened {
         Opened::Whole(table) if is_card => stored_card(path, &table)?,
         Opened::Whole(table) => stored_page(path, &table, bench.as_ref())?,

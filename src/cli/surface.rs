@@ -172,21 +172,39 @@ impl<'a> Job<'a> {
             }
             return self.check_certificate();
         }
-        files::remove(&self.certificate())?;
+        let certified = self.certified()?;
         for (_, path) in self.patches_there()? {
-            // Only patches that are not about to be replaced: what is left is of one run.
+            // Patches of the certificate that are not about to be replaced: what is left is of one run.
             if !outputs.contains(&path) {
+                let stem =
+                    path.with_extension("exr").file_name().map(|name| name.to_string_lossy().into_owned());
+                if !stem.is_some_and(|name| certified.contains(&name)) {
+                    let what = "is there, a patch that no certificate names; move it, or choose another -o";
+                    return Err(Error::format(&path, what));
+                }
                 targets::spare_inputs(&[&path], file, self.campaign)?;
                 files::remove(&path)?;
             }
         }
+        files::remove(&self.certificate())?;
         Ok(())
+    }
+
+    /// The patches that the certificate names which is there.
+    fn certified(&self) -> Result<Vec<String>> {
+        let path = self.certificate();
+        if !files::is_there(&path) {
+            return Ok(vec![]);
+        }
+        let old: Value = serde_json::from_slice(&files::read(&path)?).unwrap_or_default();
+        let names = old["patches"].as_array().into_iter().flatten();
+        Ok(names.filter_map(|entry| entry["file"].as_str().map(String::from)).collect())
     }
 
     /// A certificate that is there must be of the same surface and seed.
     fn check_certificate(&self) -> Result<()> {
         let path = self.certificate();
-        if !path.exists() {
+        if !files::is_there(&path) {
             return Ok(());
         }
         let old: Value = serde_json::from_slice(&files::read(&path)?).unwrap_or_default();
@@ -263,7 +281,7 @@ impl<'a> Job<'a> {
     /// Writes a file, unless the same bytes are there already.
     fn put(&self, index: u64, end: &str, bytes: &[u8]) -> Result<()> {
         let path = self.folder.join(self.name(index, end));
-        if !self.force && path.exists() {
+        if !self.force && files::is_there(&path) {
             let same = files::read(&path)? == bytes;
             return if same { Ok(()) } else { Err(targets::in_the_way(&path, "is another patch")) };
         }

@@ -1,21 +1,23 @@
 //! Where results go: the folder, the files of each table, and what lies there already.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::output::{say, warn};
+use super::output::warn;
 use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files;
-use crate::table::{BrdfTable, TableRows};
+use crate::report::{card, page};
+use crate::table::{BrdfTable, TableRows, realisations};
+
+/// Bytes within which a file says what it is.
+const HEAD: u64 = 1 << 16;
 
 /// The output folder, ready to take files: `wanted`, or `out/<name>`.
 pub fn open_folder(wanted: Option<&Path>, campaign: &Campaign) -> Result<PathBuf> {
     let folder = wanted.map_or_else(|| Path::new("out").join(&campaign.name), Path::to_path_buf);
     files::create_folder(&folder)?;
-    for path in files::remove_leftovers(&folder)? {
-        say(format_args!("note: {}, left by a run that was ended, is removed", path.display()));
-    }
     Ok(folder)
 }
 
@@ -98,9 +100,12 @@ impl Target {
     /// error; one of this campaign without its summary is of a run that was ended, and is made again.
     pub fn is_finished(&self) -> Result<bool> {
         let finished = self.summary.exists();
-        if !self.table.exists() {
-            let stray = [&self.summary, &self.realisations].into_iter().find(|path| path.exists());
-            return stray.map_or(Ok(false), |path| Err(in_the_way(path, "is there without its table")));
+        if !files::is_there(&self.table) {
+            let stray = [&self.summary, &self.realisations].into_iter().find(|path| files::is_there(path));
+            if let Some(path) = stray {
+                return Err(in_the_way(path, "is there without its table"));
+            }
+            return self.spare_others().map(|()| false);
         }
         let mut rows = TableRows::open(&self.table)
             .map_err(|e| in_the_way(&self.table, &format!("is no table ({e})")))?;
@@ -112,13 +117,34 @@ impl Target {
         if finished && heading.version != env!("CARGO_PKG_VERSION") {
             warn(format_args!("{} was measured by version {}", self.table.display(), heading.version));
         }
+        if !finished {
+            self.spare_others()?;
+        }
         Ok(finished)
+    }
+
+    /// Refuses to replace what this program did not write.
+    fn spare_others(&self) -> Result<()> {
+        spare_foreign(&self.realisations, realisations::TABLE_DIGEST, "realisations")?;
+        spare_foreign(&self.page, page::MARK, "page")?;
+        spare_foreign(&self.card, card::MARK, "card")
     }
 
     /// All its files.
     pub fn paths(&self) -> [&Path; 5] {
         [&self.table, &self.realisations, &self.summary, &self.page, &self.card]
     }
+}
+
+/// Refuses to replace a file that does not say near its beginning, by `mark`, that this program wrote it.
+pub fn spare_foreign(path: &Path, mark: &str, what: &str) -> Result<()> {
+    if !files::is_there(path) {
+        return Ok(());
+    }
+    let mut head = Vec::new();
+    files::open(path)?.take(HEAD).read_to_end(&mut head).map_err(|e| Error::io(path, e))?;
+    let is_own = head.windows(mark.len()).any(|bytes| bytes == mark.as_bytes());
+    if is_own { Ok(()) } else { Err(in_the_way(path, &format!("is no {what} of this program"))) }
 }
 
 /// The refusal to replace a file.

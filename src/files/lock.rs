@@ -1,40 +1,66 @@
 //! One process at a time for one output: a lock of the system on a file beside it, which ends with its process.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use super::claim::Claim;
+use super::own_file;
 use crate::error::{Error, Result};
+
+/// What a file of a lock begins with.
+const HEADER: &str = "gonio lock of process ";
+/// More than it holds.
+const LONGEST: u64 = 100;
 
 /// A lock that is held. Given up, and its file removed, when it is dropped or its process ends in whatever way.
 #[derive(Debug)]
 pub struct Lock {
     path: PathBuf,
-    _file: File,
+    file: File,
+    /// Files under way have names of one claim as long as the output is locked.
+    _claim: Arc<Claim>,
 }
 
 impl Lock {
-    /// Locks the file at `path`, which is made if it is not there.
+    /// Locks the outputs of a folder whose names begin with `stem`: the file `.<stem>.gonio-lock`, which is made if it is
+    /// not there.
     ///
-    /// Errors: `Format` where another process holds it; `Io`.
+    /// Errors: `Format` where another process holds it, or something else has the name; `Io`.
     /// Held by: `a_lock_is_held_by_one_and_leaves_nothing`, and `tests/files_under_failure.rs`.
-    pub fn take(path: &Path) -> Result<Self> {
+    pub fn take(folder: &Path, stem: &str) -> Result<Self> {
+        let path = folder.join(format!(".{stem}.gonio-lock"));
+        let failed = |e: io::Error| Error::io(&path, e);
         loop {
-            let file = File::options().read(true).write(true).create(true).truncate(false).open(path);
-            let mut file = file.map_err(|e| Error::io(path, e))?;
+            let Some(mut file) = opened(&path).map_err(failed)? else { continue };
             match file.try_lock() {
                 Ok(()) => {}
-                Err(TryLockError::WouldBlock) => return Err(taken(path)),
-                // Some file systems know no locks; results are whole there too, only not guarded against a second run.
-                Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => {}
-                Err(TryLockError::Error(e)) => return Err(Error::io(path, e)),
+                Err(TryLockError::WouldBlock) => return Err(taken(&path, &mut file)),
+                // Results are whole there too, only not guarded against a second run.
+                Err(TryLockError::Error(e)) if own_file::knows_no_locks(&e) => {}
+                Err(TryLockError::Error(e)) => return Err(failed(e)),
             }
             // The one before may have removed the file between our opening and our locking it.
-            if is_at(&file, path).map_err(|e| Error::io(path, e))? {
-                // For the eye only: the lock is the system's.
-                file.set_len(0).and_then(|()| writeln!(file, "{}", std::process::id())).ok();
-                return Ok(Lock { path: path.into(), _file: file });
+            if !is_at(&file, &path).map_err(failed)? {
+                continue;
             }
+            let content = content(&mut file).map_err(failed)?;
+            // An empty one is of a process that was killed before it wrote into it.
+            if !content.is_empty() && !content.starts_with(HEADER) {
+                return Err(Error::format(
+                    &path,
+                    "is no lock of this program; move it, or choose another -o",
+                ));
+            }
+            // For the eye only: the lock is the system's.
+            let pid = std::process::id();
+            file.set_len(0)
+                .and_then(|()| file.rewind())
+                .and_then(|()| writeln!(file, "{HEADER}{pid}"))
+                .map_err(failed)?;
+            let claim = Claim::on(folder).map_err(|e| Error::io(folder, e))?;
+            return Ok(Lock { path, file, _claim: claim });
         }
     }
 }
@@ -42,12 +68,33 @@ impl Lock {
 impl Drop for Lock {
     fn drop(&mut self) {
         // While it is still locked, so that nobody locks a file that is about to go.
-        fs::remove_file(&self.path).ok();
+        if is_at(&self.file, &self.path).unwrap_or(false) {
+            fs::remove_file(&self.path).ok();
+        }
     }
 }
 
-fn taken(path: &Path) -> Error {
-    let by = fs::read_to_string(path).ok().and_then(|text| text.trim().parse::<u32>().ok());
+/// The file that is there, or a new one; `None` where it went meanwhile.
+fn opened(path: &Path) -> io::Result<Option<File>> {
+    match own_file::create_new(path) {
+        Err(e) if e.kind() == ErrorKind::AlreadyExists => match own_file::open(path) {
+            Err(e) if e.kind() == ErrorKind::NotFound => Ok(None),
+            there => there.map(Some),
+        },
+        new => new.map(Some),
+    }
+}
+
+fn content(file: &mut File) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    file.rewind()?;
+    Read::by_ref(file).take(LONGEST).read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+fn taken(path: &Path, file: &mut File) -> Error {
+    let text = content(file).unwrap_or_default();
+    let by = text.strip_prefix(HEADER).and_then(|pid| pid.trim().parse::<u32>().ok());
     let by = by.map_or("another process".into(), |pid| format!("process {pid}"));
     Error::format(path, format!("{by} is writing this output; wait for it, or choose another -o"))
 }
@@ -56,7 +103,7 @@ fn taken(path: &Path) -> Error {
 fn is_at(file: &File, path: &Path) -> io::Result<bool> {
     use std::os::unix::fs::MetadataExt;
     let open = file.metadata()?;
-    match fs::metadata(path) {
+    match fs::symlink_metadata(path) {
         Ok(there) => Ok((there.dev(), there.ino()) == (open.dev(), open.ino())),
         Err(e) if e.kind() == ErrorKind::NotFound => Ok(false),
         Err(e) => Err(e),
@@ -75,14 +122,20 @@ mod tests {
     #[test]
     fn a_lock_is_held_by_one_and_leaves_nothing() {
         let folder = tempfile::tempdir().expect("temporary folder");
-        let path = folder.path().join("small.lock");
-        let lock = Lock::take(&path).expect("free");
-        let refused = Lock::take(&path).expect_err("taken").to_string();
+        let path = folder.path().join(".small.gonio-lock");
+        let lock = Lock::take(folder.path(), "small").expect("free");
+        let refused = Lock::take(folder.path(), "small").expect_err("taken").to_string();
         assert!(refused.contains(&format!("process {}", std::process::id())), "{refused}");
         drop(lock);
-        assert!(!path.exists());
-        // Left by a process that was killed: its lock went with it.
-        fs::write(&path, "4194305\n").expect("file");
-        drop(Lock::take(&path).expect("nobody holds it"));
+        assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 0);
+        // Left by processes that were killed: their locks went with them.
+        for left in ["gonio lock of process 4194305\n", ""] {
+            fs::write(&path, left).expect("file");
+            drop(Lock::take(folder.path(), "small").expect("nobody holds it"));
+        }
+        fs::write(&path, "my notes").expect("file");
+        let refused = Lock::take(folder.path(), "small").expect_err("a user's").to_string();
+        assert!(refused.contains("is no lock of this program"), "{refused}");
+        assert_eq!(fs::read_to_string(&path).expect("there"), "my notes");
     }
 }

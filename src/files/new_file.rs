@@ -3,11 +3,13 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use super::{check_target, clean_up, folder_of, sync_folder, temporary_path};
+use super::claim::Claim;
+use super::{check_target, clean_up, folder_of, own_file, sync_folder};
 use crate::error::{Error, Result};
 
-/// An open temporary file `name.tmp.<pid>` in the folder of its place. Dropped before [`NewFile::commit`], it is
+/// An open file under way in the folder of its place. Dropped before [`NewFile::commit`], it is
 /// removed, and what lay in its place stays.
 pub struct NewFile {
     place: PathBuf,
@@ -16,16 +18,20 @@ pub struct NewFile {
     /// Whether nothing was written since all of it reached the disk.
     on_disk: bool,
     done: bool,
+    /// Lasts longer than the file.
+    _claim: Arc<Claim>,
 }
 
 impl NewFile {
-    /// Opens it. Folders, devices and pipes are not replaced.
+    /// Opens it. Folders, links, devices, pipes and read-only files are not replaced.
     pub fn create(place: &Path) -> Result<Self> {
         let open = || {
             check_target(place)?;
-            let temporary = temporary_path(place)?;
-            let out = BufWriter::new(File::create(&temporary)?);
-            Ok(NewFile { place: place.into(), temporary, out, on_disk: false, done: false })
+            place.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "has no name"))?;
+            let claim = Claim::on(folder_of(place))?;
+            let temporary = claim.name();
+            let out = BufWriter::new(own_file::create_new(&temporary)?);
+            Ok(NewFile { place: place.into(), temporary, out, on_disk: false, done: false, _claim: claim })
         };
         open().map_err(|e| Error::io(place, e))
     }

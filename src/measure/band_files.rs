@@ -42,7 +42,7 @@ impl BandFiles {
         for entry in std::fs::read_dir(&self.folder).map_err(|e| Error::io(&self.folder, e))? {
             let path = entry.map_err(|e| Error::io(&self.folder, e))?.path();
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            if Band::is_file_name(&name, &self.stem) && path.is_file() {
+            if Band::is_file_name(&name, &self.stem) {
                 found.push(path);
             }
         }

@@ -37,7 +37,7 @@ impl Checkpoint {
 
     /// The file of either, if one is there.
     pub fn path(&self) -> Option<&Path> {
-        self.slots.iter().map(PathBuf::as_path).find(|path| path.exists())
+        self.slots.iter().map(PathBuf::as_path).find(|path| files::is_there(path))
     }
 
     /// The newest one that is whole; `None` where there is none at all.

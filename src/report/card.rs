@@ -109,6 +109,9 @@ fn upper_median(values: &mut [f64]) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
+/// By this a card is told as one of ours.
+pub const MARK: &str = "<!-- gonio: provenance card -->";
+
 /// What a card says of the values, gathered in bands of stops.
 pub struct Facts {
     errors: Errors,
@@ -147,7 +150,7 @@ pub fn card(table: &BrdfTable, summary: &Value) -> Result<String> {
 /// The card of a table from its heading, its digest, and what was gathered of its values.
 pub fn card_of(heading: &BrdfTable, digest: &str, facts: Facts, summary: &Value) -> String {
     let name = summary["name"].as_str().unwrap_or("table");
-    let mut lines = vec![format!("# {name}: a measured BRDF table"), String::new()];
+    let mut lines = vec![MARK.into(), format!("# {name}: a measured BRDF table"), String::new()];
     lines.extend(["| | |".into(), "|---|---|".into()]);
     let (names, empty, gaps) = (facts.names.clone(), facts.empty, facts.gaps);
     let quality = facts.errors.quality();

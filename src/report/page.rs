@@ -11,6 +11,9 @@ use super::slices::Scene;
 use super::specimen;
 use crate::campaign::Campaign;
 
+/// By this a page is told as one of ours.
+pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
+
 const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/page.css");
 /// In the order in which they build upon each other.

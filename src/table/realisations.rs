@@ -13,7 +13,8 @@ use crate::instrument::Grid;
 use super::channels::{self, ColourName, DIGEST, GRID, Reason};
 use super::{BrdfTable, RealisationPart, Realisations, SchlickSums, store};
 
-const TABLE_DIGEST: &str = "gonio.table_digest";
+/// The attribute by which a file of realisations is told as one of ours.
+pub const TABLE_DIGEST: &str = "gonio.table_digest";
 const GROUP_SIZE: &str = "gonio.group_size";
 
 /// The largest file that is written unasked, bytes.
