@@ -92,7 +92,8 @@ fn spectral_tables_come_back_from_lists() {
         }
         assert_eq!(back.colours.len(), nm.len());
     }
-    let refused = interchange::export(&wanted, Format::Zemax, &Options::default(), &path).expect_err("no room");
+    let refused =
+        interchange::export(&wanted, Format::Zemax, &Options::default(), &path).expect_err("no room");
     assert!(refused.to_string().contains("csv, astm and ssdd hold them"), "{refused}");
 }
 
