@@ -23,6 +23,7 @@ pub mod files;
 pub mod rng;
 pub mod sphere;
 pub mod stats;
+pub mod text_decoding;
 
 // The stages, in the order of the data. Each imports only earlier ones.
 pub mod campaign;

@@ -165,6 +165,22 @@ fn a_byte_order_mark_and_windows_line_ends_change_nothing() {
 }
 
 #[test]
+fn utf16_with_its_mark_is_read_like_utf8() {
+    let wide = |text: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(bytes).collect()
+    };
+    for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
+        assert_eq!(parse(wide(GOOD, bytes)).expect("accepted"), accepted(GOOD));
+        let found = faults(wide(&GOOD.replace("alpha = 0.2", "alpha = 0"), bytes));
+        assert_eq!((found[0].line, found[0].column), (Some(10), Some(1)));
+    }
+    let mut odd = wide(GOOD, u16::to_le_bytes);
+    odd.pop();
+    let found = faults(odd);
+    assert!(found[0].allowed.contains("UTF-16 with half a character at its end"), "{}", found[0]);
+}
+
+#[test]
 fn a_huge_file_is_refused() {
     let found = faults(vec![b'\n'; (16 << 20) + 1]);
     assert!(found[0].allowed.contains("16 MiB"));

@@ -11,7 +11,7 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 const CAMPAIGN: &str = "name = \"small\"\nseed = 7\n[surface]\ncells = 32\nrealisations = 2\n[surface.ggx]\nalpha = 0.3\n\
-    [optics]\nmaterial = \"gold\"\n[light]\ntheta_i_deg = [0.0, 40.0]\n[sensor]\ntheta_r_bins = 3\nphi_r_bins = 4\n\
+    [optics]\nmaterial = \"gold\"\n[light]\ntheta_i_deg = [0.0, 40.0]\n[sensor.hemisphere]\ntheta_r_bins = 3\nphi_r_bins = 4\n\
     [stop]\nsamples = 256\n";
 
 const KINDS: [&str; 6] = ["a file", "a link", "a link to nothing", "a folder", "a pipe", "a read-only file"];

@@ -303,6 +303,10 @@ fn maps_of_other_programs_read_as_what_they_are_or_are_refused_by_what_they_lack
     let plain = load_bytes(filled.as_bytes(), own).expect("loads");
     let marked = load_bytes(format!("\u{feff}{filled}").as_bytes(), own).expect("loads");
     assert_eq!(marked, plain);
+    for bytes in [u16::to_le_bytes, u16::to_be_bytes] {
+        let wide: Vec<u8> = std::iter::once(0xfeff).chain(filled.encode_utf16()).flat_map(bytes).collect();
+        assert_eq!(load_bytes(&wide, own).expect("loads"), plain);
+    }
 }
 
 #[test]

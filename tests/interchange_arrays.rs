@@ -78,6 +78,72 @@ fn the_members_of_an_npz_are_stored_arrays_that_numpy_reads() {
     assert_eq!((edges.shape, edges.values), (vec![5], Values::F64(table.grid.phi_r_edges_deg.clone())));
 }
 
+/// The members of an archive in their order, as they are stored.
+fn members(bytes: &[u8]) -> Vec<(String, Vec<u8>)> {
+    let mut zip = zip::ZipArchive::new(std::io::Cursor::new(bytes)).expect("a zip");
+    let count = zip.len();
+    let member = |at: usize| {
+        let (mut file, mut bytes) = (zip.by_index(at).expect("there"), Vec::new());
+        std::io::Read::read_to_end(&mut file, &mut bytes).expect("readable");
+        (file.name().expect("a name").to_string(), bytes)
+    };
+    (0..count).map(member).collect()
+}
+
+/// A degree sign, and a character outside the basic plane.
+const TEXT: &str = "name = \"25 \u{b0}C \u{1d70c}\"\n";
+
+#[test]
+fn the_texts_of_an_npz_are_strings() {
+    let wanted = BrdfTable { campaign: TEXT.into(), patch_digest: String::new(), ..small(1) };
+    let members = members(&npz_of(&wanted));
+    let member = |name: &str| &members.iter().find(|(member, _)| member == name).expect("there").1;
+    for (name, text) in [("campaign.npy", TEXT), ("version.npy", &wanted.version), ("patch_digest.npy", "\0")]
+    {
+        let bytes = member(name);
+        // NumPy's layout of str: code points of four bytes each, the array without an axis; length 0 is no type.
+        let points: Vec<u8> = text.chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+        let header = format!("{{'descr': '<U{}', 'fortran_order': False, 'shape': (), }}", points.len() / 4);
+        let length = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+        assert!(bytes.starts_with(b"\x93NUMPY\x01\x00") && (10 + length).is_multiple_of(64), "{name}");
+        let found = std::str::from_utf8(&bytes[10..10 + length]).expect("ASCII");
+        assert_eq!((found.trim_end(), found.ends_with('\n')), (header.as_str(), true), "{name}");
+        assert_eq!(bytes[10 + length..], points, "{name}");
+    }
+    assert!(npz::read(&npz_of(&wanted)).expect("readable") == wanted);
+    // Big-endian, and filled up with zeros.
+    let mut other = member("version.npy")[..128].to_vec();
+    let at = other.windows(2).position(|pair| pair == b"<U").expect("the type");
+    other.splice(at.., b">U3', 'fortran_order': False, 'shape': (2,), }".iter().copied());
+    other.resize(127, b' ');
+    other.push(b'\n');
+    other.splice(8..10, 118u16.to_le_bytes());
+    "\u{3b1}\0\0abc".chars().for_each(|c| other.extend(u32::from(c).to_be_bytes()));
+    let found = npy::decode(&other).expect("an array");
+    assert_eq!((found.shape, found.values), (vec![2], Values::Text(vec!["\u{3b1}".into(), "abc".into()])));
+    // A surrogate is no character.
+    other.splice(128..132, 0xd800u32.to_be_bytes());
+    assert!(npy::decode(&other).expect_err("no text").contains("no character"));
+}
+
+#[test]
+fn texts_of_older_archives_are_read() {
+    let wanted = BrdfTable { campaign: TEXT.into(), ..small(3) };
+    let texts = ["grid", "campaign", "version", "seed", "patch_digest"].map(|name| format!("{name}.npy"));
+    let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+    for (name, mut bytes) in members(&npz_of(&wanted)) {
+        if texts.contains(&name) {
+            let Values::Text(text) = npy::decode(&bytes).expect("an array").values else { panic!("{name}") };
+            bytes.clear();
+            npy::encode(&mut bytes, &[text[0].len()], text[0].bytes()).expect("written");
+        }
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).expect("begun");
+        std::io::Write::write_all(&mut zip, &bytes).expect("written");
+    }
+    let bytes = zip.finish().expect("finished").into_inner();
+    assert!(npz::read(&bytes).expect("readable") == wanted);
+}
+
 #[test]
 fn csv_comes_back() {
     let table = small(3);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The measuring side in the order of the data: a layer may import only what stands before it, or itself.
 const LAYERS: [&[&str]; 9] = [
-    &["error", "rng", "sphere", "stats", "files"],
+    &["error", "rng", "sphere", "stats", "text_decoding", "files"],
     &["campaign"],
     &["surface"],
     &["instrument"],
@@ -18,12 +18,13 @@ const LAYERS: [&[&str]; 9] = [
 ];
 
 /// Modules that may import nothing but these.
-const NARROW: [(&str, &[&str]); 6] = [
+const NARROW: [(&str, &[&str]); 7] = [
     ("error", &[]),
     ("rng", &[]),
     ("sphere", &[]),
     ("stats", &[]),
-    ("campaign", &["error"]),
+    ("text_decoding", &[]),
+    ("campaign", &["error", "text_decoding"]),
     ("optics", &["sphere"]),
 ];
 

@@ -7,6 +7,7 @@ use std::path::Path;
 use toml::de::DeTable;
 
 use crate::error::{Error, Fault, Result};
+use crate::text_decoding::decode_text;
 
 mod angles;
 mod arms;
@@ -66,7 +67,7 @@ pub fn read(path: &Path) -> Result<Parsed> {
     parse(&bytes, &path.display().to_string(), folder)
 }
 
-/// Reads a campaign from its text, as UTF-8 with or without a byte order mark.
+/// Reads a campaign from its text, in UTF-8 or, with a byte order mark, UTF-16.
 ///
 /// - `name_for_messages`: the file in faults and notes.
 /// - `folder`: where the height maps it names are looked for.
@@ -83,8 +84,7 @@ pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> 
         ));
     }
     // Without the mark, so that the first line's columns count from the first key.
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let text = std::str::from_utf8(bytes).map_err(|e| not_utf8(name_for_messages, bytes, e.valid_up_to()))?;
+    let text = &*decode_text(bytes).map_err(|why| no_text(name_for_messages, bytes, why))?;
     let report = Report::new(name_for_messages, text);
     let campaign = match DeTable::parse(text) {
         Ok(root) => check::campaign(Table::root(&report, root.get_ref()), folder),
@@ -141,9 +141,11 @@ fn is_bare_key(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.'))
 }
 
-fn not_utf8(name: &str, bytes: &[u8], offset: usize) -> Error {
-    let line = bytes[..offset].iter().filter(|b| **b == b'\n').count() + 1;
-    whole_file_fault(name, Some(line), format!("byte {offset} is not UTF-8; save the file as UTF-8 text"))
+/// The fault of bytes that are no text, at the line of the first that is not UTF-8.
+fn no_text(name: &str, bytes: &[u8], why: String) -> Error {
+    let good = std::str::from_utf8(bytes).map_or_else(|e| e.valid_up_to(), str::len);
+    let line = bytes[..good].iter().filter(|b| **b == b'\n').count() + 1;
+    whole_file_fault(name, Some(line), why)
 }
 
 fn whole_file_fault(name: &str, line: Option<usize>, allowed: String) -> Error {

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
 use super::against;
-use super::output::{Output, columns, duration, grouped, json_text, say, to_json, warn};
+use super::output::{Output, columns, duration, grouped, json_text, parsed_json, say, to_json, warn};
 use super::progress::Progress;
 use super::resolution_text;
 use super::scene::{self, SceneArguments};
@@ -211,7 +211,7 @@ fn spare_another(document: &Path, resolved: &str) -> Result<()> {
     if !files::is_there(document) {
         return Ok(());
     }
-    let found: Option<Value> = serde_json::from_slice(&files::read(document)?).ok();
+    let found: Option<Value> = parsed_json(&files::read(document)?).ok();
     if found.is_some_and(|found| found["campaign"] == resolved) {
         say(format_args!("note: {} is measured again", document.display()));
         return Ok(());

@@ -11,7 +11,7 @@ use super::output::{self, Output, say, warn};
 use super::results::cost_lines;
 use super::targets::{self, Target};
 use crate::campaign::{self, Campaign, Optics, Parsed};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files;
 use crate::files::lock::Lock;
 use crate::measure::{self, Plan, Shard, shards};
@@ -216,12 +216,8 @@ fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
 
 /// The summaries of finished tables: one document, or a list of them.
 pub fn summaries(all: &[Target]) -> Result<Value> {
-    let read = |target: &Target| {
-        let path = &target.summary;
-        let bytes = files::read(path)?;
-        serde_json::from_slice(&bytes).map_err(|e| Error::format(path, format!("is no summary: {e}")))
-    };
-    let mut summaries = all.iter().map(read).collect::<Result<Vec<Value>>>()?;
+    let mut summaries =
+        all.iter().map(|target| output::read_json(&target.summary)).collect::<Result<Vec<Value>>>()?;
     let single = if summaries.len() == 1 { summaries.pop() } else { None };
     Ok(single.unwrap_or(Value::Array(summaries)))
 }

@@ -8,6 +8,8 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::error::{Error, Result};
+use crate::files;
+use crate::text_decoding::decode_text;
 use crate::validate::Verdict;
 
 /// Columns of the terminal that every text fits.
@@ -48,6 +50,18 @@ impl Output {
 /// A JSON document as text, without an end of line.
 pub fn json_text(document: &Value) -> Result<String> {
     serde_json::to_string_pretty(document).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
+}
+
+/// The JSON document in a file.
+///
+/// Errors: [`Error::Io`], [`Error::Format`].
+pub fn read_json(path: &Path) -> Result<Value> {
+    parsed_json(&files::read(path)?).map_err(|why| Error::format(path, format!("is no JSON: {why}")))
+}
+
+/// A JSON document from its bytes, which an editor may have saved with a byte order mark.
+pub fn parsed_json(bytes: &[u8]) -> std::result::Result<Value, String> {
+    serde_json::from_str(&decode_text(bytes)?).map_err(|e| e.to_string())
 }
 
 /// Plain data as JSON.
@@ -177,6 +191,15 @@ pub fn or_na(value: Option<f64>, decimals: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn json_is_read_with_a_mark() {
+        let wide = std::iter::once(0xfeff).chain("{\"a\": 1}".encode_utf16()).flat_map(u16::to_le_bytes);
+        for bytes in [b"\xef\xbb\xbf{\"a\": 1}".to_vec(), wide.collect()] {
+            assert_eq!(parsed_json(&bytes).expect("JSON")["a"], 1);
+        }
+        assert!(parsed_json(b"{\"a\": \"\xb0\"}").expect_err("no UTF-8").contains("byte 7 is not UTF-8"));
+    }
 
     #[test]
     fn numbers_are_printed_with_their_units() {

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 
-use super::output::{Output, bytes, say, warn};
+use super::output::{self, Output, bytes, say, warn};
 use super::table_file::{self, Opened};
 use super::targets;
 use crate::campaign::Campaign;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::files;
 use crate::report::{self, Page, Scene, specimen, summary};
 use crate::table::{BrdfTable, TableRows};
@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let opened = table_file::open(path, verdict::row_bytes)?;
     let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));
     targets::spare(&output, [Some(path), arguments.bench.as_ref()].into_iter().flatten(), "command")?;
-    let bench = arguments.bench.as_deref().map(read_json).transpose()?;
+    let bench = arguments.bench.as_deref().map(output::read_json).transpose()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
     if !arguments.force {
         let (mark, what) = if is_card { (report::card::MARK, "card") } else { (report::page::MARK, "page") };
@@ -174,7 +174,7 @@ fn summary_beside(path: &Path, table: &BrdfTable) -> Result<Option<Value>> {
         say(format_args!("note: {} is absent: cost and albedo by order are not known", beside.display()));
         return Ok(None);
     }
-    let summary = read_json(&beside)?;
+    let summary = output::read_json(&beside)?;
     let stops = summary["stops"].as_array().map_or(0, Vec::len);
     let same = summary["seed"] == table.seed
         && summary["patch_digest"] == *table.patch_digest
@@ -183,10 +183,6 @@ fn summary_beside(path: &Path, table: &BrdfTable) -> Result<Option<Value>> {
         warn(format_args!("{} belongs to another table and is not used", beside.display()));
     }
     Ok(same.then_some(summary))
-}
-
-fn read_json(path: &Path) -> Result<Value> {
-    serde_json::from_slice(&files::read(path)?).map_err(|e| Error::format(path, format!("is no JSON: {e}")))
 }
 
 /// A summary from the table alone.

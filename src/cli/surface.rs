@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::certificate_text::{self, MapFigures, Pooled, RayBound};
-use super::output::{Output, json_text, to_json, warn};
+use super::output::{Output, json_text, parsed_json, to_json, warn};
 use super::progress::Progress;
 use super::targets;
 use crate::campaign::{self, Campaign, Parsed};
@@ -207,7 +207,7 @@ impl<'a> Job<'a> {
         if !files::is_there(&path) {
             return Ok(());
         }
-        let old: Value = serde_json::from_slice(&files::read(&path)?).unwrap_or_default();
+        let old: Value = parsed_json(&files::read(&path)?).unwrap_or_default();
         let same = old["seed"] == json!(self.campaign.seed)
             && old["surface"] == surface_of(self.campaign)?
             && old["pitch"] == json!(self.pitch);

@@ -1,11 +1,13 @@
-//! NPY arrays in memory: plain numbers of any shape, little-endian, C order when written.
+//! NPY arrays in memory: plain numbers of any shape, and texts; little-endian, C order when written.
 //!
 //! Enters and leaves: bytes. Headers are looked at before the general parser sees them, as that recurses and
 //! multiplies unchecked.
 
 use std::io::{self, Write};
 
-use npyz::{AutoSerialize, DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder};
+use npyz::{
+    AutoSerialize, DType, Deserialize, Endianness, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder,
+};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest header that a plain array needs, with room to spare.
@@ -31,6 +33,8 @@ pub enum Values {
     U8(Vec<u8>),
     /// u4.
     U32(Vec<u32>),
+    /// U: texts of code points.
+    Text(Vec<String>),
 }
 
 impl Array {
@@ -41,6 +45,7 @@ impl Array {
             Values::F64(v) => v.len(),
             Values::U8(v) => v.len(),
             Values::U32(v) => v.len(),
+            Values::Text(v) => v.len(),
         }
     }
 
@@ -91,12 +96,17 @@ pub fn decode(bytes: &[u8]) -> Result<Array, String> {
     let DType::Plain(kind) = header.dtype() else {
         return Err("an array of records, plain numbers needed".into());
     };
-    let wanted = shape.iter().try_fold(kind.size_field() as usize, |size, &side| size.checked_mul(side));
+    let wanted =
+        kind.num_bytes().and_then(|size| shape.iter().try_fold(size, |size, &side| size.checked_mul(side)));
     if wanted != Some(data.len()) {
         return Err(format!("{} bytes of data do not make {shape:?} of type {kind}", data.len()));
     }
     if header.order() == Order::Fortran && shape.len() > 1 {
         return Err("column-major (Fortran) order; save the array with numpy.ascontiguousarray".into());
+    }
+    if kind.type_char() == TypeChar::UnicodeStr {
+        let big = kind.endianness() == Endianness::Big;
+        return Ok(Array { shape, values: Values::Text(texts(data, kind.size_field() as usize, big)?) });
     }
     let npy = NpyFile::with_header(header, data);
     let values = match (kind.type_char(), kind.size_field()) {
@@ -111,6 +121,34 @@ pub fn decode(bytes: &[u8]) -> Result<Array, String> {
         _ => return Err(format!("type {kind} is not read; save the array as f4, f8, u1, u4 or integers")),
     };
     Ok(Array { shape, values })
+}
+
+/// Texts of `length` code points each, without the zeros that fill them up.
+fn texts(data: &[u8], length: usize, big: bool) -> Result<Vec<String>, String> {
+    let point = |bytes: &[u8; 4]| if big { u32::from_be_bytes(*bytes) } else { u32::from_le_bytes(*bytes) };
+    let text = |points: &[[u8; 4]]| -> Result<String, String> {
+        let all: Option<String> = points.iter().map(|bytes| char::from_u32(point(bytes))).collect();
+        let all = all.ok_or("a number that is no character (Unicode code point)")?;
+        Ok(all.trim_end_matches('\0').to_string())
+    };
+    data.as_chunks::<4>().0.chunks(length.max(1)).map(text).collect()
+}
+
+/// Writes one text, which NumPy reads as `str` (`<U`), without an axis.
+///
+/// Held by: `the_texts_of_an_npz_are_strings` (tests/interchange_arrays.rs).
+pub fn encode_text(mut out: impl Write, text: &str) -> io::Result<()> {
+    // NumPy makes no type of length 0.
+    let points = text.chars().count().max(1);
+    let header = format!("{{'descr': '<U{points}', 'fortran_order': False, 'shape': (), }}");
+    // Magic, version and length are 10 bytes; the data begin at a multiple of 64, behind a line feed.
+    let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    out.write_all(MAGIC)?;
+    out.write_all(&[1, 0])?;
+    out.write_all(&(length as u16).to_le_bytes())?;
+    writeln!(out, "{header:<0$}", length - 1)?;
+    let filled = text.chars().chain(text.is_empty().then_some('\0'));
+    filled.map(u32::from).try_for_each(|point| out.write_all(&point.to_le_bytes()))
 }
 
 fn read<T: Deserialize>(npy: NpyFile<&[u8]>) -> Result<Vec<T>, String> {

@@ -8,9 +8,9 @@ use std::io::{BufRead, ErrorKind, Write};
 use super::named_columns::{Columns, names_of};
 use super::read_back::{ReadBack, middles_deg};
 use super::samples::{self, Sample};
-use super::text_decoding::decode_text_or_latin1;
 use super::{Fail, Reason};
 use crate::table::BrdfTable;
+use crate::text_decoding::decode_text_or_latin1;
 
 /// How the values are meant.
 pub const CONVENTION: &str = "one line a pair of directions, angles in radians, absolute azimuths, phi_s = phi_i + pi is the \

@@ -5,10 +5,10 @@ use std::io::{Chain, Cursor, Read, Write};
 use super::named_columns::{Columns, names_of};
 use super::read_back::{ReadBack, middles_deg};
 use super::samples::{self, Sample};
-use super::text_decoding::decode_text_or_latin1;
 use super::{Fail, Reason};
 use crate::instrument::Region;
 use crate::table::BrdfTable;
+use crate::text_decoding::decode_text_or_latin1;
 
 /// How the values are meant.
 pub const CONVENTION: &str = "one line a bin; angles in degrees, absolute azimuths, mirror direction at phi_r = phi_i + 180; \

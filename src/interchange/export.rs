@@ -139,6 +139,7 @@ fn albedo_of<'a>(
 fn function(format: Format, file: Imported) -> Reason<Box<dyn Brdf>> {
     Ok(match file {
         Imported::Function(brdf, _) => brdf,
+        Imported::Spectrum { .. } => return Err("the file has wavelengths".into()),
         Imported::Table(found) if format == Format::Klems => Box::new(klems::Patchwise::new(found)?),
         Imported::Table(found) if found.grid.kind == GridKind::HalfDifference => {
             Box::new(HalfDifference::new(&found)?)

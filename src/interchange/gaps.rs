@@ -15,13 +15,25 @@ use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::BrdfTable;
 
+/// What is to be said of the gaps of a scan; half/difference angles have cells below the horizon, which are none.
+pub fn note(table: &BrdfTable) -> Option<String> {
+    let (gaps, all) = (table.gaps(), table.grid.stops() * table.grid.bins());
+    (gaps > 0 && table.grid.kind != GridKind::HalfDifference).then(|| {
+        format!(
+            "{gaps} of {all} pairs of directions were not measured: gaps, which count nowhere; --like TABLE.exr fills \
+             them in"
+        )
+    })
+}
+
 /// The totals of a table over all pairs of its polar angles and azimuths, and one sentence of what was filled in; the
 /// table itself where it has all of them. Refused: more to fill in than was measured, azimuths too far apart.
 ///
 /// Held by: tests/ragged_scans.rs.
 pub fn filled(table: BrdfTable) -> Reason<(BrdfTable, Option<String>)> {
     let gaps = table.gaps();
-    if gaps == 0 && (table.grid.kind != GridKind::Points || bin_axes(&table.grid).is_ok()) {
+    let whole = gaps == 0 && (table.grid.kind != GridKind::Points || bin_axes(&table.grid).is_ok());
+    if whole || table.grid.kind == GridKind::HalfDifference {
         return Ok((table, None));
     }
     if table.grid.kind != GridKind::Points {

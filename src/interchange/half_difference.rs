@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::resample::{default_grid, resample};
+use super::resample::{default_grid, resample_spectrum, thirds};
 use super::{Brdf, Colour, Reason};
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
@@ -22,7 +22,7 @@ struct Axis {
 impl Axis {
     /// The nodes on both sides of x and the share of the second; beyond the ends of an open axis the end.
     fn around(&self, x: f64) -> [(usize, f64); 2] {
-        let count = self.nodes.len();
+        let (count, x) = (self.nodes.len(), self.turn.map_or(x, |turn| x % turn));
         let above = self.nodes.partition_point(|&node| node <= x);
         let (low, high) = match self.turn {
             Some(_) => ((above + count - 1) % count, above % count),
@@ -52,21 +52,25 @@ impl HalfDifference {
         if grid.kind != GridKind::HalfDifference {
             return Err("the table has no half/difference angles".into());
         }
+        let values = table.colours.iter().map(|colour| colour.total.clone()).collect();
+        Ok(Self::of(grid, values, &table.hits, 180.0))
+    }
+
+    /// Values over azimuths of a whole turn: a pair and its exchange are told apart.
+    pub fn directed(grid: &Grid, values: Vec<Vec<f32>>, hits: &[u32]) -> Self {
+        Self::of(grid, values, hits, 360.0)
+    }
+
+    fn of(grid: &Grid, values: Vec<Vec<f32>>, hits: &[u32], turn_d: f64) -> Self {
         let open = |nodes: &[f64]| Axis { nodes: nodes.to_vec(), turn: None };
         let round = |nodes: &[f64], turn| Axis { nodes: nodes.to_vec(), turn: Some(turn) };
         let axes = [
             open(&grid.theta_h_deg),
             round(&grid.phi_h_deg, 360.0),
             open(&grid.theta_d_deg),
-            round(&grid.phi_d_deg, 180.0),
+            round(&grid.phi_d_deg, turn_d),
         ];
-        let values = table.colours.iter().map(|colour| colour.total.clone()).collect();
-        Ok(HalfDifference { axes, values, seen: table.hits.iter().map(|&hits| hits > 0).collect() })
-    }
-
-    /// Whether every azimuth of the half vector is alike.
-    fn is_isotropic(&self) -> bool {
-        self.axes[1].nodes.len() == 1
+        HalfDifference { axes, values, seen: hits.iter().map(|&hits| hits > 0).collect() }
     }
 }
 
@@ -74,13 +78,18 @@ impl HalfDifference {
 ///
 /// Held by: `arms_and_half_difference_angles_agree` (tests/interchange_merl.rs).
 pub fn angles_deg(wi: DVec3, wo: DVec3) -> [f64; 4] {
+    let [theta_h, phi_h, theta_d, phi_d] = directed_angles_deg(wi, wo);
+    [theta_h, phi_h, theta_d, phi_d % 180.0]
+}
+
+/// The same with phi_d in [0, 360), which tells the arms apart.
+fn directed_angles_deg(wi: DVec3, wo: DVec3) -> [f64; 4] {
     let h = (wi + wo).normalize();
     let (theta_h, phi_h) = (sphere::theta(h), sphere::phi(h));
     let turned = sphere::turned(wi, (-phi_h.sin(), phi_h.cos()));
     let (sin, cos) = theta_h.sin_cos();
     let d = DVec3::new(cos * turned.x - sin * turned.z, turned.y, sin * turned.x + cos * turned.z);
-    let phi_d = sphere::phi(d).to_degrees() % 180.0;
-    [theta_h.to_degrees(), phi_h.to_degrees(), sphere::theta(d).to_degrees(), phi_d]
+    [theta_h, phi_h, sphere::theta(d), sphere::phi(d)].map(f64::to_degrees)
 }
 
 impl Brdf for HalfDifference {
@@ -89,7 +98,7 @@ impl Brdf for HalfDifference {
     }
 
     fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let at = angles_deg(wi, wo);
+        let at = directed_angles_deg(wi, wo);
         let taps: [_; 4] = std::array::from_fn(|k| self.axes[k].around(at[k]));
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for corner in 0..16 {
@@ -112,12 +121,14 @@ pub fn as_arms(table: &BrdfTable, grid: Option<&Grid>) -> Reason<Option<BrdfTabl
     if table.grid.kind != GridKind::HalfDifference {
         return Ok(None);
     }
-    let brdf = HalfDifference::new(table)?;
+    let own = default_arms(table.grid.is_isotropic());
+    let parts = thirds(table).iter().map(HalfDifference::new).collect::<Reason<Vec<_>>>()?;
+    let parts = parts.iter().map(|part| part as &dyn Brdf);
+    resample_spectrum(parts, &table.wavelengths_nm(), grid.unwrap_or(&own)).map(Some)
+}
+
+/// Stops of 5 (anisotropic: 15) degrees over the default bins.
+pub fn default_arms(isotropic: bool) -> Grid {
     let even = |step: f64, count: usize| (0..count).map(|k| step * k as f64).collect::<Vec<f64>>();
-    let own = if brdf.is_isotropic() {
-        default_grid(even(5.0, 18), vec![])
-    } else {
-        default_grid(even(15.0, 6), even(15.0, 24))
-    };
-    resample(&brdf, grid.unwrap_or(&own)).map(Some)
+    if isotropic { default_grid(even(5.0, 18), vec![]) } else { default_grid(even(15.0, 6), even(15.0, 24)) }
 }

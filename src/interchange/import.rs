@@ -4,11 +4,10 @@ use std::path::Path;
 
 use super::format::{Format, Options};
 use super::half_difference::HalfDifference;
-use super::resample::default_grid;
+use super::resample::{default_grid, resample_spectrum, thirds};
 use super::samples::one_azimuth;
 use super::{
-    Brdf, Lookup, Reason, astm, csv, exr_parts, gaps, klems, merl, npz, resample, rgl, ssdd, tensor_tree,
-    utia, zemax,
+    Brdf, Lookup, Reason, astm, csv, exr_parts, gaps, klems, merl, npz, rgl, ssdd, tensor_tree, utia, zemax,
 };
 use crate::error::{Error, Result};
 use crate::files;
@@ -24,6 +23,31 @@ pub enum Imported {
     Table(BrdfTable),
     /// A function of two directions, and a grid that suits it.
     Function(Box<dyn Brdf>, Grid),
+    /// The same with a wavelength for each colour.
+    Spectrum {
+        /// Three wavelengths each, the last what is left.
+        parts: Vec<Box<dyn Brdf>>,
+        /// All, nm.
+        wavelengths_nm: Vec<f64>,
+        /// A grid that suits it.
+        grid: Grid,
+    },
+}
+
+impl Imported {
+    /// The function that `part` makes of the values of at most three colours.
+    pub(super) fn function(
+        values: &[Vec<f32>],
+        wavelengths_nm: &[f64],
+        grid: Grid,
+        part: impl Fn(&[Vec<f32>]) -> Box<dyn Brdf>,
+    ) -> Self {
+        if wavelengths_nm.is_empty() {
+            return Imported::Function(part(values), grid);
+        }
+        let parts = values.chunks(3).map(part).collect();
+        Imported::Spectrum { parts, wavelengths_nm: wavelengths_nm.to_vec(), grid }
+    }
 }
 
 /// What the bytes of a file hold; memory is bounded by their number.
@@ -63,7 +87,7 @@ pub fn decode_with_notes(format: Format, options: &Options, bytes: &[u8]) -> Rea
             (Imported::Function(Box::new(zemax), grid), notes)
         }
         Format::Astm => table(astm::read(bytes)?),
-        Format::Ssdd => table(ssdd::read(bytes)?),
+        Format::Ssdd => ssdd::read_with_notes(bytes)?,
         Format::Pabopto => {
             return Err("a file has one stop; read its folder with pabopto2bsdf, or export as ssdd".into());
         }
@@ -88,7 +112,7 @@ pub fn import(
     let (imported, notes) = decode_with_notes(format, options, &bytes).map_err(wrong)?;
     let imported = match imported {
         Imported::Table(table) if options.isotropic => Imported::Table(one_azimuth(table).map_err(wrong)?),
-        Imported::Function(..) if options.isotropic => {
+        Imported::Function(..) | Imported::Spectrum { .. } if options.isotropic => {
             return Err(wrong("says itself whether it is isotropic: leave --isotropic out".into()));
         }
         imported => imported,
@@ -97,42 +121,39 @@ pub fn import(
     Ok((table, notes.into_iter().chain(how).collect()))
 }
 
-/// A table of what was read, on the geometry of `like` where that is given, with what is to be said of
-/// gaps and of resampling.
+/// A table of what was read, on the geometry of `like` where that is given, with what is to be said of gaps and of
+/// resampling.
 fn on_grid(imported: Imported, like: Option<&Grid>) -> Reason<(BrdfTable, Vec<String>)> {
-    match imported {
+    let (parts, wavelengths_nm, own) = match imported {
         Imported::Table(table) => {
             let Some(grid) = like.filter(|grid| **grid != table.grid) else {
-                let (gaps, all) = (table.gaps(), table.grid.stops() * table.grid.bins());
-                let scan = gaps > 0 && table.grid.kind != GridKind::HalfDifference;
-                let note = format!(
-                    "{gaps} of {all} pairs of directions were not measured: gaps, which count nowhere; --like \
-                     TABLE.exr fills them in"
-                );
-                return Ok((table, scan.then_some(note).into_iter().collect()));
+                let note = gaps::note(&table).into_iter().collect();
+                return Ok((table, note));
             };
             let (table, filled) = gaps::filled(table)?;
-            let (brdf, how): (Box<dyn Brdf>, &str) = match table.grid.kind {
-                GridKind::HalfDifference => {
-                    (Box::new(HalfDifference::new(&table)?), "linear between half/difference angles")
-                }
-                GridKind::Patches => (
-                    Box::new(klems::Patchwise::new(table)?),
-                    "constant in each pair of patches, the mean at borders",
-                ),
-                _ => (Box::new(Lookup::new(&table)?), "by cubic interpolation at equal half vector"),
+            let how = match table.grid.kind {
+                GridKind::HalfDifference => "linear between half/difference angles",
+                GridKind::Patches => "constant in each pair of patches, the mean at borders",
+                _ => "by cubic interpolation at equal half vector",
             };
-            let notes = filled.into_iter().chain([format!("resampled: {how}")]).collect();
-            Ok((resample(brdf.as_ref(), grid)?, notes))
+            let parts = thirds(&table).into_iter().map(function_of).collect::<Reason<Vec<_>>>()?;
+            let table = resample_spectrum(parts.iter().map(Box::as_ref), &table.wavelengths_nm(), grid)?;
+            return Ok((table, filled.into_iter().chain([format!("resampled: {how}")]).collect()));
         }
-        Imported::Function(brdf, own) => {
-            let grid = like.unwrap_or(&own);
-            let how = format!(
-                "resampled: means over {} stops of {} bins, 16 directions a bin",
-                grid.stops(),
-                grid.bins()
-            );
-            Ok((resample(brdf.as_ref(), grid)?, vec![how]))
-        }
-    }
+        Imported::Function(brdf, own) => (vec![brdf], vec![], own),
+        Imported::Spectrum { parts, wavelengths_nm, grid } => (parts, wavelengths_nm, grid),
+    };
+    let grid = like.unwrap_or(&own);
+    let (stops, bins) = (grid.stops(), grid.bins());
+    let how = format!("resampled: means over {stops} stops of {bins} bins, 16 directions a bin");
+    Ok((resample_spectrum(parts.iter().map(Box::as_ref), &wavelengths_nm, grid)?, vec![how]))
+}
+
+/// A table of at most three colours as a function.
+fn function_of(table: BrdfTable) -> Reason<Box<dyn Brdf>> {
+    Ok(match table.grid.kind {
+        GridKind::HalfDifference => Box::new(HalfDifference::new(&table)?),
+        GridKind::Patches => Box::new(klems::Patchwise::new(table)?),
+        _ => Box::new(Lookup::new(&table)?),
+    })
 }

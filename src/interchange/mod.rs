@@ -41,7 +41,6 @@ mod tensor_cells;
 pub mod tensor_file;
 mod tensor_function;
 pub mod tensor_tree;
-pub mod text_decoding;
 pub mod utia;
 mod warp;
 pub mod zemax;

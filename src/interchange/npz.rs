@@ -1,8 +1,8 @@
 //! NPZ: every array of the table for NumPy, stored in a zip without compression; comes back bit for bit.
 //!
 //! Arrays: `brdf` [theta_i, phi_i, theta_r, phi_r(, colour)] f4, `single`, `stderr`, `stderr_single` alike, `hits` u4
-//! (`schlick`, `unit`, `parts.*` f4) without colours, `order2` ... and `wavelength_nm` where the table has them, axes f8 in degrees, `phi_r_relative` u1, texts as u1: `campaign`, `grid` (JSON, the
-//! whole geometry), `version`, `seed`, `patch_digest`. Lists of patches or points have [stop, bin(, colour)].
+//! (`schlick`, `unit`, `parts.*` f4) without colours, `order2` ... and `wavelength_nm` where the table has them, axes f8 in degrees, `phi_r_relative` u1, texts as `str` (`<U`): `campaign`, `grid` (JSON, the
+//! whole geometry), `version`, `seed`, `patch_digest`; older files have them as u1 (UTF-8), which are read too. Lists of patches or points have [stop, bin(, colour)].
 
 use std::io::{Cursor, Read, Seek, Write};
 
@@ -67,16 +67,21 @@ impl<W: Write> Archive<W> {
         shape: &[usize],
         values: impl Iterator<Item = T>,
     ) -> Result<(), Fail> {
-        let bytes = shape.iter().product::<usize>() as u64 * 8;
-        let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Stored)
-            .large_file(bytes > u64::from(u32::MAX) / 2);
-        self.zip.start_file(format!("{name}.npy"), options).map_err(|e| Fail::Io(e.into()))?;
+        self.begin(name, shape.iter().product::<usize>())?;
         Ok(npy::encode(&mut self.zip, shape, values)?)
     }
 
     fn text(&mut self, name: &str, text: &str) -> Result<(), Fail> {
-        self.array(name, &[text.len()], text.bytes())
+        self.begin(name, text.len())?;
+        Ok(npy::encode_text(&mut self.zip, text)?)
+    }
+
+    /// Begins the member of an array of so many values.
+    fn begin(&mut self, name: &str, values: usize) -> Result<(), Fail> {
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .large_file(values as u64 * 8 > u64::from(u32::MAX) / 2);
+        self.zip.start_file(format!("{name}.npy"), options).map_err(|e| Fail::Io(e.into()))
     }
 
     fn axis(&mut self, name: &str, values: &[f64]) -> Result<(), Fail> {
@@ -109,7 +114,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     for (name, sums) in table.schlick.iter().flat_map(|sums| sums.channels(table.is_by_order())) {
         archive.array(&name, &shape_of(1), sums.iter().copied())?;
     }
-    let wavelengths: Vec<f64> = table.colours.iter().filter_map(|colour| colour.wavelength_nm).collect();
+    let wavelengths = table.wavelengths_nm();
     if !wavelengths.is_empty() {
         archive.axis(WAVELENGTHS, &wavelengths)?;
     }
@@ -188,8 +193,15 @@ impl<R: Read + Seek> Members<R> {
 
     fn text(&mut self, name: &str) -> Reason<String> {
         let Some(array) = self.array(name)? else { return Ok(String::new()) };
-        let Values::U8(bytes) = array.values else { return Err(format!("array `{name}`: u1 (text) needed")) };
-        String::from_utf8(bytes).map_err(|_| format!("array `{name}`: not UTF-8"))
+        match array.values {
+            Values::Text(texts) => <[String; 1]>::try_from(texts)
+                .map(|[text]| text)
+                .map_err(|texts| format!("array `{name}`: {} texts, one needed", texts.len())),
+            Values::U8(bytes) => {
+                String::from_utf8(bytes).map_err(|_| format!("array `{name}`: bytes that are not UTF-8"))
+            }
+            _ => Err(format!("array `{name}`: a text (str) needed")),
+        }
     }
 
     fn grid(&mut self) -> Reason<Grid> {

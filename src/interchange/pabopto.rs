@@ -8,6 +8,7 @@ use std::fmt::Write;
 use super::Reason;
 use super::read_back::middles_deg;
 use crate::table::BrdfTable;
+use crate::text_decoding::decode_text_or_latin1;
 
 /// How the values are meant.
 pub const CONVENTION: &str = "one file a stop; degrees, theta from the normal, phi absolute; format BSDF: 1/sr, no cosine; \
@@ -32,7 +33,7 @@ pub fn write(table: &BrdfTable, stop: usize) -> Reason<String> {
 
 /// The values of one file in their order, and its direction of the light in degrees.
 pub fn read(bytes: &[u8]) -> Reason<([f64; 2], Vec<f32>)> {
-    let text = std::str::from_utf8(bytes).map_err(|_| "not a text in UTF-8")?;
+    let text = decode_text_or_latin1(bytes)?;
     let (mut light, mut values) = (None, Vec::new());
     for (k, line) in text.lines().enumerate() {
         let numbers = |text: &str| {

@@ -9,7 +9,7 @@ use quick_xml::Reader;
 use quick_xml::events::{BytesRef, Event};
 
 use super::Reason;
-use super::text_decoding::decode_xml;
+use crate::text_decoding::decode_xml;
 
 /// Elements deeper than any such file has.
 const DEEPEST: usize = 32;

@@ -3,10 +3,10 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Brdf, Colour, Reason, foreign_table};
+use super::{Brdf, Colour, Reason, foreign_table, spectral_table};
 use crate::instrument::{Grid, Region};
 use crate::sphere;
-use crate::table::BrdfTable;
+use crate::table::{BrdfTable, ColourChannels};
 
 /// Gauss-Legendre nodes and weights on [0, 1], four points.
 const GAUSS: [(f64, f64); 4] = [
@@ -72,6 +72,32 @@ pub fn mean(brdf: &dyn Brdf, wi: DVec3, region: &Region) -> Colour {
 
 /// The table of a BRDF on a grid, without error bars.
 pub fn resample(brdf: &dyn Brdf, grid: &Grid) -> Reason<BrdfTable> {
+    foreign_table(grid.clone(), totals(brdf, grid)?)
+}
+
+/// The same of functions that have the colours of a table by threes, with the wavelengths of all.
+///
+/// Held by: `a_spectrum_is_resampled_like_its_colours` (tests/interchange_ssdd.rs).
+pub fn resample_spectrum<'a>(
+    parts: impl Iterator<Item = &'a dyn Brdf>,
+    wavelengths_nm: &[f64],
+    grid: &Grid,
+) -> Reason<BrdfTable> {
+    let total = parts.map(|part| totals(part, grid)).collect::<Reason<Vec<_>>>()?.concat();
+    spectral_table(grid.clone(), total, wavelengths_nm)
+}
+
+/// A table in tables of three colours at most, which is what a function has.
+pub fn thirds(table: &BrdfTable) -> Vec<BrdfTable> {
+    let part = |colours: &[ColourChannels]| BrdfTable {
+        colours: colours.to_vec(),
+        hits: table.hits.clone(),
+        ..table.heading(&table.grid)
+    };
+    table.colours.chunks(3).map(part).collect()
+}
+
+fn totals(brdf: &dyn Brdf, grid: &Grid) -> Reason<Vec<Vec<f32>>> {
     let (stops, bins) = (grid.stops(), grid.bins());
     let values = stops.checked_mul(bins).filter(|&values| values <= MOST_VALUES);
     let pixels = values.ok_or_else(|| format!("{stops} stops of {bins} bins are too many"))?;
@@ -83,7 +109,7 @@ pub fn resample(brdf: &dyn Brdf, grid: &Grid) -> Reason<BrdfTable> {
             total.extend(means.iter().map(|mean| mean[colour] as f32));
         }
     }
-    foreign_table(grid.clone(), total)
+    Ok(total)
 }
 
 /// The geometry of an imported table where the file has none of its own and no other is asked for: centred bins of

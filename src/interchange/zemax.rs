@@ -34,7 +34,7 @@ pub(super) fn about([mirror, up, across]: [DVec3; 3], azimuth: f64, radial: f64)
 }
 
 /// The rotation of the sample that brings light at this azimuth to 0, and the other way round.
-fn rotation_deg(phi_deg: f64) -> f64 {
+pub(super) fn rotation_deg(phi_deg: f64) -> f64 {
     sphere::reduced_deg(-phi_deg)
 }
 
@@ -47,6 +47,9 @@ pub struct Zemax {
     pub rotations: Vec<f64>,
     /// Polar angles of the light.
     pub light: Vec<f64>,
+    /// What is added at each of them to the polar angle of the mirror direction; empty for nothing. SSDD's, in Zemax files
+    /// there is none.
+    pub offsets: Vec<f64>,
     /// Angles about the mirror direction; where they are no mirror's, they go round.
     pub azimuths: Vec<f64>,
     /// Angles from the mirror direction.
@@ -213,9 +216,27 @@ impl Zemax {
         if weights > 0.0 { sum.map(|s| s / weights) } else { sum }
     }
 
+    /// The channels at a pair of directions.
+    pub(super) fn at(&self, channels: &[Vec<f32>], wi: DVec3, wo: DVec3) -> Colour {
+        let (theta, phi) = (sphere::theta(wi), sphere::phi(wi));
+        let light = interval(&self.light, theta.to_degrees());
+        let [mirror, up, across] = frame(theta + self.offset(light).to_radians());
+        let out = sphere::turned(wo, (-phi.sin(), phi.cos()));
+        let local = DVec3::new(out.dot(up), out.dot(across), out.dot(mirror));
+        let turn = around(&self.rotations, rotation_deg(phi.to_degrees()));
+        let (azimuth, radial) = (sphere::phi(local).to_degrees(), sphere::theta(local).to_degrees());
+        self.value(channels, light, turn, azimuth, radial)
+    }
+
+    /// What is added to the polar angle of the mirror direction, degrees.
+    fn offset(&self, ([low, high], share): ([usize; 2], f64)) -> f64 {
+        let of = |light: usize| self.offsets.get(light).copied().unwrap_or(0.0);
+        (1.0 - share) * of(low) + share * of(high)
+    }
+
     /// Whether a node lies above the horizon, by more than rounding.
     fn is_above(&self, light: usize, azimuth: usize, radial: usize) -> bool {
-        let (sin_i, cos_i) = sphere::sin_cos_deg(self.light[light]);
+        let (sin_i, cos_i) = sphere::sin_cos_deg(self.light[light] + self.offset(([light; 2], 0.0)));
         let (sin_r, cos_r) = sphere::sin_cos_deg(self.radials[radial]);
         cos_r * cos_i + sin_r * sphere::sin_cos_deg(self.azimuths[azimuth]).1 * sin_i > 1e-9
     }
@@ -227,14 +248,7 @@ impl Brdf for Zemax {
     }
 
     fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let (theta, phi) = (sphere::theta(wi), sphere::phi(wi));
-        let [mirror, up, across] = frame(theta);
-        let out = sphere::turned(wo, (-phi.sin(), phi.cos()));
-        let local = DVec3::new(out.dot(up), out.dot(across), out.dot(mirror));
-        let turn = around(&self.rotations, rotation_deg(phi.to_degrees()));
-        let light = interval(&self.light, theta.to_degrees());
-        let (azimuth, radial) = (sphere::phi(local).to_degrees(), sphere::theta(local).to_degrees());
-        let found = self.value(&self.values, light, turn, azimuth, radial);
+        let found = self.at(&self.values, wi, wo);
         self.colour_of(|channel| found[channel]).0
     }
 }

@@ -7,9 +7,9 @@ use std::iter::Peekable;
 
 use super::Reason;
 use super::radiance_xml::{negative_note, short};
-use super::text_decoding::decode_text_or_latin1;
 use super::zemax::Zemax;
 use crate::sphere;
+use crate::text_decoding::decode_text_or_latin1;
 
 /// More numbers in a list than any file has.
 const LONGEST: usize = 10_000;

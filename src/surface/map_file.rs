@@ -5,6 +5,7 @@ use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 use crate::files::exr_header;
 use crate::files::image::{self, Samples};
 use crate::files::npy;
+use crate::text_decoding::decode_text_or_latin1;
 
 use super::{map_gsf, map_text};
 
@@ -58,7 +59,7 @@ pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
     } else if bytes.is_empty() {
         return Err("the file is empty".into());
     } else {
-        map_text::read(&map_text::decoded(bytes)?).ok_or(
+        map_text::read(&decode_text_or_latin1(bytes)?).ok_or(
             "neither EXR, NPY, a Gwyddion simple field, an Arc grid, a matrix nor lines of x y z, the height maps that \
              are read",
         )??

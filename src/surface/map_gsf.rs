@@ -5,6 +5,7 @@
 
 use super::map_file::{MapFile, Stored};
 use super::units;
+use crate::text_decoding::decode_text_or_latin1;
 
 /// The first line.
 pub const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
@@ -18,7 +19,7 @@ const LONGEST_HEADER: usize = 1 << 16;
 pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
     let head = &bytes[..bytes.len().min(LONGEST_HEADER)];
     let end = head.iter().position(|&byte| byte == 0).ok_or("GSF: the header does not end")?;
-    let text = std::str::from_utf8(&head[..end]).map_err(|_| "GSF: the header is not UTF-8")?;
+    let text = decode_text_or_latin1(&head[..end])?;
     let value = |name: &str| {
         let lines = text.lines().skip(1).filter_map(|line| line.split_once('='));
         let mut found = lines.filter(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());

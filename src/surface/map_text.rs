@@ -1,28 +1,14 @@
 //! Height maps as text, told apart by what they begin with: lines of x y z, a matrix of heights, an Arc grid, or the
 //! points of a Zygo instrument.
 //!
-//! A byte-order mark at the beginning is passed over; text that is not UTF-8 is read as Latin-1, which is what older
-//! instruments write their `µm` in.
-
-use std::borrow::Cow;
+//! Text that has no byte order mark and is not UTF-8 is read as Latin-1, which is what older instruments write their
+//! `µm` in.
 
 use super::map_file::MapFile;
 use super::{map_matrix, map_xyz};
 
 /// Lines looked at for the first numbers.
 const LONGEST_HEADING: usize = 64;
-
-/// The text of a file.
-pub fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>, String> {
-    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err("text in UTF-16; save it as UTF-8".into());
-    }
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    Ok(match std::str::from_utf8(bytes) {
-        Ok(text) => Cow::Borrowed(text),
-        Err(_) => Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()),
-    })
-}
 
 /// Reads a map from text; `None` where nothing in it looks like one.
 pub fn read(text: &str) -> Option<Result<MapFile, String>> {
@@ -96,8 +82,5 @@ mod tests {
         assert!(reason("1 2 3 4\n5 6 7 8\n").contains("lines of 4 numbers: neither x y z nor a matrix"));
         assert!(reason("0,5\t1,0\t0,1\n").contains("decimal commas"));
         assert!(read("GIF89a, and so on\n").is_none());
-        assert!(decoded(b"\xff\xfe1\x00").expect_err("UTF-16").contains("UTF-16"));
-        assert_eq!(decoded(b"\xef\xbb\xbf0 0 1").expect("text"), "0 0 1");
-        assert_eq!(decoded(b"12 \xb5m").expect("text"), "12 \u{b5}m");
     }
 }

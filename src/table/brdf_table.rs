@@ -148,6 +148,11 @@ impl BrdfTable {
         self.colours.iter().any(|colour| !colour.orders.is_empty())
     }
 
+    /// The wavelengths that name the colours; none for Y and R, G, B.
+    pub fn wavelengths_nm(&self) -> Vec<f64> {
+        self.colours.iter().filter_map(|colour| colour.wavelength_nm).collect()
+    }
+
     /// Whether the colours are wavelengths rather than Y or R, G, B.
     pub fn is_spectral(&self) -> bool {
         self.colours.iter().any(|colour| colour.wavelength_nm.is_some())

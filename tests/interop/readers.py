@@ -7,7 +7,7 @@ import numpy as np
 
 def grid(arrays):
     """The geometry in an NPZ of the program."""
-    return json.loads(bytes(arrays["grid"]).decode())
+    return json.loads(str(arrays["grid"]))
 
 
 class Merl:

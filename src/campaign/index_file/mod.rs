@@ -12,6 +12,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::reader::Bounds;
+use crate::text_decoding::decode_text_or_latin1;
 
 pub(super) use dispersion::Dispersion;
 
@@ -67,13 +68,32 @@ fn text_of(path: &Path) -> Result<String, String> {
     if bytes.len() as u64 > LARGEST_FILE {
         return Err("is larger than 1 MiB; this is no list of n and k".into());
     }
-    let text = String::from_utf8(bytes).map_err(|_| "is not UTF-8 text".to_string())?;
-    Ok(text.trim_start_matches('\u{feff}').to_string())
+    let text = decode_text_or_latin1(&bytes)?;
+    if text.contains('\0') { Err("is no text".into()) } else { Ok(text.into_owned()) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_list_is_read_in_every_encoding() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("n_k.csv");
+        let text = "wavelength_\u{b5}m,n,k\n# 25 \u{b0}C\n0.4,1.25,2\n0.7,1.75,3\n";
+        let wide = |bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+            std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(bytes).collect()
+        };
+        let latin1 = text.chars().map(|c| c as u8).collect();
+        let marked = format!("\u{feff}{text}").into_bytes();
+        for bytes in [marked, wide(u16::to_le_bytes), wide(u16::to_be_bytes), latin1] {
+            std::fs::write(&path, bytes).expect("file");
+            let medium = read(&path).expect("a list").at(550.0).expect("within");
+            assert_eq!((medium.eta, medium.k), (1.5, 2.5));
+        }
+        std::fs::write(&path, b"v/1\x01\x02\x00\x00\x00").expect("file");
+        assert_eq!(read(&path).expect_err("an image"), "is no text");
+    }
 
     #[test]
     fn a_pair_of_spectra_is_read_by_either_name_and_needs_both() {

@@ -3,7 +3,8 @@
 
 use std::borrow::Cow;
 
-use super::Reason;
+/// A reason, to be completed with the file's path.
+type Reason<T> = Result<T, String>;
 
 const UTF8_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 /// How far into a file its XML declaration may reach, bytes.
@@ -19,7 +20,7 @@ pub fn decode_text(bytes: &[u8]) -> Reason<Cow<'_, str>> {
         _ => {
             let (text, mark) = bytes.strip_prefix(UTF8_MARK).map_or((bytes, 0), |rest| (rest, 3));
             let text = std::str::from_utf8(text).map_err(|e| {
-                format!("byte {} is no UTF-8; save the file as UTF-8", e.valid_up_to() + mark)
+                format!("byte {} is not UTF-8; save the file as UTF-8 text", e.valid_up_to() + mark)
             })?;
             Ok(Cow::Borrowed(text))
         }
@@ -33,6 +34,17 @@ pub fn decode_text_or_latin1(bytes: &[u8]) -> Reason<Cow<'_, str>> {
     match decode_text(bytes) {
         Err(_) if !has_mark(bytes) => Ok(Cow::Owned(latin1(bytes))),
         decoded => decoded,
+    }
+}
+
+/// The bytes of a file that begins with text and may go on with numbers: without a mark, and UTF-16 as UTF-8.
+///
+/// Held by: `a_file_that_only_begins_with_text_loses_its_mark`.
+pub fn without_mark(bytes: &[u8]) -> Reason<Cow<'_, [u8]>> {
+    match bytes.strip_prefix(UTF8_MARK) {
+        Some(rest) => Ok(Cow::Borrowed(rest)),
+        None if has_mark(bytes) => Ok(Cow::Owned(decode_text(bytes)?.into_owned().into_bytes())),
+        None => Ok(Cow::Borrowed(bytes)),
     }
 }
 
@@ -124,6 +136,16 @@ mod tests {
     }
 
     #[test]
+    fn a_file_that_only_begins_with_text_loses_its_mark() {
+        let mixed = b"DATA binary\n\xff\xfe\x00\x80";
+        let marked = [UTF8_MARK, mixed].concat();
+        assert_eq!(&*without_mark(mixed).expect("no mark"), mixed);
+        assert_eq!(&*without_mark(&marked).expect("a mark"), mixed);
+        let wide = [&[0xff, 0xfe][..], &units(TEXT, u16::to_le_bytes)].concat();
+        assert_eq!(&*without_mark(&wide).expect("UTF-16"), TEXT.as_bytes());
+    }
+
+    #[test]
     fn xml_is_read_in_the_encoding_that_it_declares() {
         let body = |encoding: &str| format!("<?xml version=\"1.0\" encoding='{encoding}'?><a>\u{b0}</a>");
         let latin = |text: &str| text.chars().map(|c| c as u8).collect::<Vec<u8>>();
@@ -140,7 +162,7 @@ mod tests {
         // Declared UTF-16, but converted to UTF-8 since: the bytes are right.
         assert_eq!(decode_xml(text.as_bytes()).expect("read"), text);
         assert!(decode_xml(&latin(&body("Shift_JIS"))).expect_err("unknown").contains("shift_jis"));
-        assert!(decode_xml(&latin(&body("utf-8"))).expect_err("a lie").contains("is no UTF-8"));
+        assert!(decode_xml(&latin(&body("utf-8"))).expect_err("a lie").contains("is not UTF-8"));
         assert_eq!(decode_xml(b"<a/>").expect("read"), "<a/>");
     }
 }
