@@ -454,7 +454,7 @@ fn export_says_how_far_the_file_is_and_under_which_convention() {
 }
 
 /// 0.00132 was printed where `measure` had said 0.00289: without the realisations counts took their place.
-/// A Klems matrix of the quarter basis: 41 x 41 patches, each ring of patches with the value of its place.
+/// Patches of the quarter basis.
 const QUARTER: usize = 41;
 
 #[test]
