@@ -21,6 +21,8 @@ pub enum Purpose {
     Test = 4,
     /// The seeds of the runs of a ladder.
     Bench = 5,
+    /// The realisations into which a value and its error are split.
+    Split = 6,
 }
 
 /// The address of a stream.

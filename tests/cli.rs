@@ -454,6 +454,79 @@ fn export_says_how_far_the_file_is_and_under_which_convention() {
 }
 
 /// 0.00132 was printed where `measure` had said 0.00289: without the realisations counts took their place.
+/// Patches of the quarter basis.
+const QUARTER: usize = 41;
+
+#[test]
+fn klems_matrices_go_out_in_the_basis_that_is_asked_for() {
+    let here = folder(SMALL);
+    exits(&gonio(here.path(), &["measure", "small.toml", "-o", "out"]), 0);
+    // Two incidences of bins as wide as 15 x 30 degrees: a matrix of patches as wide is off by more than 1 %.
+    let export = |basis: &str, more: &[&str]| {
+        let words = ["export", "out/small.exr", "--to", "klems", "--klems", basis, "-o", "k.xml", "--force"];
+        gonio(here.path(), &[&words, more].concat())
+    };
+    for (basis, patches) in [("full", 145), ("half", 73), ("quarter", QUARTER)] {
+        exits(&export(basis, &["--allow-albedo-error", "100"]), 0);
+        let words = ["import", "k.xml", "--from", "klems", "-o", "k.exr", "--json"];
+        let read = gonio(here.path(), &words);
+        exits(&read, 0);
+        fs::remove_file(here.path().join("k.exr")).expect("written");
+        let text = fs::read_to_string(here.path().join("k.xml")).expect("written");
+        let data = text.split("<ScatteringData>").nth(1).and_then(|rest| rest.split('<').next());
+        let values = data.expect("one block").split(',').filter(|value| !value.trim().is_empty()).count();
+        assert_eq!(values, patches * patches, "{basis}");
+    }
+    exits(&export("fifth", &[]), 2);
+    exits(&export("half", &["--allow-albedo-error", "x"]), 2);
+    let wrong =
+        gonio(here.path(), &["export", "out/small.exr", "--to", "merl", "--klems", "half", "-o", "m"]);
+    exits(&wrong, 2);
+    assert!(
+        stderr(&wrong).contains("--klems chooses a basis of klems, not of --to merl"),
+        "{}",
+        stderr(&wrong)
+    );
+}
+
+#[test]
+fn import_reads_the_side_that_is_asked_for() {
+    let here = folder("");
+    let values = |value: f64| vec![value.to_string(); QUARTER * QUARTER].join(",");
+    let block = |side: &str, value: f64| {
+        format!(
+            "<WavelengthData><Wavelength>Visible</Wavelength><WavelengthDataBlock>\
+             <WavelengthDataDirection>Reflection {side}</WavelengthDataDirection>\
+             <ColumnAngleBasis>LBNL/Klems Quarter</ColumnAngleBasis><RowAngleBasis>LBNL/Klems Quarter</RowAngleBasis>\
+             <ScatteringData>{}</ScatteringData></WavelengthDataBlock></WavelengthData>",
+            values(value)
+        )
+    };
+    let file = |blocks: &str| {
+        format!(
+            "<WindowElement><Optical><Layer><DataDefinition><IncidentDataStructure>Columns</IncidentDataStructure>\
+             </DataDefinition>{blocks}</Layer></Optical></WindowElement>"
+        )
+    };
+    fs::write(here.path().join("both.xml"), file(&(block("Front", 0.1) + &block("Back", 0.2))))
+        .expect("file");
+    fs::write(here.path().join("back.xml"), file(&block("Back", 0.2))).expect("file");
+    let import = |from: &str, more: &[&str]| {
+        let words = ["import", from, "--from", "klems", "-o", "k.exr", "--force"];
+        gonio(here.path(), &[&words, more].concat())
+    };
+    for (side, value) in [(&["--side", "front"][..], 0.1f32), (&["--side", "back"][..], 0.2), (&[][..], 0.2)]
+    {
+        exits(&import("both.xml", side), 0);
+        let table = gonio::table::store::load(&here.path().join("k.exr")).expect("readable").table;
+        assert!(table.colours[0].total.iter().all(|&found| found == value), "{side:?}");
+    }
+    exits(&import("both.xml", &["--side", "left"]), 2);
+    let missing = import("back.xml", &["--side", "front"]);
+    exits(&missing, 3);
+    assert!(stderr(&missing).contains("Reflection Back"), "{}", stderr(&missing));
+}
+
 #[test]
 fn errors_of_albedos_do_not_change_with_a_missing_file() {
     let here = folder(SMALL);

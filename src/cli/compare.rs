@@ -127,6 +127,20 @@ fn extrapolated_lines(rows: &[Extrapolated]) -> Vec<String> {
     lines
 }
 
+/// What the column "without it" means, and how far off it may be.
+fn interval(figures: &DifferenceFigures) -> Option<String> {
+    let (low, high) = figures.l1_difference_low.zip(figures.l1_difference_high)?;
+    Some(match figures.l1_difference {
+        Some(_) => {
+            format!("without it: l1 without noise, by realisations; 95 % interval {low:.5} to {high:.5}")
+        }
+        None => {
+            "without it: on average between l1 - noise and l1; neither table has 4 realisations to say more"
+                .into()
+        }
+    })
+}
+
 fn lines(found: &Difference) -> Vec<String> {
     let errors = if found.paired { "paired by realisation" } else { "of both tables in quadrature" };
     let mut lines =
@@ -136,7 +150,7 @@ fn lines(found: &Difference) -> Vec<String> {
         vec![
             or_na(figures.l1, 5),
             or_na(figures.l1_noise, 5),
-            or_na(figures.l1_difference, 5),
+            figures.shown(),
             or_na(figures.max_t, 2),
             or_na(share, 1),
         ]
@@ -149,6 +163,7 @@ fn lines(found: &Difference) -> Vec<String> {
         .collect();
     rows.push(row(["all".into(), String::new()], &found.figures));
     lines.extend(columns(&["theta_i", "phi_i", "l1", "noise", "without it", "max t", "% outside 95"], &rows));
+    lines.extend(interval(&found.figures));
     if let (Some((limit, most)), None) = (found.t_limit.zip(found.figures.max_t), found.disagreement()) {
         let bins = found.bins;
         lines.push(format!("largest t {most:.2}, 1 % limit of {bins} bins {limit:.2}: noise explains it"));

@@ -41,6 +41,9 @@ pub struct Arguments {
     /// Klems: 145, 73 or 41 patches (else the table's own, or full)
     #[arg(long, value_name = "full|half|quarter")]
     klems: Option<Basis>,
+    /// Write a file whose albedo between incidences is up to so far off (else 1 %)
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    allow_albedo_error: Option<f64>,
     /// Replace the file if it is there
     #[arg(long)]
     force: bool,
@@ -55,7 +58,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         return Err(Error::Usage(format!("--klems chooses a basis of klems, not of --to {}", arguments.to)));
     }
     let options = options_of(arguments.merl_centre, &arguments.wavelengths_nm);
-    let options = Options { klems: arguments.klems, ..options };
+    let albedo_error = arguments.allow_albedo_error.map(|percent| 0.01 * percent);
+    let options = Options { klems: arguments.klems, albedo_error, ..options };
     check_output(&arguments.table, &arguments.output, arguments.force)?;
     let export = match table_file::open_as_stored(&arguments.table, TableRows::row_bytes)? {
         Opened::Whole(table) => {
@@ -86,6 +90,12 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         out.lines(lines(format, &arguments.output, &export))?;
     }
     Ok(0)
+}
+
+/// A share in percent, 0 to 100.
+fn percent(word: &str) -> std::result::Result<f64, String> {
+    let known = word.parse::<f64>().ok().filter(|percent| (0.0..=100.0).contains(percent));
+    known.ok_or_else(|| "a number from 0 to 100 needed".into())
 }
 
 /// What the options say about the file.

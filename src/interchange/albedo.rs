@@ -14,10 +14,12 @@ const SAMPLES: usize = 1 << 11;
 const STOPS: usize = 12;
 /// The last incidence, degrees.
 const LAST_DEG: f64 = 85.0;
+/// Where to look between two incidences: 1 less the golden ratio, far from every fraction of small numbers.
+const PLACE: f64 = 0.381_966;
 /// Azimuths where all are alike: formats of cells tell them apart.
 const AZIMUTHS_DEG: [f64; 3] = [0.0, 37.0, 130.0];
-/// Differences above this are said, relative.
-pub const SAID_ABOVE: f64 = 0.01;
+/// Differences above this are said, and refused between the table's incidences unless more is allowed, relative.
+pub const ALLOWED: f64 = 0.01;
 /// A file may exceed the larger of 1 and the table's own albedo by this, relative; more is refused.
 pub const REFUSED_ABOVE: f64 = 0.02;
 
@@ -39,6 +41,8 @@ pub struct AlbedoPoint {
 pub struct AlbedoCurve {
     /// By polar angle of the light, then azimuth.
     pub points: Vec<AlbedoPoint>,
+    /// The table's last incidence, degrees: beyond it the table's albedo is a guess, and the file is held to no bar.
+    pub theta_i_last_deg: f64,
     /// Light beyond this polar angle of the sensor is left out: the format ends there.
     pub theta_r_up_to_deg: f64,
     /// The largest |file/table - 1|.
@@ -52,6 +56,19 @@ impl AlbedoPoint {
     fn off(&self) -> f64 {
         let lit = self.table.iter().zip(&self.file).filter(|(table, _)| **table > 0.0);
         lit.map(|(table, file)| (file / table - 1.0).abs()).fold(0.0, f64::max)
+    }
+
+    /// Both albedos, means of the colours, the difference, and where.
+    fn difference(&self) -> String {
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        format!(
+            "{:.4} where the table's is {:.4} ({:.1} % off), light {:.2} {:.2}",
+            mean(&self.file),
+            mean(&self.table),
+            100.0 * self.off(),
+            self.theta_i_deg,
+            self.phi_i_deg
+        )
     }
 }
 
@@ -83,48 +100,63 @@ impl AlbedoCurve {
         let (worst_point, worst) =
             points.iter().map(AlbedoPoint::off).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let lit = points.iter().any(|point| point.table.iter().any(|&value| value > 0.0));
-        lit.then_some(AlbedoCurve { points, theta_r_up_to_deg: theta_r_end, worst, worst_point })
+        let theta_i_last_deg = last_deg(lookup);
+        lit.then_some(AlbedoCurve {
+            points,
+            theta_i_last_deg,
+            theta_r_up_to_deg: theta_r_end,
+            worst,
+            worst_point,
+        })
     }
 
-    /// Refuses a file that makes light: more than 1, and more than the table, by [`REFUSED_ABOVE`]. Zemax files have the
-    /// table's own incidences: how a reader goes on between them is said by [`Self::note`] alone.
-    pub fn check(&self, format: Format) -> Reason<()> {
-        if format == Format::Zemax {
-            return Ok(());
-        }
+    /// Refuses a file that makes light (more than 1, and more than the table, by [`REFUSED_ABOVE`]), or that is off by more
+    /// than `allowed` between the table's incidences.
+    ///
+    /// Held by: `an_export_that_makes_light_is_refused`, `an_export_with_another_albedo_is_refused_unless_allowed`
+    /// (tests/interchange_albedo.rs).
+    pub fn check(&self, allowed: f64) -> Reason<()> {
         let most = |pick: fn(&AlbedoPoint) -> &Vec<f64>| {
             let of = |point| pick(point).iter().copied().fold(0.0, f64::max);
             self.points.iter().map(|point| (of(point), point)).max_by(|a, b| a.0.total_cmp(&b.0))
         };
-        let (Some((file, at)), Some((table, _))) = (most(|p| &p.file), most(|p| &p.table)) else {
-            return Ok(());
-        };
-        if file <= table.max(1.0) * (1.0 + REFUSED_ABOVE) {
-            return Ok(());
+        if let (Some((file, at)), Some((table, _))) = (most(|p| &p.file), most(|p| &p.table))
+            && file > table.max(1.0) * (1.0 + REFUSED_ABOVE)
+        {
+            return Err(format!(
+                "a reader of the file would find the albedo {file:.4} under light from {:.2} {:.2} degrees (the table: \
+                 {table:.4} at most): the format's directions do not hold the lobe; choose another format, a wider \
+                 lobe, or more incidences and bins",
+                at.theta_i_deg, at.phi_i_deg
+            ));
         }
-        Err(format!(
-            "a reader of the file would find the albedo {file:.4} under light from {:.2} {:.2} degrees (the table: \
-             {table:.4} at most): the format's directions do not hold the lobe; choose another format, a wider lobe, \
-             or more incidences and bins",
-            at.theta_i_deg, at.phi_i_deg
-        ))
+        let inside = self.points.iter().filter(|point| !self.is_beyond(point));
+        match inside.max_by(|a, b| a.off().total_cmp(&b.off())).filter(|at| at.off() > allowed) {
+            None => Ok(()),
+            Some(at) => Err(format!(
+                "its albedo would be {}; at most {} % is allowed: choose another format, measure more incidences and \
+                 bins, or allow it by --allow-albedo-error {:.0}",
+                at.difference(),
+                100.0 * allowed,
+                (100.0 * at.off()).ceil()
+            )),
+        }
     }
 
-    /// What is to be said of differences above [`SAID_ABOVE`].
+    /// Whether a point lies beyond the table's last incidence, by more than the rounding of its angle.
+    fn is_beyond(&self, point: &AlbedoPoint) -> bool {
+        point.theta_i_deg > self.theta_i_last_deg + 1e-3
+    }
+
+    /// What is to be said of differences above [`ALLOWED`].
     pub fn note(&self) -> Option<String> {
         let at = &self.points[self.worst_point];
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        (self.worst > SAID_ABOVE).then(|| {
-            format!(
-                "its albedo is {:.4} where the table's is {:.4} ({:.1} %), light {:.2} {:.2}: the format's directions \
-                 do not hold the lobe there",
-                mean(&at.file),
-                mean(&at.table),
-                100.0 * self.worst,
-                at.theta_i_deg,
-                at.phi_i_deg
-            )
-        })
+        let why = if self.is_beyond(at) {
+            format!("beyond the table's last incidence, {:.4}, both are guesses", self.theta_i_last_deg)
+        } else {
+            "the format's directions do not hold the lobe there".into()
+        };
+        (self.worst > ALLOWED).then(|| format!("its albedo is {}: {why}", at.difference()))
     }
 
     /// theta_i in degrees, the table's albedo and the file's, means over azimuths and colours.
@@ -144,9 +176,14 @@ impl AlbedoCurve {
     }
 }
 
+/// The table's last incidence, degrees.
+fn last_deg(lookup: &Lookup) -> f64 {
+    lookup.theta_i()[lookup.theta_i().len() - 1].to_degrees()
+}
+
 /// The last polar angles of light and sensor that a format has, degrees.
 fn reach(format: Format, lookup: &Lookup) -> (f64, f64) {
-    let last = lookup.theta_i()[lookup.theta_i().len() - 1].to_degrees();
+    let last = last_deg(lookup);
     match format {
         Format::Utia => (75.0, 75.0),
         Format::Zemax => (last, 90.0),
@@ -154,14 +191,15 @@ fn reach(format: Format, lookup: &Lookup) -> (f64, f64) {
     }
 }
 
-/// Some of the stops, the middles between them, and one half-way to the end and at the end where they stop before it.
+/// Some of the stops, a place between each two, and the end where they stop before it. The place is not the middle: where
+/// a format halves gaps, the middle is one of its own incidences.
 fn between(stops: &[f64], end: f64) -> Vec<f64> {
     let step = stops.len().div_ceil(STOPS);
     let mut chosen: Vec<f64> = stops.iter().copied().step_by(step).filter(|&theta| theta <= end).collect();
     let before = chosen.last().copied().unwrap_or(0.0);
     chosen.extend((end > before + 1.0).then_some(end));
-    let middles: Vec<f64> = chosen.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
-    chosen.extend(middles);
+    let places: Vec<f64> = chosen.windows(2).map(|pair| pair[0] + PLACE * (pair[1] - pair[0])).collect();
+    chosen.extend(places);
     chosen.sort_by(f64::total_cmp);
     // A tenth of a thousandth of a degree: angles are said with few digits.
     chosen.iter().map(|theta| (theta * 1e4).round() / 1e4).collect()

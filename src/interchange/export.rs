@@ -8,7 +8,7 @@ use super::format::{Format, Options};
 use super::half_difference::{HalfDifference, as_arms};
 use super::import::{Imported, decode};
 use super::{
-    AlbedoCurve, Brdf, Fail, Lookup, ReadBack, Reason, astm, csv, exr_parts, klems, luminance, merl,
+    AlbedoCurve, Brdf, Fail, Lookup, ReadBack, Reason, albedo, astm, csv, exr_parts, klems, luminance, merl,
     not_measured, npy, npz, pabopto, read_back, rgl, ssdd, tensor_tree, utia, zemax,
 };
 use crate::error::{Error, Result};
@@ -108,7 +108,7 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
     Ok(Export { convention, notes, read_back, albedo })
 }
 
-/// The albedo of what is about to be written, and the same bytes. A file that makes light is refused.
+/// The albedo of what is about to be written, and the same bytes. A file of another albedo is refused: see [`AlbedoCurve::check`].
 fn albedo_of<'a>(
     table: &BrdfTable,
     format: Format,
@@ -129,7 +129,7 @@ fn albedo_of<'a>(
         Err(_) => None,
     };
     if let Some(curve) = &curve {
-        curve.check(format)?;
+        curve.check(options.albedo_error.unwrap_or(albedo::ALLOWED))?;
         notes.extend(curve.note());
     }
     Ok((curve, held(bytes, &convention, notes)))

@@ -46,6 +46,7 @@ mod warp;
 pub mod zemax;
 mod zemax_energy;
 mod zemax_text;
+mod zemax_write;
 
 pub use albedo::AlbedoCurve;
 pub use by_rows::export_rows;

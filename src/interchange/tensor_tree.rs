@@ -93,10 +93,13 @@ pub(super) fn coordinates(rank: usize, wi: DVec3, wo: DVec3) -> [f64; 4] {
     [0.5 - 0.5 * sin, out[0], out[1], 0.0]
 }
 
-/// What a cell counts with: pairs even in projected solid angle of both arms. The squares of rank 4 keep it; along the
-/// first axis of rank 3 it goes with sin theta_i.
-fn weight(rank: usize, first: f64) -> f64 {
-    if rank == 4 { 1.0 } else { (4.0 - 8.0 * first).max(0.0) }
+/// What a cell counts with: every direction of the light alike, in polar angle where the table is isotropic, else in solid
+/// angle. By projected solid angle, which the squares keep, grazing light would count so little that its cells stayed
+/// as wide as 15 degrees. Both are 1/cos theta_i.
+fn weight(rank: usize, at: &[f64; 4]) -> f64 {
+    let sin =
+        if rank == 4 { (2.0 * at[0] - 1.0).abs().max((2.0 * at[1] - 1.0).abs()) } else { 1.0 - 2.0 * at[0] };
+    if sin > 0.0 { 1.0 / (1.0 - sin * sin).sqrt() } else { 0.0 }
 }
 
 /// The tree of a function of two directions, 0 where there are none.

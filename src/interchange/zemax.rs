@@ -2,15 +2,14 @@
 //!
 //! For each rotation and incidence a table over (azimuth, radial): radial is the angle from the mirror direction, azimuth 0 points
 //! from it towards the normal. Before each, TIS, the directional albedo. Source: Zemax's pages on the tabular format. Here
-//! the tables as a function, and out of a table's; their text is zemax_text.rs, what they integrate to zemax_energy.rs.
+//! the tables as a function; out of a table's they come in zemax_write.rs, their text is zemax_text.rs, what they
+//! integrate to zemax_energy.rs.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
-use super::zemax_energy::albedo;
-use super::{Brdf, Colour, Lookup, Reason, colour, zemax_text};
+pub use super::zemax_write::write;
+use super::{Brdf, Colour, Reason, colour, zemax_text};
 use crate::sphere;
-use crate::table::BrdfTable;
 
 /// How the values are meant.
 pub const CONVENTION: &str = "degrees about the mirror direction (radial the angle from it, azimuth 0 towards the normal, \
@@ -18,9 +17,6 @@ pub const CONVENTION: &str = "degrees about the mirror direction (radial the ang
     isotropic: PlaneSymmetrical; else ASymmetrical4D, SampleRotation the sample's turn counter-clockwise under a lamp at \
     azimuth 0 (light at phi_i is the rotation 360 - phi_i)";
 
-/// Steps of the azimuth, degrees.
-const STEP: f64 = 5.0;
-const RADIALS: usize = 91;
 /// The mirror direction of light at `theta` in the plane of x and z, the direction towards the normal, and across.
 pub(super) fn frame(theta: f64) -> [DVec3; 3] {
     let (sin, cos) = theta.sin_cos();
@@ -58,50 +54,6 @@ pub struct Zemax {
     pub values: Vec<Vec<f32>>,
     /// TIS by channel, \[rotation\]\[incidence\].
     pub tis: Vec<Vec<f64>>,
-}
-
-/// The text of a file of a table with one colour, and what is to be said of it.
-///
-/// TIS is the table's own albedo where its bins have sizes, and what the file's values integrate to.
-///
-/// Held by: `tis_is_the_albedo_of_the_table`, `zemax_tables_stand_about_the_mirror_direction` (tests/interchange_zemax.rs).
-pub fn write(table: &BrdfTable, lookup: &Lookup) -> Reason<(String, Vec<String>)> {
-    let deg = |angle: f64| (angle.to_degrees() * 1e9).round() / 1e9;
-    // Rotations increase: azimuths fall, but for 0.
-    let mut turns: Vec<(f64, usize)> =
-        lookup.phi_i().iter().map(|&phi| rotation_deg(deg(phi))).zip(0..).collect();
-    turns.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let isotropic = lookup.is_isotropic();
-    let mut file = Zemax {
-        symmetric: isotropic,
-        rotations: turns.iter().map(|turn| turn.0).collect(),
-        light: lookup.theta_i().iter().map(|&theta| deg(theta)).collect(),
-        azimuths: (0..if isotropic { 37 } else { 72 }).map(|k| STEP * f64::from(k)).collect(),
-        // Denser near the mirror direction.
-        radials: (0..RADIALS).map(|k| 180.0 * (k as f64 / (RADIALS - 1) as f64).powi(2)).collect(),
-        ..Zemax::default()
-    };
-    let stops: Vec<(usize, usize)> =
-        turns.iter().flat_map(|&(_, pi)| (0..file.light.len()).map(move |ti| (ti, pi))).collect();
-    let blocks: Vec<Vec<f32>> = stops.par_iter().map(|&stop| block(&file, lookup, stop)).collect();
-    file.values = vec![blocks.concat()];
-    let integrals = file.integrals(0);
-    let own = |(ti, pi): (usize, usize)| albedo(table, lookup.theta_i()[ti], lookup.phi_i()[pi]);
-    let tis: Vec<f64> = stops.iter().zip(&integrals).map(|(&stop, &sum)| own(stop).unwrap_or(sum)).collect();
-    let notes = file.hold_energy(&tis, &integrals).into_iter().collect();
-    file.tis = vec![tis];
-    Ok((zemax_text::text(&file), notes))
-}
-
-/// One incidence of one rotation. All directions turn with the light.
-fn block(file: &Zemax, lookup: &Lookup, stop: (usize, usize)) -> Vec<f32> {
-    let (theta, phi) = (lookup.theta_i()[stop.0], lookup.phi_i()[stop.1]);
-    let value = |azimuth: f64, radial: f64| {
-        let out = about(frame(theta), azimuth, radial);
-        if out.z > 0.0 { lookup.at_stop(stop, phi, sphere::turned(out, phi.sin_cos()))[0] } else { 0.0 }
-    };
-    let row = |&azimuth: &f64| file.radials.iter().map(move |&radial| value(azimuth, radial) as f32);
-    file.azimuths.iter().flat_map(row).collect()
 }
 
 /// The tables of a file; nothing is integrated.

@@ -13,8 +13,8 @@ const FINE: [f64; 2] = [6.0, 2.0];
 /// integrated by everyone's own rule.
 const TIS_TOLERANCE: f64 = 0.02;
 
-/// The values of a file that is written integrate to the table's albedo within this share, as exports shall.
-const ENERGY_TOLERANCE: f64 = 0.01;
+/// Values that are scaled by more than this are said to be.
+const SAID_ABOVE: f64 = 0.01;
 
 /// Sum of a table over its bins by projected solid angle at the stop of these angles; `None` where bins have no size.
 pub fn albedo(table: &BrdfTable, theta: f64, phi: f64) -> Option<f64> {
@@ -53,8 +53,8 @@ impl Zemax {
         (0..self.rotations.len() * self.light.len()).into_par_iter().map(integral).collect()
     }
 
-    /// Scales the values of each incidence whose integral is not its albedo: bins that are wide beside the lobe leave the
-    /// interpolant between them, not its integral, open. Says by how much at most.
+    /// Scales the values of each incidence such that they integrate to its albedo: bins that are wide beside the lobe leave
+    /// the interpolant between them, not its integral, open. Says by how much at most, where that is much.
     ///
     /// Held by: `the_values_of_a_file_integrate_to_its_tis` (tests/interchange_zemax.rs).
     pub fn hold_energy(&mut self, albedos: &[f64], integrals: &[f64]) -> Option<String> {
@@ -62,8 +62,11 @@ impl Zemax {
         let (mut count, mut most) = (0, 0.0f64);
         for (block, (albedo, sum)) in self.values[0].chunks_mut(size).zip(albedos.iter().zip(integrals)) {
             let factor = albedo / sum;
-            if factor.is_finite() && (factor - 1.0).abs() > ENERGY_TOLERANCE {
-                block.iter_mut().for_each(|value| *value = (f64::from(*value) * factor) as f32);
+            if !factor.is_finite() || factor == 1.0 {
+                continue;
+            }
+            block.iter_mut().for_each(|value| *value = (f64::from(*value) * factor) as f32);
+            if (factor - 1.0).abs() > SAID_ABOVE {
                 (count, most) = (count + 1, most.max((factor - 1.0).abs()));
             }
         }

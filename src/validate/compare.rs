@@ -9,7 +9,7 @@
 
 use serde::Serialize;
 
-use super::model_distance::{self, ErrorsAlone, FEWEST, MOST_BIAS};
+use super::model_distance::{self, ErrorsAlone, Estimate, FEWEST};
 use crate::stats;
 
 /// A model held against a table.
@@ -197,18 +197,13 @@ impl Figures {
     ///
     /// The mean of several stops or colours is taken before a negative one is cut off at 0.
     fn with_model(self, by_part: &[f64]) -> Figures {
-        let Some(noise) = self.l1_noise.filter(|_| !by_part.is_empty()) else { return self };
-        let (mean, se) = model_distance::mean_and_se(by_part);
-        let limit = |p: f64| stats::student_limit(p, by_part.len() - 1);
-        // l1_noise is sqrt(2/pi) sum of errors; MOST_BIAS speaks of that sum.
-        let bias = MOST_BIAS * noise / (2.0 / std::f64::consts::PI).sqrt();
-        let margin = se.map(|se| limit(0.05) * se + bias);
+        let Some(found) = self.l1_noise.and_then(|noise| Estimate::of(by_part, noise)) else { return self };
         Figures {
-            l1_model: Some(mean.max(0.0)),
-            l1_model_floor: Some(se.map_or(0.5 * noise, |se| limit(0.05) * se)),
-            l1_model_se: se,
-            l1_model_low: margin.map(|margin| (mean - margin).max(0.0)),
-            l1_model_high: margin.map(|margin| (mean + margin).max(0.0)),
+            l1_model: Some(found.mean.max(0.0)),
+            l1_model_floor: Some(found.floor),
+            l1_model_se: found.se,
+            l1_model_low: found.interval.map(|interval| interval[0]),
+            l1_model_high: found.interval.map(|interval| interval[1]),
             ..self
         }
     }
@@ -274,6 +269,7 @@ pub fn nearest(models: &[(&Figures, &[f64])]) -> Option<Nearest> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::model_distance::MOST_BIAS;
     use super::*;
 
     const HEIGHT_5: f64 = 1.211_182;

@@ -3,6 +3,7 @@
 pub mod aperture;
 pub mod bin_mean;
 pub mod compare;
+mod differences;
 pub mod expect;
 pub mod gauss_legendre;
 pub mod judgement;

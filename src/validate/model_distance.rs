@@ -1,4 +1,5 @@
-//! The L1 distance of a model from the truth behind noisy bins: no noise in its mean, a spread of its own beside it.
+//! The L1 distance of a model, or of another table, from the truth behind noisy bins: no noise in its mean, a spread of
+//! its own beside it.
 //!
 //! Of a bin, x_k = f_k - m over R realisations. |mean x| holds noise; the sign of the other realisations' mean times
 //! x_k does not: both are independent, and where the model is true the product has mean 0 whatever the law of the
@@ -50,6 +51,37 @@ pub fn add_products(x: &[f64], weight: f64, sums: &mut [f64]) {
 pub fn mean_and_se(sums: &[f64]) -> (f64, Option<f64>) {
     let (mean, se) = crate::stats::mean_and_se(sums.iter().copied());
     (mean, se.filter(|_| sums.len() >= FEWEST).map(|se| SHARED * se))
+}
+
+/// A distance without noise, and how far it may be off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// The mean of the realisations' sums: 0 on average where there is no distance, and so below 0 in half of such cases.
+    pub mean: f64,
+    /// Standard error; `None` where single realisations are not known.
+    pub se: Option<f64>,
+    /// Below this the distance cannot be told from 0: where it is 0, 95 % of the means are below. Without an error half of
+    /// the noise.
+    pub floor: f64,
+    /// The 95 % interval, the largest bias included.
+    pub interval: Option<[f64; 2]>,
+}
+
+impl Estimate {
+    /// Of the realisations' sums, or of a single value where they are not known; `noise` is sqrt(2/pi) times the sum of
+    /// the bins' errors. `None` where there are no sums.
+    pub fn of(sums: &[f64], noise: f64) -> Option<Estimate> {
+        if sums.is_empty() {
+            return None;
+        }
+        let (mean, se) = mean_and_se(sums);
+        let reach = se.map(|se| crate::stats::student_limit(0.05, sums.len() - 1) * se);
+        // MOST_BIAS speaks of the sum of the errors.
+        let bias = MOST_BIAS * noise / (2.0 / std::f64::consts::PI).sqrt();
+        let interval =
+            reach.map(|reach| [mean - reach - bias, mean + reach + bias].map(|end: f64| end.max(0.0)));
+        Some(Estimate { mean, se, floor: reach.unwrap_or(0.5 * noise), interval })
+    }
 }
 
 /// What is left of |mean x| = `distance` where only its standard error `se` of `realisations` is known: its mean is 0

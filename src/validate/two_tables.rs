@@ -3,11 +3,15 @@
 //! Enters: tables A and B on one grid, with their realisations where they are known. Leaves the summary's measures
 //! with A as f and B as m: l1 = sum |a-b| w / sum b w, l1_noise = sqrt(2/pi) sum se w/c4 / sum b w with
 //! se^2 = se_a^2 + se_b^2. Tables of the very same patches are paired: se is that of the differences by realisation.
+//! l1_difference, the distance without noise, has realisations turn each other's sign (`model_distance`); where neither
+//! table has any, l1 and l1_noise alone say between which bounds it lies.
 
 use std::path::Path;
 
 use serde::Serialize;
 
+use super::differences::{self as by_part, Place};
+use super::model_distance::{self, Estimate};
 use super::verdict::counted_bins;
 use crate::campaign::Campaign;
 use crate::error::Error;
@@ -50,6 +54,34 @@ pub struct Difference {
     pub stops: Vec<StopDifference>,
 }
 
+impl DifferenceFigures {
+    /// The same with the distance without noise: by what each realisation adds to it, or between its bounds.
+    fn with_difference(self, by_part: &[f64]) -> Self {
+        let Some((l1, noise)) = self.l1.zip(self.l1_noise) else { return self };
+        let found = Estimate::of(by_part, noise);
+        let [low, high] = found.and_then(|found| found.interval).unwrap_or([(l1 - noise).max(0.0), l1]);
+        DifferenceFigures {
+            l1_difference: found.map(|found| found.mean),
+            l1_difference_floor: found.map(|found| found.floor),
+            l1_difference_se: found.and_then(|found| found.se),
+            l1_difference_low: Some(low),
+            l1_difference_high: Some(high),
+            ..self
+        }
+    }
+
+    /// What a column shows: the distance without noise, or the floor that it is below; its bounds without realisations.
+    pub fn shown(&self) -> String {
+        match (self.l1_difference, self.l1_difference_floor, self.l1_difference_low, self.l1_difference_high)
+        {
+            (Some(found), Some(floor), ..) if found <= floor => format!("< {floor:.5}"),
+            (Some(found), ..) => format!("{found:.5}"),
+            (None, _, Some(low), Some(high)) => format!("{low:.5} to {high:.5}"),
+            _ => "n/a".into(),
+        }
+    }
+}
+
 impl Difference {
     /// What the tables differ by beyond their noise; `None` where noise explains it, or nothing differs.
     ///
@@ -76,8 +108,18 @@ pub struct DifferenceFigures {
     pub l1: Option<f64>,
     /// What noise alone would show.
     pub l1_noise: Option<f64>,
-    /// sqrt(max(0, l1^2 - l1_noise^2)).
+    /// The distance without noise, by the realisations: 0 on average where the tables agree, and so often below 0; null
+    /// where neither table has 4 realisations.
     pub l1_difference: Option<f64>,
+    /// Below this, `l1_difference` cannot be told from 0: where the tables agree, 95 % of the values are below.
+    pub l1_difference_floor: Option<f64>,
+    /// Its standard error.
+    pub l1_difference_se: Option<f64>,
+    /// Lower end of its 95 % interval, its largest bias included. Without realisations l1 - l1_noise: |d| is never larger
+    /// than the mean of |d + e|, and never smaller than that less the mean of |e|.
+    pub l1_difference_low: Option<f64>,
+    /// Upper end; without realisations l1.
+    pub l1_difference_high: Option<f64>,
     /// Largest |a - b|/se.
     pub max_t: Option<f64>,
     /// Share of the bins whose 95 % interval of the difference misses 0.
@@ -152,7 +194,7 @@ impl Differences {
     }
 
     fn finish(self) -> Difference {
-        let sums: Vec<Sums> = self.stops.iter().map(|(_, sums)| *sums).collect();
+        let sums: Vec<&Sums> = self.stops.iter().map(|(_, sums)| sums).collect();
         let whole = sums.iter().fold(Sums::default(), |all, stop| all.merged(stop));
         let row = |((theta_i_deg, phi_i_deg), sums): &((f64, f64), Sums)| StopDifference {
             theta_i_deg: *theta_i_deg,
@@ -171,18 +213,17 @@ impl Differences {
     }
 }
 
-/// l1 and its noise as means over the stops that have light; t's over all bins.
-fn mean_of_stops(whole: DifferenceFigures, stops: &[Sums]) -> DifferenceFigures {
+/// l1, its noise and what realisations add as means over the stops that have light; t's over all bins.
+fn mean_of_stops(whole: DifferenceFigures, stops: &[&Sums]) -> DifferenceFigures {
     let mean = |pick: fn(&DifferenceFigures) -> Option<f64>| {
         let values: Vec<f64> = stops.iter().filter_map(|stop| pick(&stop.figures())).collect();
         (!values.is_empty()).then(|| stats::mean(&values))
     };
-    let (l1, l1_noise) = (mean(|f| f.l1), mean(|f| f.l1_noise));
-    DifferenceFigures { l1, l1_noise, l1_difference: excess(l1, l1_noise), ..whole }
-}
-
-fn excess(l1: Option<f64>, noise: Option<f64>) -> Option<f64> {
-    l1.zip(noise).map(|(l1, noise)| (l1 * l1 - noise * noise).max(0.0).sqrt())
+    let parts: Vec<Vec<f64>> = stops.iter().map(|stop| stop.by_part()).filter(|p| !p.is_empty()).collect();
+    let of_part = |k: usize| parts.iter().map(|parts| parts[k]).sum::<f64>() / parts.len() as f64;
+    let by_part: Vec<f64> = (0..parts.first().map_or(0, Vec::len)).map(of_part).collect();
+    DifferenceFigures { l1: mean(|f| f.l1), l1_noise: mean(|f| f.l1_noise), ..whole }
+        .with_difference(&by_part)
 }
 
 /// Whether the tables have the same stops, bins and colours.
@@ -229,6 +270,8 @@ struct Pair<'a> {
     first_stop: usize,
     /// The realisations of both, where they can be paired.
     paired: Option<(&'a Realisations, &'a Realisations)>,
+    /// The differences by realisation, paired or not.
+    by_part: Option<by_part::Differences<'a>>,
     realisations: [usize; 2],
     /// (95 % limit of t, c4) by degrees of freedom, from 1.
     limits: Vec<(f64, f64)>,
@@ -251,7 +294,8 @@ impl<'a> Pair<'a> {
         let none = || vec![false; a.table.grid.stops()];
         let (in_a, in_b) = (folds(&a).unwrap_or_else(none), folds(&b).unwrap_or_else(none));
         let folded = in_a.iter().zip(in_b).map(|(&a, b)| a && b).collect();
-        Pair { a, b, first_stop, paired, realisations, limits, folded }
+        let by_part = by_part::Differences::new(a, b);
+        Pair { a, b, first_stop, paired, by_part, realisations, limits, folded }
     }
 
     fn most_dof(&self) -> usize {
@@ -262,7 +306,8 @@ impl<'a> Pair<'a> {
         let grid = &self.a.table.grid;
         let bins = grid.bins();
         let counted = counted_bins(grid, stop, self.folded[stop]);
-        let mut sums = Sums::default();
+        let parts = self.by_part.as_ref().map_or(0, by_part::Differences::count);
+        let mut sums = Sums { parts: vec![0.0; parts], ..Sums::default() };
         for (bin, region) in grid.regions(stop).iter().enumerate() {
             for colour in 0..self.a.table.colours.len() {
                 self.entry(Entry { at: stop * bins + bin, colour }, region, counted[bin], &mut sums);
@@ -284,6 +329,13 @@ impl<'a> Pair<'a> {
         let w = if w > 0.0 { w } else { 1.0 };
         sums.distance += (a - b).abs() * w;
         sums.flux += b * w;
+        if let Some(by_part) = &self.by_part {
+            let stored = self.first_stop * self.a.table.grid.bins() + at;
+            match by_part.at(Place { here: at, stored, colour }) {
+                Some(x) => model_distance::add_products(&x, w, &mut sums.parts),
+                None => sums.without_error = true,
+            }
+        }
         let Some((se, dof)) = self.error(entry, hit, a.max(b)) else {
             sums.without_error = true;
             return;
@@ -329,9 +381,11 @@ struct Entry {
 }
 
 /// Sums over bins and colours.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 struct Sums {
     distance: f64,
+    /// What each realisation adds to the distance without noise.
+    parts: Vec<f64>,
     noise: f64,
     flux: f64,
     without_error: bool,
@@ -352,6 +406,13 @@ impl Sums {
         self
     }
 
+    /// What each realisation adds to the distance relative to B; nothing where it is not known.
+    fn by_part(&self) -> Vec<f64> {
+        let known = self.flux > 0.0 && !self.without_error;
+        let parts = if known { &self.parts[..] } else { &[] };
+        parts.iter().map(|sum| sum / self.flux).collect()
+    }
+
     fn figures(&self) -> DifferenceFigures {
         let known = !self.without_error;
         let l1 = (self.flux > 0.0).then(|| self.distance / self.flux);
@@ -360,9 +421,10 @@ impl Sums {
         DifferenceFigures {
             l1,
             l1_noise,
-            l1_difference: excess(l1, l1_noise),
             max_t: self.max_t,
             share_outside_95: (self.bins > 0).then(|| self.outside as f64 / self.bins as f64),
+            ..DifferenceFigures::default()
         }
+        .with_difference(&self.by_part())
     }
 }

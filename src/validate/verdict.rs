@@ -315,9 +315,3 @@ pub(super) fn counted_bins(grid: &Grid, stop: usize, folded: bool) -> Vec<bool> 
     };
     grid.regions(stop).iter().map(|region| !folded || half_turn(region)).collect()
 }
-
-/// The masking whose figure is smallest.
-pub fn nearest(comparisons: &[Comparison], figure: impl Fn(&Comparison) -> Option<f64>) -> Option<String> {
-    let with = comparisons.iter().filter_map(|c| figure(c).map(|f| (f, &c.masking)));
-    with.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, masking)| masking.clone())
-}

@@ -10,7 +10,7 @@ import pyradiance
 from pyradiance import bsdf
 
 import readers
-from tables import check, direction, ggx, gonio, pairs, table
+from tables import COARSE, check, direction, ggx, gonio, pairs, table
 
 # IEC 61966-2-1, rows X, Y, Z.
 XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
@@ -41,7 +41,7 @@ def matrices(folder):
     diffuse), and taken out.
     """
     table(folder, "aniso4", 0.4, 0.7, list(np.arange(0, 90, 10.0)), list(np.arange(0, 360, 15.0)), 45, 72)
-    gonio("export", folder / "aniso4.exr", "--to", "klems", "-o", folder / "aniso4.klems.xml")
+    gonio("export", folder / "aniso4.exr", "--to", "klems", "-o", folder / "aniso4.klems.xml", *COARSE)
     gonio("import", folder / "aniso4.klems.xml", "--from", "klems", "-o", folder / "klems.exr")
     gonio("export", folder / "klems.exr", "--to", "npz", "-o", folder / "klems.npz")
     matrix = np.load(folder / "klems.npz")
@@ -71,7 +71,7 @@ def trees(folder):
     """Tensor trees of both ranks against the formula."""
     ok = True
     for name, ax, ay in [("iso", 0.3, 0.3), ("aniso4", 0.4, 0.7)]:
-        gonio("export", folder / f"{name}.exr", "--to", "tensor_tree", "-o", folder / f"{name}.tree.xml")
+        gonio("export", folder / f"{name}.exr", "--to", "tensor_tree", "-o", folder / f"{name}.tree.xml", *COARSE)
         s = bsdf.load_file(str(folder / f"{name}.tree.xml"))
         f, g = np.array([(query(s, wi, wo)[1], ggx(wi, wo, ax, ay)) for wi, wo in zip(*pairs(4000, 75, 2))]).T
         size = (folder / f"{name}.tree.xml").stat().st_size / 1e6
@@ -84,7 +84,7 @@ def normal(folder):
 
     The normal is the end of a cell of sin theta_i, not its middle: up to twice the error of a random direction.
     """
-    gonio("export", folder / "iso.exr", "--to", "klems", "-o", folder / "normal.klems.xml")
+    gonio("export", folder / "iso.exr", "--to", "klems", "-o", folder / "normal.klems.xml", *COARSE)
     gonio("import", folder / "normal.klems.xml", "--from", "klems", "-o", folder / "normal.exr")
     gonio("export", folder / "normal.exr", "--to", "npz", "-o", folder / "normal.npz")
     matrix = np.load(folder / "normal.npz")
@@ -118,7 +118,7 @@ def colours(folder):
     """
     table(folder, "tint", 0.5, 0.5, list(np.arange(0, 90, 10.0)), None, 45, 72, tint=TINT)
     for kind in ("klems", "tensor_tree"):
-        gonio("export", folder / "tint.exr", "--to", kind, "-o", folder / f"tint.{kind}.xml")
+        gonio("export", folder / "tint.exr", "--to", kind, "-o", folder / f"tint.{kind}.xml", *COARSE)
     wanted = XYZ @ TINT
     s = bsdf.load_file(str(folder / "tint.klems.xml"))
     found = np.array([query(s, wi, wo) for wi, wo in zip(*pairs(500, 75, 5))]).sum(axis=0)
@@ -134,7 +134,7 @@ def colours(folder):
 def tools(folder):
     """checkBSDF on reciprocity and flux, and gonio text through pabopto2bsdf and bsdf2ttree."""
     ok = True
-    gonio("export", folder / "iso.exr", "--to", "klems", "-o", folder / "iso.klems.xml")
+    gonio("export", folder / "iso.exr", "--to", "klems", "-o", folder / "iso.klems.xml", *COARSE)
     for name in ("iso.klems", "iso.tree"):
         text = run("checkBSDF", folder / f"{name}.xml")
         flux, errors = re.findall(r"Interior Refl.*", text)
