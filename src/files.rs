@@ -12,11 +12,13 @@ mod own_file;
 pub mod row_writer;
 pub mod sealed;
 
+pub use claim::Claim;
 pub use new_file::NewFile;
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
 use std::path::Path;
+use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
@@ -76,10 +78,11 @@ fn sync_folder(_folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Makes sure that `path` is a folder that takes files; missing parents are made.
-pub fn create_folder(path: &Path) -> Result<()> {
+/// Makes sure that `path` is a folder that takes files; missing parents are made. Whoever writes several files there keeps
+/// the claim, under which all of them are under way.
+pub fn create_folder(path: &Path) -> Result<Arc<Claim>> {
     fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
-    claim::Claim::on(path).map(|_| ()).map_err(|e| Error::io(path, e))
+    Claim::on(path).map_err(|e| Error::io(path, e))
 }
 
 /// Bytes that the file system of a folder has free for whoever runs this, where it says so.

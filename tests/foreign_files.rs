@@ -97,7 +97,7 @@ fn commands() -> Vec<(Vec<&'static str>, Vec<&'static str>)> {
         (words("report in/small.exr -o out/page.html"), vec!["page.html"]),
         (words("report in/small.exr -o out/card.md"), vec!["card.md"]),
         (
-            words("bench small.toml -o out --from 64 --to 256 --realisations-to 2 --replicates 2"),
+            words("bench small.toml -o out --from 64 --to 1024 --realisations-to 16 --replicates 2"),
             vec!["bench.json", "bench.svg"],
         ),
     ]

@@ -153,7 +153,7 @@ fn ladders(arguments: &Arguments, path: &Path) -> Result<u8> {
 
 /// The files that will be written; what is there must be of the same campaign.
 fn outputs(arguments: &Arguments, path: &Path, campaign: &Campaign, resolved: &str) -> Result<[PathBuf; 2]> {
-    let folder = targets::open_folder(arguments.output.as_deref(), campaign)?;
+    let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), campaign)?;
     let [document, picture] = ["bench.json", "bench.svg"].map(|name| folder.join(name));
     targets::spare_inputs(&[&document, &picture], path, campaign)?;
     if !arguments.force {

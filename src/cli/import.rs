@@ -151,7 +151,7 @@ fn campaigns(arguments: &Arguments) -> Result<u8> {
     if let Some(why) = why {
         warn(format_args!("{skipped} of {} texels left out, the first: {why}", texels.len()));
     }
-    files::create_folder(&arguments.output)?;
+    let _claim = files::create_folder(&arguments.output)?;
     for (path, text) in &campaigns {
         files::write_atomically(path, text.as_bytes())?;
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use super::measure::Arguments;
@@ -176,16 +176,26 @@ pub fn goes_on(path: &Path, starts: u64, plan: &Plan) {
     say(format_args!("note: goes on from {}: {} samples, {percent:.1} %", path.display(), grouped(starts)));
 }
 
-/// A flag that the first SIGINT or SIGTERM sets; the second ends the process at once.
+/// A flag that the first SIGINT, SIGTERM or SIGHUP sets; the second ends the process at once. A SIGHUP that is ignored, as
+/// under `nohup`, stays so.
 pub fn interruption() -> Result<Arc<AtomicBool>> {
     let asked = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
+    let hang_up = (!is_hang_up_ignored()).then_some(SIGHUP);
+    for signal in [SIGINT, SIGTERM].into_iter().chain(hang_up) {
         // In this order: the flag is not set yet when the first signal is looked at.
         flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&asked))
             .and_then(|_| flag::register(signal, Arc::clone(&asked)))
             .map_err(|e| Error::Internal(format!("signal {signal}: {e}")))?;
     }
     Ok(asked)
+}
+
+/// By the mask of ignored signals, where the system shows it.
+fn is_hang_up_ignored() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (SIGHUP - 1) & 1 == 1)
 }
 
 /// An interruption with the command that goes on.

@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     notes.iter().for_each(warn);
     arguments.plan(&campaign)?;
-    let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
+    let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign));
     let _lock = Lock::take(&folder, &stem)?;
     let keeping = Keeping::of(&folder, &stem);

@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         warn(format_args!("{there} of {stops} stops: {missing} missing; no other stop is in the tables"));
         campaign.name = format!("{}_partial", campaign.name);
     }
-    let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
+    let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let _lock = Lock::take(&folder, &campaign.name)?;
     let all = Target::of(&campaign, &folder);
     let open = open(&all, arguments, !missing.is_empty())?;

@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let Parsed { mut campaign, mut notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     measure::plan(&campaign)?;
-    let folder = targets::open_folder(arguments.output.as_deref(), &campaign)?;
+    let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let job = Job::new(arguments, &campaign, folder, &mut notes)?;
     notes.iter().for_each(warn);
     job.check_folder(&arguments.campaign)?;

@@ -3,22 +3,23 @@
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::output::warn;
 use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind};
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, Claim};
 use crate::report::{card, page};
 use crate::table::{BrdfTable, TableRows, realisations};
 
 /// Bytes within which a file says what it is.
 const HEAD: u64 = 1 << 16;
 
-/// The output folder, ready to take files: `wanted`, or `out/<name>`.
-pub fn open_folder(wanted: Option<&Path>, campaign: &Campaign) -> Result<PathBuf> {
+/// The output folder, ready to take files: `wanted`, or `out/<name>`; and the claim under which they are written.
+pub fn open_folder(wanted: Option<&Path>, campaign: &Campaign) -> Result<(PathBuf, Arc<Claim>)> {
     let folder = wanted.map_or_else(|| Path::new("out").join(&campaign.name), Path::to_path_buf);
-    files::create_folder(&folder)?;
-    Ok(folder)
+    let claim = files::create_folder(&folder)?;
+    Ok((folder, claim))
 }
 
 /// Refuses to write over what the campaign reads.

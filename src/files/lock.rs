@@ -3,9 +3,7 @@
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use super::claim::Claim;
 use super::own_file;
 use crate::error::{Error, Result};
 
@@ -19,8 +17,6 @@ const LONGEST: u64 = 100;
 pub struct Lock {
     path: PathBuf,
     file: File,
-    /// Files under way have names of one claim as long as the output is locked.
-    _claim: Arc<Claim>,
 }
 
 impl Lock {
@@ -55,12 +51,8 @@ impl Lock {
             }
             // For the eye only: the lock is the system's.
             let pid = std::process::id();
-            file.set_len(0)
-                .and_then(|()| file.rewind())
-                .and_then(|()| writeln!(file, "{HEADER}{pid}"))
-                .map_err(failed)?;
-            let claim = Claim::on(folder).map_err(|e| Error::io(folder, e))?;
-            return Ok(Lock { path, file, _claim: claim });
+            file.set_len(0).and_then(|()| file.rewind()).and_then(|()| writeln!(file, "{HEADER}{pid}")).ok();
+            return Ok(Lock { path, file });
         }
     }
 }

@@ -214,7 +214,7 @@ fn merl_file<'a>(table: &BrdfTable, options: &Options) -> Reason<Exported<'a>> {
 
 /// One file a stop in the folder at `path`.
 fn export_folder(table: &BrdfTable, path: &Path) -> Result<Export> {
-    files::create_folder(path)?;
+    let _claim = files::create_folder(path)?;
     let mut totals = Vec::with_capacity(table.colours[0].total.len());
     for stop in 0..table.grid.stops() {
         let file = path.join(format!("stop_{stop:04}.txt"));

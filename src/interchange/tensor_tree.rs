@@ -24,7 +24,7 @@ pub const CONVENTION: &str = "tensor tree on Shirley-Chiu squares, BRDF in 1/sr,
 /// What the blocks of a coloured file are, after `Visible`.
 pub(super) const COLOURS: [&str; 2] = ["CIE-u", "CIE-v"];
 /// Where division ends: share of the error in the sum, and number of values (20 MB of text).
-const VISIBLE: (f64, usize) = (0.02, 1 << 21);
+const VISIBLE: (f64, usize) = (0.01, 1 << 21);
 /// The same of u' and v', which vary little.
 const CHROMATICITY: (f64, usize) = (0.002, 1 << 18);
 /// A group of the tree.
