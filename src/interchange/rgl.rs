@@ -23,7 +23,7 @@ pub const CONVENTION: &str = "spectra x D(m)/(4 sigma(wi)) is f cos(theta_o): wi
 
 /// Steps of the light's angles that are wider are divided, rad.
 const WIDEST_THETA: f64 = 6.0 * PI / 180.0;
-const WIDEST_PHI: f64 = 15.5 * PI / 180.0;
+const WIDEST_PHI: f64 = 8.0 * PI / 180.0;
 /// The last polar angle of the light, rad: at grazing light the warp has no density left.
 const LAST_THETA: f64 = 88.0 * PI / 180.0;
 /// Nodes along theta of D and sigma.
