@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, memory};
 use crate::text_decoding::decode_text;
 use crate::validate::Verdict;
 
@@ -56,11 +56,20 @@ pub fn json_text(document: &Value) -> Result<String> {
 ///
 /// Errors: [`Error::Io`], [`Error::Format`].
 pub fn read_json(path: &Path) -> Result<Value> {
-    parsed_json(&files::read(path)?).map_err(|why| Error::format(path, format!("is no JSON: {why}")))
+    let bytes = files::read(path)?;
+    memory::check_file(path, json_bytes(&bytes))?;
+    parsed_json(&bytes).map_err(|why| Error::format(path, format!("is no JSON: {why}")))
+}
+
+/// The most bytes of memory that a JSON document of these bytes takes: its text, and a node for each word.
+fn json_bytes(bytes: &[u8]) -> u64 {
+    const NODE: u64 = 100;
+    2 * bytes.len() as u64 + NODE * memory::words(bytes)
 }
 
 /// A JSON document from its bytes, which an editor may have saved with a byte order mark.
 pub fn parsed_json(bytes: &[u8]) -> std::result::Result<Value, String> {
+    memory::check(json_bytes(bytes))?;
     serde_json::from_str(&decode_text(bytes)?).map_err(|e| e.to_string())
 }
 
