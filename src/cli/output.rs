@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, is_unseen};
 use crate::files::{self, memory};
 use crate::text_decoding::decode_text;
 use crate::validate::Verdict;
@@ -24,6 +24,10 @@ pub struct Output {
 impl Output {
     /// Prints one line.
     pub fn line(&mut self, text: impl Display) -> Result<()> {
+        self.print(&seen(text))
+    }
+
+    fn print(&mut self, text: &str) -> Result<()> {
         if self.closed {
             return Ok(());
         }
@@ -43,8 +47,32 @@ impl Output {
 
     /// Prints a JSON document.
     pub fn json(&mut self, document: &Value) -> Result<()> {
-        self.line(json_text(document)?)
+        self.print(&json_seen(&json_text(document)?))
     }
+}
+
+/// Text for a terminal: what would act on it instead of being seen is escaped, as `\u{202e}`; ends of lines and tabs stay.
+///
+/// The one place for words of files on their way to a terminal. Held by: `words_of_files_cannot_act_on_a_terminal`.
+fn seen(text: impl Display) -> String {
+    let mut out = String::new();
+    for c in text.to_string().chars() {
+        if is_unseen(c) && !matches!(c, '\n' | '\t') { out.extend(c.escape_unicode()) } else { out.push(c) }
+    }
+    out
+}
+
+/// The same of JSON, in its own escapes: such characters stand in its texts alone.
+fn json_seen(json: &str) -> String {
+    let mut out = String::new();
+    for c in json.chars() {
+        if is_unseen(c) && c != '\n' {
+            out.extend(c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")));
+        } else {
+            out.push(c);
+        }
+    }
+    out
 }
 
 /// A JSON document as text, without an end of line.
@@ -80,12 +108,12 @@ pub fn to_json(data: &impl Serialize) -> Result<Value> {
 
 /// Prints a line on stderr; whether anybody reads it does not matter.
 pub fn say(text: impl Display) {
-    writeln!(io::stderr().lock(), "{text}").ok();
+    writeln!(io::stderr().lock(), "{}", seen(text)).ok();
 }
 
-/// Prints a warning on stderr.
+/// Prints a warning on stderr, one line.
 pub fn warn(text: impl Display) {
-    say(format_args!("warning: {text}"));
+    say(format_args!("warning: {}", text.to_string().replace('\n', " ")));
 }
 
 /// Prints an error on stderr, with the number of faults where a campaign has some. An interruption is none.
@@ -208,6 +236,15 @@ mod tests {
             assert_eq!(parsed_json(&bytes).expect("JSON")["a"], 1);
         }
         assert!(parsed_json(b"{\"a\": \"\xb0\"}").expect_err("no UTF-8").contains("byte 7 is not UTF-8"));
+    }
+
+    #[test]
+    fn words_of_files_cannot_act_on_a_terminal() {
+        assert_eq!(seen("a\u{1b}[2J \u{202e}b\n\t\u{b5}"), "a\\u{1b}[2J \\u{202e}b\n\t\u{b5}");
+        let document = serde_json::json!({ "name": "\u{202e}\u{9b}\u{e0041}\n" });
+        let text = json_seen(&json_text(&document).expect("JSON"));
+        assert!(text.is_ascii() && text.contains("\\u202e\\u009b\\udb40\\udc41\\n"), "{text}");
+        assert_eq!(parsed_json(text.as_bytes()).expect("JSON"), document);
     }
 
     #[test]
