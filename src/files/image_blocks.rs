@@ -44,7 +44,7 @@ impl<R: Read + Seek> Blocks<R> {
         let head = exr_header::read(&mut source)?;
         let meta = guarded(|| MetaData::read_from_buffered(head.as_slice(), true))?;
         let block = meta.headers.iter().map(block_bytes).max().unwrap_or(0);
-        memory::check(COPIES.saturating_mul(block)).map_err(|why| format!("its blocks of rows: {why}"))?;
+        memory::check(COPIES.saturating_mul(block)).map_err(|why| format!("its rows are too wide: {why}"))?;
         let outlines = meta.headers.iter().map(outline).collect::<Result<Vec<_>, String>>()?;
         let names = meta.headers.iter().map(names).collect();
         source.seek(SeekFrom::Start(head.len() as u64)).map_err(|e| damaged(&e))?;

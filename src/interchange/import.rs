@@ -51,9 +51,8 @@ impl Imported {
     }
 }
 
-/// What the bytes of a file hold; refused where it takes more memory than may be used.
+/// What the bytes of a file hold. Memory goes with their number; [`import`] judges how much it is first.
 pub fn decode(format: Format, options: &Options, bytes: &[u8]) -> Reason<Imported> {
-    needed::check(format, bytes)?;
     decode_with_notes(format, options, bytes).map(|(imported, _)| imported)
 }
 

@@ -45,11 +45,6 @@ pub fn needed(format: Format, bytes: &[u8]) -> Reason<u64> {
     })
 }
 
-/// The same as a refusal where it is more than may be used.
-pub fn check(format: Format, bytes: &[u8]) -> Reason<()> {
-    memory::check(needed(format, bytes)?)
-}
-
 /// Of an EXR image.
 pub fn image(bytes: &[u8]) -> Reason<u64> {
     Ok(Blocks::open(Cursor::new(bytes))?.bytes())
