@@ -122,6 +122,22 @@ pub fn is_unseen(c: char) -> bool {
     c.is_control() || acts
 }
 
+/// JSON whose characters that are not seen, which stand in its texts alone, are written as its own escapes: the document is
+/// the same.
+///
+/// Held by: `words_of_files_cannot_act_on_a_terminal` (src/cli/output.rs), tests/foreign_words.rs.
+pub fn seen_in_json(json: &str) -> String {
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        if is_unseen(c) && c != '\n' {
+            out.extend(c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")));
+        } else {
+            out.push(c);
+        }
+    }
+    out
+}
+
 /// A foreign text, or a message that quotes one, as a part of one line: characters that are not seen ([`is_unseen`])
 /// become `?`, and the middle of a long one is left out.
 ///

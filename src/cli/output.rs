@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::error::{Error, Result, is_unseen};
+use crate::error::{Error, Result, is_unseen, seen_in_json};
 use crate::files::{self, memory};
 use crate::text_decoding::decode_text;
 use crate::validate::Verdict;
@@ -47,7 +47,7 @@ impl Output {
 
     /// Prints a JSON document.
     pub fn json(&mut self, document: &Value) -> Result<()> {
-        self.print(&json_seen(&json_text(document)?))
+        self.print(&seen_in_json(&json_text(document)?))
     }
 }
 
@@ -58,19 +58,6 @@ fn seen(text: impl Display) -> String {
     let mut out = String::new();
     for c in text.to_string().chars() {
         if is_unseen(c) && !matches!(c, '\n' | '\t') { out.extend(c.escape_unicode()) } else { out.push(c) }
-    }
-    out
-}
-
-/// The same of JSON, in its own escapes: such characters stand in its texts alone.
-fn json_seen(json: &str) -> String {
-    let mut out = String::new();
-    for c in json.chars() {
-        if is_unseen(c) && c != '\n' {
-            out.extend(c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")));
-        } else {
-            out.push(c);
-        }
     }
     out
 }
@@ -242,7 +229,7 @@ mod tests {
     fn words_of_files_cannot_act_on_a_terminal() {
         assert_eq!(seen("a\u{1b}[2J \u{202e}b\n\t\u{b5}"), "a\\u{1b}[2J \\u{202e}b\n\t\u{b5}");
         let document = serde_json::json!({ "name": "\u{202e}\u{9b}\u{e0041}\n" });
-        let text = json_seen(&json_text(&document).expect("JSON"));
+        let text = seen_in_json(&json_text(&document).expect("JSON"));
         assert!(text.is_ascii() && text.contains("\\u202e\\u009b\\udb40\\udc41\\n"), "{text}");
         assert_eq!(parsed_json(text.as_bytes()).expect("JSON"), document);
     }
