@@ -112,15 +112,40 @@ impl Error {
     }
 }
 
-/// A foreign text, or a message that quotes one, as a part of one line: control characters and what is no text become
-/// `?`, and the middle of a long one is left out.
+/// Whether a character of a foreign text does something to the text around it instead of being seen: control characters,
+/// the marks that turn the direction of writing, joiners and separators without width, and what is no text.
+///
+/// Held by: `characters_that_act_are_told_from_those_that_are_seen`.
+pub fn is_unseen(c: char) -> bool {
+    let acts = matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
+        | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffd}' | '\u{e0000}'..='\u{e007f}');
+    c.is_control() || acts
+}
+
+/// JSON whose characters that are not seen, which stand in its texts alone, are written as its own escapes: the document is
+/// the same.
+///
+/// Held by: `words_of_files_cannot_act_on_a_terminal` (src/cli/output.rs), tests/foreign_words.rs.
+pub fn seen_in_json(json: &str) -> String {
+    let mut out = String::with_capacity(json.len());
+    for c in json.chars() {
+        if is_unseen(c) && c != '\n' {
+            out.extend(c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")));
+        } else {
+            out.push(c);
+        }
+    }
+    out
+}
+
+/// A foreign text, or a message that quotes one, as a part of one line: characters that are not seen ([`is_unseen`])
+/// become `?`, and the middle of a long one is left out.
 ///
 /// Held by: `findings_of_the_fuzzer_are_answered_in_one_line` (tests/fuzzed.rs).
 fn one_line(text: &str) -> String {
     const HEAD: usize = 360;
     const TAIL: usize = 120;
-    let unreadable = |c: char| c.is_control() || c == char::REPLACEMENT_CHARACTER;
-    let line: String = text.chars().map(|c| if unreadable(c) { '?' } else { c }).collect();
+    let line: String = text.chars().map(|c| if is_unseen(c) { '?' } else { c }).collect();
     let count = line.chars().count();
     if count <= HEAD + TAIL {
         return line;
@@ -139,6 +164,18 @@ fn faults_text(faults: &[Fault]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn characters_that_act_are_told_from_those_that_are_seen() {
+        assert!(
+            "\n\t\u{1b}\u{7f}\u{9b}\u{200f}\u{202e}\u{2066}\u{2069}\u{feff}\u{fffd}\u{e0041}"
+                .chars()
+                .all(is_unseen)
+        );
+        assert!(!"a \u{a0}\u{b5}\u{b0}\u{5d0}\u{4e2d}\u{1f600}~".chars().any(is_unseen));
+        let error = Error::format(Path::new("t"), "a\u{202e}b\u{1b}[2Jc");
+        assert_eq!(error.to_string(), "t: a?b?[2Jc");
+    }
 
     #[test]
     fn a_fault_names_file_line_key_value_and_range() {

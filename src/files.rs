@@ -6,6 +6,7 @@ pub mod image;
 pub mod image_blocks;
 pub mod image_rows;
 pub mod lock;
+pub mod memory;
 mod new_file;
 pub mod npy;
 mod own_file;
@@ -112,10 +113,15 @@ pub fn is_there(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
-/// The content of a regular file.
+/// The content of a regular file; refused where it does not fit the memory that may be used ([`memory`]).
 pub fn read(path: &Path) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    open(path)?.read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    let file = open(path)?;
+    let length = file.metadata().map_err(|e| Error::io(path, e))?.len();
+    memory::check_file(path, length)?;
+    let room = usize::try_from(length).map_err(|e| e.to_string()).and_then(|length| memory::room(length + 1));
+    let mut bytes = room.map_err(|why| Error::Refused(format!("{}: {why}", path.display())))?;
+    // A file that grows meanwhile is read as long as it was.
+    file.take(length).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     Ok(bytes)
 }
 

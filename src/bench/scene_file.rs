@@ -5,7 +5,7 @@ use std::path::Path;
 use npyz::{DType, NpyFile, Order, TypeChar};
 
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, npy};
 
 /// Reads the f32 array of `path`; each side that `shape` names must be as it says.
 pub(super) fn read(path: &Path, shape: &[Option<usize>]) -> Result<Vec<f32>> {
@@ -17,6 +17,7 @@ fn parse(bytes: &[u8], wanted: &[Option<usize>]) -> std::result::Result<Vec<f32>
     if !bytes.starts_with(b"\x93NUMPY") {
         return Err("not an NPY file".into());
     }
+    npy::check_header(bytes, 5)?;
     let npy = NpyFile::new(bytes).map_err(|e| e.to_string())?;
     let shape: Vec<u64> = npy.shape().to_vec();
     let said = |shape: &[String]| shape.join(" x ");
@@ -75,7 +76,8 @@ mod tests {
             (npy("<f8", "False", "(2, 6)", 24), "type f4"),
             (npy("<f4", "True", "(2, 6)", 12), "type f4, row by row"),
             (npy("<f4", "False", "(2, 6)", 11), "shorter than its header says"),
-            (npy("<f4", "False", "(99999999999, 6)", 11), "shorter than its header says"),
+            (npy("<f4", "False", "(99999999999, 6)", 11), "at most 999999999 a side"),
+            (npy("<f4", "False", "(999999999, 6)", 11), "shorter than its header says"),
             (nan, "value 5 is NaN"),
         ] {
             let found = parse(&bytes, &wanted).expect_err(reason);

@@ -38,6 +38,8 @@ use report::Report;
 
 /// Largest campaign file, bytes: two axes of 100,000 angles with room to spare.
 const LARGEST_FILE: u64 = 16 << 20;
+/// Commas, points, equals signs and brackets of a campaign at most.
+const MOST_MARKS: usize = 1 << 21;
 
 /// A campaign file that can be run.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,6 +84,12 @@ pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> 
             None,
             "larger than 16 MiB; this is no campaign".into(),
         ));
+    }
+    // Each takes about a hundred bytes while it is read.
+    let marks = bytes.iter().filter(|byte| matches!(byte, b',' | b'=' | b'.' | b'[' | b'{')).count();
+    if marks > MOST_MARKS {
+        let why = format!("{marks} keys and values, at most {MOST_MARKS} are read; this is no campaign");
+        return Err(whole_file_fault(name_for_messages, None, why));
     }
     // Without the mark, so that the first line's columns count from the first key.
     let text = &*decode_text(bytes).map_err(|why| no_text(name_for_messages, bytes, why))?;

@@ -4,6 +4,7 @@
 
 use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 
 use clap::{ColorChoice, Parser, Subcommand};
@@ -112,6 +113,11 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
     panic::set_hook(Box::new(|panic| remember(&panic.to_string())));
     // A file beyond the system's limit is an error of its write, which is told, instead of the end of the process.
     signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()).ok();
+    // An allocation that fails ends in an abort, after a line of the standard library that says how many bytes it was:
+    // memory that was free when a reader asked for it has gone since. That is a refusal, no crash.
+    let exit_code = i32::from(Error::Refused(String::new()).exit_code());
+    let always = Arc::new(AtomicBool::new(true));
+    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, exit_code, always).ok();
     guarded(|| {
         let arguments = match Arguments::try_parse_from(words) {
             Ok(arguments) => arguments,

@@ -7,8 +7,8 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::error::{Error, Result};
-use crate::files;
+use crate::error::{Error, Result, is_unseen, seen_in_json};
+use crate::files::{self, memory};
 use crate::text_decoding::decode_text;
 use crate::validate::Verdict;
 
@@ -24,6 +24,10 @@ pub struct Output {
 impl Output {
     /// Prints one line.
     pub fn line(&mut self, text: impl Display) -> Result<()> {
+        self.print(&seen(text))
+    }
+
+    fn print(&mut self, text: &str) -> Result<()> {
         if self.closed {
             return Ok(());
         }
@@ -43,8 +47,19 @@ impl Output {
 
     /// Prints a JSON document.
     pub fn json(&mut self, document: &Value) -> Result<()> {
-        self.line(json_text(document)?)
+        self.print(&seen_in_json(&json_text(document)?))
     }
+}
+
+/// Text for a terminal: what would act on it instead of being seen is escaped, as `\u{202e}`; ends of lines and tabs stay.
+///
+/// The one place for words of files on their way to a terminal. Held by: `words_of_files_cannot_act_on_a_terminal`.
+fn seen(text: impl Display) -> String {
+    let mut out = String::new();
+    for c in text.to_string().chars() {
+        if is_unseen(c) && !matches!(c, '\n' | '\t') { out.extend(c.escape_unicode()) } else { out.push(c) }
+    }
+    out
 }
 
 /// A JSON document as text, without an end of line.
@@ -56,11 +71,20 @@ pub fn json_text(document: &Value) -> Result<String> {
 ///
 /// Errors: [`Error::Io`], [`Error::Format`].
 pub fn read_json(path: &Path) -> Result<Value> {
-    parsed_json(&files::read(path)?).map_err(|why| Error::format(path, format!("is no JSON: {why}")))
+    let bytes = files::read(path)?;
+    memory::check_file(path, json_bytes(&bytes))?;
+    parsed_json(&bytes).map_err(|why| Error::format(path, format!("is no JSON: {why}")))
+}
+
+/// The most bytes of memory that a JSON document of these bytes takes: its text, and a node for each word.
+fn json_bytes(bytes: &[u8]) -> u64 {
+    const NODE: u64 = 100;
+    2 * bytes.len() as u64 + NODE * memory::words(bytes)
 }
 
 /// A JSON document from its bytes, which an editor may have saved with a byte order mark.
 pub fn parsed_json(bytes: &[u8]) -> std::result::Result<Value, String> {
+    memory::check(json_bytes(bytes))?;
     serde_json::from_str(&decode_text(bytes)?).map_err(|e| e.to_string())
 }
 
@@ -71,12 +95,12 @@ pub fn to_json(data: &impl Serialize) -> Result<Value> {
 
 /// Prints a line on stderr; whether anybody reads it does not matter.
 pub fn say(text: impl Display) {
-    writeln!(io::stderr().lock(), "{text}").ok();
+    writeln!(io::stderr().lock(), "{}", seen(text)).ok();
 }
 
-/// Prints a warning on stderr.
+/// Prints a warning on stderr, one line.
 pub fn warn(text: impl Display) {
-    say(format_args!("warning: {text}"));
+    say(format_args!("warning: {}", text.to_string().replace('\n', " ")));
 }
 
 /// Prints an error on stderr, with the number of faults where a campaign has some. An interruption is none.
@@ -199,6 +223,15 @@ mod tests {
             assert_eq!(parsed_json(&bytes).expect("JSON")["a"], 1);
         }
         assert!(parsed_json(b"{\"a\": \"\xb0\"}").expect_err("no UTF-8").contains("byte 7 is not UTF-8"));
+    }
+
+    #[test]
+    fn words_of_files_cannot_act_on_a_terminal() {
+        assert_eq!(seen("a\u{1b}[2J \u{202e}b\n\t\u{b5}"), "a\\u{1b}[2J \\u{202e}b\n\t\u{b5}");
+        let document = serde_json::json!({ "name": "\u{202e}\u{9b}\u{e0041}\n" });
+        let text = seen_in_json(&json_text(&document).expect("JSON"));
+        assert!(text.is_ascii() && text.contains("\\u202e\\u009b\\udb40\\udc41\\n"), "{text}");
+        assert_eq!(parsed_json(text.as_bytes()).expect("JSON"), document);
     }
 
     #[test]

@@ -9,10 +9,10 @@ use super::output::{self, Output, bytes, say, warn};
 use super::table_file::{self, Opened};
 use super::targets;
 use crate::campaign::Campaign;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::files;
 use crate::report::{self, Page, Scene, specimen, summary};
-use crate::table::{BrdfTable, TableRows};
+use crate::table::{BrdfTable, TableRows, store};
 use crate::validate::{self, Prediction, verdict};
 
 /// Make one self-contained page of a table: figures, plots, pictures and a 3-D viewer
@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let opened = table_file::open(path, verdict::row_bytes)?;
     let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));
     targets::spare(&output, [Some(path), arguments.bench.as_ref()].into_iter().flatten(), "command")?;
-    let bench = arguments.bench.as_deref().map(output::read_json).transpose()?;
+    let bench = arguments.bench.as_deref().map(bench_in).transpose()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
     if !arguments.force {
         let (mark, what) = if is_card { (report::card::MARK, "card") } else { (report::page::MARK, "page") };
@@ -60,6 +60,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     Ok(0)
 }
 
+/// The schema of summaries and of answers of `gonio bench` that are read.
+const SCHEMA: u64 = 1;
+
 const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";
 
 /// The card of a table from its file and the summary beside it.
@@ -73,7 +76,8 @@ fn stored_card(path: &Path, table: &BrdfTable) -> Result<String> {
 fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&Value>) -> Result<String> {
     let path = rows.path().to_path_buf();
     let campaign = table_file::campaign_if_any(&path, rows.heading())?;
-    let beside = summary_beside(&path, rows.heading())?;
+    let digest = rows.digest().unwrap_or_default().to_string();
+    let beside = summary_beside(&path, rows.heading(), || Ok(digest))?;
     if beside.is_some() || campaign.is_none() {
         rows.verify()?;
     }
@@ -124,7 +128,7 @@ fn summary_of(
     campaign: Option<&Campaign>,
     prediction: Option<&Prediction>,
 ) -> Result<Value> {
-    match summary_beside(path, table)? {
+    match summary_beside(path, table, || store::digest(table))? {
         Some(summary) => Ok(summary),
         None => examined(path, table, campaign, prediction),
     }
@@ -167,18 +171,43 @@ pub fn page_of(sources: Sources, summary: &Value, bench: Option<&Value>) -> Stri
     report::page(&Page { scene, campaign, masking, summary, specimen, bench })
 }
 
-/// The summary that `measure` wrote beside the table, if it is this table's.
-fn summary_beside(path: &Path, table: &BrdfTable) -> Result<Option<Value>> {
+/// The answer of `gonio bench` in a file. Errors: of a file that is none, or of another version.
+fn bench_in(path: &Path) -> Result<Value> {
+    let bench = output::read_json(path)?;
+    if bench["schema"] != SCHEMA || !bench["ladders"].is_array() || !bench["rows"].is_array() {
+        let why = format!("is no answer of `gonio bench` (schema {SCHEMA}, rows and ladders needed)");
+        return Err(Error::format(path, why));
+    }
+    Ok(bench)
+}
+
+/// The summary that `measure` wrote beside the table, if it is this table's: by its digest and, as older summaries have
+/// none, by seed, patches and positions of the light.
+fn summary_beside(
+    path: &Path,
+    table: &BrdfTable,
+    digest: impl FnOnce() -> Result<String>,
+) -> Result<Option<Value>> {
     let beside = path.with_extension("json");
     if !beside.is_file() {
         say(format_args!("note: {} is absent: cost and albedo by order are not known", beside.display()));
         return Ok(None);
     }
     let summary = output::read_json(&beside)?;
-    let stops = summary["stops"].as_array().map_or(0, Vec::len);
+    if summary["schema"] != SCHEMA {
+        warn(format_args!("{} is no summary of schema {SCHEMA} and is not used", beside.display()));
+        return Ok(None);
+    }
+    let stops = summary["stops"].as_array().map_or(&[][..], Vec::as_slice);
+    let is_at = |(stop, listed): (usize, &Value)| {
+        let (theta, phi) = table.grid.stop_deg(stop);
+        listed["theta_i_deg"] == theta && listed["phi_i_deg"] == phi
+    };
     let same = summary["seed"] == table.seed
         && summary["patch_digest"] == *table.patch_digest
-        && stops == table.grid.stops();
+        && stops.len() == table.grid.stops()
+        && stops.iter().enumerate().all(is_at)
+        && (summary["table_digest"].is_null() || summary["table_digest"] == *digest()?);
     if !same {
         warn(format_args!("{} belongs to another table and is not used", beside.display()));
     }

@@ -99,6 +99,7 @@ impl<'a> Sheet<'a> {
         let mut document = summary(&measured, plan, cost, &verdict);
         document["fresnel"] = output::to_json(&schlick)?;
         let (file, digest) = writer.finish()?;
+        document["table_digest"] = digest.clone().into();
         let file = file.on_disk()?;
         let shown = match whole {
             Some((table, prediction)) => ShownTable { table, prediction, document: document.clone() },

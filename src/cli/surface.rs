@@ -196,7 +196,7 @@ impl<'a> Job<'a> {
         if !files::is_there(&path) {
             return Ok(vec![]);
         }
-        let old: Value = serde_json::from_slice(&files::read(&path)?).unwrap_or_default();
+        let old: Value = parsed_json(&files::read(&path)?).unwrap_or_default();
         let names = old["patches"].as_array().into_iter().flatten();
         Ok(names.filter_map(|entry| entry["file"].as_str().map(String::from)).collect())
     }

@@ -16,6 +16,8 @@ const MAX_SIDE: i64 = 1 << 24;
 /// Deflate shrinks at most 1032-fold, after PXR24 has dropped a quarter; the other common methods shrink less.
 const MAX_RATIO: u64 = 1400;
 const MAX_CHANNELS: usize = 1024;
+/// More attributes than any file has in all its parts; the decoder takes a few hundred bytes for each.
+const MOST_ATTRIBUTES: usize = 1 << 18;
 /// The longest header that is read, bytes; and how much of a file is looked at first.
 const MAX_HEADER: u64 = 1 << 26;
 const FIRST_LOOK: u64 = 1 << 16;
@@ -172,13 +174,17 @@ fn parts(file: &[u8]) -> Result<(Vec<Vec<Attribute>>, usize), String> {
         return Err(if file.is_empty() { "the file is empty" } else { "not an EXR file" }.into());
     }
     let several = read_u32(file, 4)? & FLAG_PARTS != 0;
-    let (mut at, mut parts) = (8, Vec::new());
+    let (mut at, mut parts, mut count) = (8, Vec::new(), 0);
     loop {
         let mut part = Vec::new();
         while byte(file, at)? != 0 {
             let attribute = attribute(file, at)?;
             at = attribute.value.end;
             part.push(attribute);
+            count += 1;
+            if count > MOST_ATTRIBUTES {
+                return Err(format!("more than {MOST_ATTRIBUTES} attributes"));
+            }
         }
         at += 1;
         parts.push(part);

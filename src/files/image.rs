@@ -12,8 +12,8 @@ use exr::prelude::{
 };
 use smallvec::SmallVec;
 
-use super::exr_header;
 use super::image_blocks::Blocks;
+use super::{exr_header, memory};
 use crate::error::{Error, Result as FileResult};
 
 /// The values of a channel, row by row.
@@ -139,10 +139,13 @@ pub(super) fn text(text: &str) -> Text {
 
 /// The parts of a file, decoded block by block: in memory are the values and one block, never the file.
 ///
-/// Held by: `exports_of_a_large_table_stay_below_twice_its_memory` (tests/interchange_arrays.rs).
+/// Refused is what does not fit the memory that may be used.
+/// Held by: `exports_of_a_large_table_stay_below_twice_its_memory` (tests/interchange_arrays.rs), tests/bombs.rs.
 pub fn load(path: &Path) -> FileResult<Vec<Part>> {
     let file = super::open(path)?;
-    read(BufReader::new(file)).map_err(|why| Error::format(path, why))
+    let blocks = Blocks::open(BufReader::new(file)).map_err(|why| Error::format(path, why))?;
+    memory::check_file(path, blocks.bytes())?;
+    filled(blocks).map_err(|why| Error::format(path, why))
 }
 
 /// The parts in the bytes of a file.
@@ -152,14 +155,14 @@ pub fn decode(bytes: &[u8]) -> Result<Vec<Part>, String> {
 
 /// The parts of what `source` holds.
 ///
-/// Memory is bounded by the source's size: a header that asks for more than it can hold is refused first.
+/// Memory is bounded by what may be used, and by the source's size: a header that asks for more is refused first.
 pub fn read(source: impl Read + Seek) -> Result<Vec<Part>, String> {
-    // Names of a damaged file reach the message: it stays one line.
-    read_raw(source)
+    let blocks = Blocks::open(source)?;
+    memory::check(blocks.bytes())?;
+    filled(blocks)
 }
 
-fn read_raw(source: impl Read + Seek) -> Result<Vec<Part>, String> {
-    let mut blocks = Blocks::open(source)?;
+fn filled(mut blocks: Blocks<impl Read + Seek>) -> Result<Vec<Part>, String> {
     let mut parts = blocks.outlines().to_vec();
     for part in &mut parts {
         reserve(part)?;

@@ -14,8 +14,11 @@ use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::{AttributeValue, Text};
 
-use super::exr_header;
 use super::image::{Attribute, Part, Samples};
+use super::{exr_header, memory};
+
+/// Copies of a block that the decoder holds at once: packed, unpacked, in the order of its bytes, and one to spare.
+const COPIES: u64 = 4;
 
 /// A file of which the header was read.
 pub struct Blocks<R> {
@@ -40,12 +43,22 @@ impl<R: Read + Seek> Blocks<R> {
     pub fn open(mut source: R) -> Result<Self, String> {
         let head = exr_header::read(&mut source)?;
         let meta = guarded(|| MetaData::read_from_buffered(head.as_slice(), true))?;
+        let block = meta.headers.iter().map(block_bytes).max().unwrap_or(0);
+        memory::check(COPIES.saturating_mul(block)).map_err(|why| format!("its rows are too wide: {why}"))?;
         let outlines = meta.headers.iter().map(outline).collect::<Result<Vec<_>, String>>()?;
         let names = meta.headers.iter().map(names).collect();
         source.seek(SeekFrom::Start(head.len() as u64)).map_err(|e| damaged(&e))?;
         let tables = meta.headers.iter().map(|header| offsets(&mut source, header));
         let offsets = tables.collect::<Result<_, String>>()?;
         Ok(Blocks { source, meta, outlines, names, offsets })
+    }
+
+    /// Bytes that decoding takes: all values and the copies of a block.
+    pub fn bytes(&self) -> u64 {
+        let values = |header: &Header| row_bytes(header).saturating_mul(header.layer_size.height() as u64);
+        let all = self.meta.headers.iter().fold(0u64, |sum, header| sum.saturating_add(values(header)));
+        let block = self.meta.headers.iter().map(block_bytes).max().unwrap_or(0);
+        all.saturating_add(COPIES.saturating_mul(block))
     }
 
     /// The parts without their values: every channel names its type alone.
@@ -98,6 +111,17 @@ fn guarded<T>(decode: impl FnOnce() -> exr::error::Result<T>) -> Result<T, Strin
 
 fn damaged(why: &dyn std::fmt::Display) -> String {
     format!("damaged or cut off: {why}")
+}
+
+/// Bytes of a row.
+fn row_bytes(header: &Header) -> u64 {
+    (header.channels.bytes_per_pixel as u64).saturating_mul(header.layer_size.width() as u64)
+}
+
+/// Bytes of a block of rows.
+fn block_bytes(header: &Header) -> u64 {
+    let rows = rows_per_block(header).min(header.layer_size.height());
+    row_bytes(header).saturating_mul(rows as u64)
 }
 
 fn rows_per_block(header: &Header) -> usize {

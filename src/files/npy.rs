@@ -9,9 +9,16 @@ use npyz::{
     AutoSerialize, DType, Deserialize, Endianness, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder,
 };
 
+use super::memory;
+
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest header that a plain array needs, with room to spare.
 const MAX_HEADER: usize = 4096;
+
+/// Bytes of a file within which its header ends.
+pub const LONGEST_HEAD: usize = 12 + MAX_HEADER;
+/// More texts than any array of a table has.
+const MOST_TEXTS: usize = 1 << 12;
 
 /// An array as its file has it.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,14 +91,34 @@ pub fn check_header(bytes: &[u8], dimensions: usize) -> Result<(), String> {
     Ok(())
 }
 
-/// The array in the bytes of a file, at most five axes, as many values as the bytes hold.
-pub fn decode(bytes: &[u8]) -> Result<Array, String> {
+/// Whether a file that begins with `head` and has so many bytes is as long as its header says.
+pub fn check_length(head: &[u8], length: u64) -> Result<(), String> {
+    let (header, data) = header(head)?;
+    let before = (head.len() - data.len()) as u64;
+    let values = header.shape().iter().try_fold(1u64, |count, &side| count.checked_mul(side));
+    let (kind, shape) = (header.dtype().descr(), header.shape());
+    let size = header.dtype().num_bytes().map(|size| size as u64);
+    let wanted = size.zip(values).and_then(|(size, values)| size.checked_mul(values)?.checked_add(before));
+    if wanted == Some(length) {
+        return Ok(());
+    }
+    Err(format!("{} bytes of data do not make {shape:?} of type {kind}", length.saturating_sub(before)))
+}
+
+/// The header of a file, and what follows it.
+fn header(bytes: &[u8]) -> Result<(NpyHeader, &[u8]), String> {
     if !bytes.starts_with(MAGIC) {
         return Err(if bytes.is_empty() { "the file is empty" } else { "not an NPY array" }.into());
     }
     check_header(bytes, 5)?;
     let mut data = bytes;
     let header = NpyHeader::from_reader(&mut data).map_err(|e| format!("NPY header: {e}"))?;
+    Ok((header, data))
+}
+
+/// The array in the bytes of a file, at most five axes, as many values as the bytes hold.
+pub fn decode(bytes: &[u8]) -> Result<Array, String> {
+    let (header, data) = header(bytes)?;
     let shape: Vec<usize> = header.shape().iter().map(|&side| side as usize).collect();
     let DType::Plain(kind) = header.dtype() else {
         return Err("an array of records, plain numbers needed".into());
@@ -131,7 +158,11 @@ fn texts(data: &[u8], length: usize, big: bool) -> Result<Vec<String>, String> {
         let all = all.ok_or("a number that is no character (Unicode code point)")?;
         Ok(all.trim_end_matches('\0').to_string())
     };
-    data.as_chunks::<4>().0.chunks(length.max(1)).map(text).collect()
+    let texts = data.as_chunks::<4>().0.chunks(length.max(1));
+    if texts.len() > MOST_TEXTS {
+        return Err(format!("{} texts, at most {MOST_TEXTS} are read", texts.len()));
+    }
+    texts.map(text).collect()
 }
 
 /// Writes one text, which NumPy reads as `str` (`<U`), without an axis.
@@ -153,7 +184,11 @@ pub fn encode_text(mut out: impl Write, text: &str) -> io::Result<()> {
 
 fn read<T: Deserialize>(npy: NpyFile<&[u8]>) -> Result<Vec<T>, String> {
     let data = npy.data::<T>().map_err(|e| e.to_string())?;
-    data.collect::<Result<Vec<T>, _>>().map_err(|e| e.to_string())
+    let mut values = memory::room(data.len() as usize)?;
+    for value in data {
+        values.push(value.map_err(|e| e.to_string())?);
+    }
+    Ok(values)
 }
 
 /// The f4 values of an array of this shape, one after the other, from a file that this program has written.

@@ -155,8 +155,13 @@ impl Rows {
         if full.len() == columns {
             return Ok(());
         }
+        if full.is_empty() {
+            return Err(
+                "a position of the light has no sample off the normal: nothing to fill in from".into()
+            );
+        }
         let circle = Circle::new(full.iter().map(|&column| self.phi[column].to_radians()).collect());
-        if full.is_empty() || circle.widest_gap().to_degrees() > WIDEST_GAP_DEG {
+        if circle.widest_gap().to_degrees() > WIDEST_GAP_DEG {
             return Err("its azimuths of the sensor lie too far apart to fill in what it lacks".into());
         }
         for row in cells.chunks_mut(columns) {

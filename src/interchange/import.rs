@@ -7,14 +7,15 @@ use super::half_difference::HalfDifference;
 use super::resample::{default_grid, resample_spectrum, thirds};
 use super::samples::one_azimuth;
 use super::{
-    Brdf, Lookup, Reason, astm, csv, exr_parts, gaps, klems, merl, npz, rgl, ssdd, tensor_tree, utia, zemax,
+    Brdf, Lookup, Reason, astm, csv, exr_parts, gaps, klems, merl, needed, npz, rgl, ssdd, tensor_tree, utia,
+    zemax,
 };
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, memory};
 use crate::instrument::{Grid, GridKind};
 use crate::table::BrdfTable;
 
-/// The largest file that is read, bytes.
+/// The largest file that is read, bytes; the memory that may be used can allow less ([`memory`]).
 pub const LARGEST_FILE: u64 = 4 << 30;
 
 /// What a foreign file holds.
@@ -50,7 +51,7 @@ impl Imported {
     }
 }
 
-/// What the bytes of a file hold; memory is bounded by their number.
+/// What the bytes of a file hold. Memory goes with their number; [`import`] judges how much it is first.
 pub fn decode(format: Format, options: &Options, bytes: &[u8]) -> Reason<Imported> {
     decode_with_notes(format, options, bytes).map(|(imported, _)| imported)
 }
@@ -109,6 +110,7 @@ pub fn import(
         return Err(wrong(format!("{length} bytes; at most {LARGEST_FILE} are read")));
     }
     let bytes = files::read(path)?;
+    memory::check_file(path, needed::needed(format, &bytes).map_err(wrong)?)?;
     let (imported, notes) = decode_with_notes(format, options, &bytes).map_err(wrong)?;
     let imported = match imported {
         Imported::Table(table) if options.isotropic => Imported::Table(one_azimuth(table).map_err(wrong)?),

@@ -5,11 +5,11 @@
 
 use std::path::Path;
 
-use super::Reason;
+use super::{Reason, needed};
 use crate::campaign;
 use crate::error::{Error, Result};
-use crate::files;
 use crate::files::image::{self, Part, Samples};
+use crate::files::{self, memory};
 
 /// The maps' files in their folder.
 pub const FILES: [&str; 2] = ["ax_ay.exr", "ps.exr"];
@@ -28,7 +28,12 @@ pub struct Maps {
 /// Reads the two maps of a folder.
 pub fn load(folder: &Path) -> Result<Maps> {
     let [alpha, f0] = FILES.map(|name| folder.join(name));
-    read(&files::read(&alpha)?, &files::read(&f0)?).map_err(|why| Error::format(folder, why))
+    let (alpha, f0) = (files::read(&alpha)?, files::read(&f0)?);
+    let wrong = |why: String| Error::format(folder, why);
+    let bytes = needed::image(&alpha).map_err(wrong)?.saturating_add(needed::image(&f0).map_err(wrong)?);
+    // The images and their channels as floats.
+    memory::check_file(folder, bytes.saturating_mul(3))?;
+    read(&alpha, &f0).map_err(wrong)
 }
 
 /// The maps in the bytes of `ax_ay.exr` and `ps.exr`, which must have one size.

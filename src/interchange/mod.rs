@@ -26,6 +26,7 @@ pub mod maps;
 mod means;
 pub mod merl;
 pub mod named_columns;
+mod needed;
 pub mod npy;
 pub mod npz;
 pub mod pabopto;

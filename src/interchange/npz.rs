@@ -12,6 +12,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::read_back::{Listing, ReadBack};
 use super::{Fail, Reason, seam, spectral_table};
+use crate::files::memory;
 use crate::files::npy::{self, Array, Values};
 use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, ColourChannels, SchlickSums, check_grid};
@@ -24,6 +25,12 @@ pub const CONVENTION: &str = "the table as it is: f4, C order, [theta_i, phi_i, 
 const MAX_RATIO: u64 = 1032;
 /// More members than any table has.
 const MOST_MEMBERS: usize = 128;
+/// What each entry of an archive's directory begins with.
+const ENTRY: &[u8] = b"PK\x01\x02";
+/// Beginnings of entries that chance may put into the data besides.
+const MOST_ENTRIES: usize = 1 << 12;
+/// Copies of its largest array that a table takes besides all arrays: what the table adds to it, and conversions.
+const COPIES: u64 = 8;
 /// The array that names the colours of a spectral table.
 const WAVELENGTHS: &str = "wavelength_nm";
 
@@ -168,14 +175,30 @@ impl<R: Read + Seek> Members<R> {
         }
         let named = |e: String| format!("array `{name}`: {e}");
         let mut member = self.zip.by_name(&file).map_err(|e| named(e.to_string()))?;
-        if member.size() > self.limit {
-            return Err(named(format!("claims {} bytes, more than the file can hold", member.size())));
-        }
         let size = member.size();
-        let mut bytes = Vec::new();
+        if size > self.limit {
+            return Err(named(format!("claims {size} bytes, more than the file can hold")));
+        }
+        let unread = |e: std::io::Error| named(e.to_string());
+        let mut head = Vec::new();
+        member.by_ref().take(npy::LONGEST_HEAD as u64).read_to_end(&mut head).map_err(unread)?;
+        npy::check_length(&head, size).map_err(named)?;
+        let mut bytes = memory::room(usize::try_from(size).unwrap_or(usize::MAX)).map_err(named)?;
+        bytes.append(&mut head);
         // What the archive says is not believed beyond what the data give.
-        member.by_ref().take(size + 1).read_to_end(&mut bytes).map_err(|e| named(e.to_string()))?;
+        let rest = (size + 1).saturating_sub(bytes.len() as u64);
+        member.by_ref().take(rest).read_to_end(&mut bytes).map_err(unread)?;
         npy::decode(&bytes).map(Some).map_err(named)
+    }
+
+    /// Bytes that a table of all arrays takes, by what the archive says of their sizes.
+    fn bytes(&mut self) -> Reason<u64> {
+        let (mut all, mut largest) = (0u64, 0u64);
+        for index in 0..self.zip.len() {
+            let size = self.zip.by_index_raw(index).map_err(|e| e.to_string())?.size();
+            (all, largest) = (all.saturating_add(size), largest.max(size));
+        }
+        Ok(all.saturating_add(COPIES.saturating_mul(largest)))
     }
 
     fn need(&mut self, name: &str) -> Reason<Array> {
@@ -257,10 +280,21 @@ impl<R: Read + Seek> Members<R> {
     }
 }
 
+/// Bytes that the table of an archive takes in memory, by what the archive says; nothing is unpacked.
+pub fn needed(bytes: &[u8]) -> Reason<u64> {
+    // The directory is in memory as a whole, some hundred bytes an entry.
+    let entries = bytes.windows(ENTRY.len()).filter(|here| *here == ENTRY).take(MOST_ENTRIES + 1).count();
+    if entries > MOST_ENTRIES {
+        return Err(format!("more than {MOST_ENTRIES} entries; a table has at most {MOST_MEMBERS} members"));
+    }
+    Members::open(Cursor::new(bytes), bytes.len() as u64)?.bytes()
+}
+
 /// The table of an archive. Needed are `brdf` and the axes (or `grid`); what is left out is "not available".
 ///
 /// Held by: `npz_comes_back_bit_for_bit`, `damaged_archives_are_refused` (tests/interchange_arrays.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    memory::check(needed(bytes)?)?;
     let mut members = Members::open(Cursor::new(bytes), bytes.len() as u64)?;
     // A table of this program has its own geometry; other files may list one azimuth twice.
     let own = !members.text("grid")?.is_empty();

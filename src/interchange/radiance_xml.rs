@@ -14,6 +14,21 @@ use crate::text_decoding::decode_xml;
 /// Elements deeper than any such file has.
 const DEEPEST: usize = 32;
 
+/// Rings of a basis, and characters of a name, that no file exceeds.
+const MOST_RINGS: usize = 360;
+const LONGEST_NAME: usize = 1 << 10;
+
+/// Elements whose text is kept as a name; `Wavelength` is copied to each block.
+const NAMES: [&str; 7] = [
+    "IncidentDataStructure",
+    "AngleBasisName",
+    "WavelengthDataDirection",
+    "ColumnAngleBasis",
+    "RowAngleBasis",
+    "AngleBasis",
+    "Wavelength",
+];
+
 /// Blocks that a message names at most.
 const MOST_NAMED: usize = 6;
 
@@ -120,6 +135,8 @@ pub fn read(bytes: &[u8]) -> Reason<Document> {
     let (mut document, mut path, mut content) = (Document::default(), Vec::new(), String::new());
     let (mut ring, mut wavelength) = ((0.0, 0.0, 0), String::new());
     let mut root_seen = false;
+    // The last entity of the element that nothing declares.
+    let mut undeclared = None;
     loop {
         let event = reader
             .read_event()
@@ -143,13 +160,23 @@ pub fn read(bytes: &[u8]) -> Reason<Document> {
                     return Err(format!("elements {DEEPEST} deep: no such file is"));
                 }
                 content.clear();
+                undeclared = None;
             }
             Event::Text(text) => content.push_str(&text),
             Event::CData(text) => content.push_str(&text),
-            Event::GeneralRef(name) => push_reference(&mut content, &name),
+            Event::GeneralRef(name) if push_reference(&mut content, &name) => {}
+            Event::GeneralRef(name) => undeclared = Some(name.to_string()),
             Event::End(_) => {
                 let name = path.pop().unwrap_or_default();
                 let text = content.trim();
+                if let Some(entity) = undeclared.take().filter(|_| is_read(&name)) {
+                    let entity = short(&entity);
+                    return Err(format!("{name}: nothing declares `&{entity};`; write the character itself"));
+                }
+                let is_name = NAMES.contains(&name.as_str());
+                if is_name && text.len() > LONGEST_NAME {
+                    return Err(format!("{name} of {} bytes; at most {LONGEST_NAME} are read", text.len()));
+                }
                 if name == "Wavelength" {
                     wavelength = text.into();
                 }
@@ -192,6 +219,9 @@ fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Re
         "AngleBasisBlock" => {
             if let Some(basis) = document.bases.last_mut() {
                 basis.1.push(*ring);
+                if basis.1.len() > MOST_RINGS {
+                    return Err(format!("AngleBasisBlock: a basis of more than {MOST_RINGS} rings"));
+                }
             }
         }
         _ => {
@@ -210,14 +240,21 @@ fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Re
     Ok(())
 }
 
-/// Appends the character that a reference names; one that no declaration explains stays as it is written, so that it
-/// splits no number and joins none.
-fn push_reference(content: &mut String, name: &BytesRef) {
+/// Appends the character that a reference names; false where no declaration explains it. In elements that are not read
+/// ([`is_read`]), such as names of products, that does no harm.
+fn push_reference(content: &mut String, name: &BytesRef) -> bool {
     match (name.resolve_char_ref(), quick_xml::escape::resolve_predefined_entity(name)) {
         (Ok(Some(character)), _) => content.push(character),
         (_, Some(known)) => content.push_str(known),
-        _ => content.extend(["&", name, ";"]),
+        _ => return false,
     }
+    true
+}
+
+/// Whether anything follows from the text of an element.
+fn is_read(name: &str) -> bool {
+    let others = ["LowerTheta", "UpperTheta", "nPhis", "ScatteringDataType", "ScatteringData"];
+    NAMES.contains(&name) || others.contains(&name)
 }
 
 /// The beginning of a text, for messages.

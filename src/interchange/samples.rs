@@ -9,6 +9,8 @@ use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
 
+/// The largest azimuth either way, degrees.
+const MOST_AZIMUTH: f64 = 3600.0;
 /// Pairs that a list does not have, at most: each takes the memory of a value.
 const MOST_GAPS: usize = 1 << 22;
 
@@ -43,6 +45,26 @@ impl Sample {
         }
     }
 
+    /// Which of its angles is none, if one is not.
+    fn fault(&self) -> Option<String> {
+        for (arm, [theta, phi]) in [("light", self.light), ("sensor", self.sensor)] {
+            if !(0.0..=90.0).contains(&theta) {
+                return Some(format!(
+                    "line {}: polar angle {theta} of the {arm} lies outside [0, 90] degrees",
+                    self.line
+                ));
+            }
+            // Beyond a few turns degrees lose their digits.
+            if phi.abs() > MOST_AZIMUTH {
+                return Some(format!(
+                    "line {}: azimuth {phi} of the {arm} lies outside [-{MOST_AZIMUTH}, {MOST_AZIMUTH}] degrees",
+                    self.line
+                ));
+            }
+        }
+        None
+    }
+
     /// The sensor's azimuth counted from the light, to ten digits.
     fn seen_from_light(mut self) -> Self {
         self.sensor[1] = ((self.sensor[1] - self.light[1]) * 1e10).round() / 1e10;
@@ -58,6 +80,9 @@ impl Sample {
 pub fn table(samples: &[Sample], columns: &Columns, isotropic: bool) -> Reason<BrdfTable> {
     if samples.is_empty() {
         return Err("no samples".into());
+    }
+    if let Some(fault) = samples.iter().find_map(Sample::fault) {
+        return Err(fault);
     }
     let from_light = || samples.iter().cloned().map(Sample::seen_from_light).collect::<Vec<_>>();
     if isotropic {
@@ -186,7 +211,10 @@ pub fn one_azimuth(mut table: BrdfTable) -> Reason<BrdfTable> {
     if grid.is_isotropic() {
         return Ok(table);
     }
-    if grid.kind == GridKind::HalfDifference || grid.azimuths() > 1 {
+    if grid.kind == GridKind::HalfDifference {
+        return Err("isotropic: half/difference angles say that themselves; leave --isotropic out".into());
+    }
+    if grid.azimuths() > 1 {
         return Err("isotropic: the file has several azimuths of the light, one needed".into());
     }
     let turn = grid.stop_deg(0).1;

@@ -115,6 +115,11 @@ impl<'a> TensorFile<'a> {
                 return Err(format!("field `{name}` is there twice"));
             }
         }
+        // Fields over the same bytes would make more values than the file has.
+        let all = fields.values().fold(0usize, |sum, place| sum.saturating_add(place.data.len()));
+        if all > bytes.len() {
+            return Err(format!("fields of {all} bytes in a file of {}: they overlap", bytes.len()));
+        }
         Ok(TensorFile { bytes, fields })
     }
 

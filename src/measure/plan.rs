@@ -5,12 +5,12 @@ use serde::Serialize;
 
 use super::bands::{self, Band};
 use super::estimate::{Memory, cells, memory, seconds};
-use super::memory_limit::memory_limit;
 use super::shards::Shard;
 use super::skips::{Skip, skips};
 use super::weighing::Weighing;
 use crate::campaign::{Azimuth, Campaign, SurfaceKind};
 use crate::error::{Error, Result};
+use crate::files::memory::memory_limit;
 use crate::instrument::{Grid, GridKind, Region, grid_of};
 use crate::sphere;
 use crate::trace::BLOCK;

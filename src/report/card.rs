@@ -3,6 +3,7 @@
 
 use serde_json::Value;
 
+use super::markdown::{code, fence, listing, plain};
 use crate::error::Result;
 use crate::instrument::Grid;
 use crate::table::{BrdfTable, store};
@@ -149,7 +150,7 @@ pub fn card(table: &BrdfTable, summary: &Value) -> Result<String> {
 
 /// The card of a table from its heading, its digest, and what was gathered of its values.
 pub fn card_of(heading: &BrdfTable, digest: &str, facts: Facts, summary: &Value) -> String {
-    let name = summary["name"].as_str().unwrap_or("table");
+    let name = plain(summary["name"].as_str().unwrap_or("table"));
     let mut lines = vec![MARK.into(), format!("# {name}: a measured BRDF table"), String::new()];
     lines.extend(["| | |".into(), "|---|---|".into()]);
     let (names, empty, gaps) = (facts.names.clone(), facts.empty, facts.gaps);
@@ -161,7 +162,9 @@ pub fn card_of(heading: &BrdfTable, digest: &str, facts: Facts, summary: &Value)
     lines.extend(limits(empty, gaps, summary).iter().map(|limit| format!("- {limit}")));
     lines.extend([String::new(), "## How it was made".into(), String::new()]);
     lines.push("`gonio measure` of this campaign gives the same bytes with the same version:".into());
-    lines.extend([String::new(), "```toml".into(), heading.campaign.trim_end().into(), "```".into()]);
+    let campaign = heading.campaign.trim_end();
+    let fence = fence(campaign);
+    lines.extend([String::new(), format!("{fence}toml"), listing(campaign), fence]);
     lines.join("\n") + "\n"
 }
 
@@ -173,12 +176,12 @@ fn said_of(table: &BrdfTable, digest: &str, colours: &str) -> Vec<Row> {
         ("what", "BRDF without cosine, 1/sr, mean over each bin, with standard errors and hits".into()),
         ("size", format!("{stops} positions of the light x {bins} bins, channels {colours}")),
         ("convention", store::CONVENTION_TEXT.into()),
-        ("program", format!("gonio {}", table.version)),
+        ("program", format!("gonio {}", plain(&table.version))),
         ("seed", table.seed.to_string()),
-        ("table SHA-256", format!("`{digest}` (attribute `gonio.digest`)")),
+        ("table SHA-256", format!("{} (attribute `gonio.digest`)", code(digest))),
     ];
     if !table.patch_digest.is_empty() {
-        rows.push(("patches SHA-256", format!("`{}`", table.patch_digest)));
+        rows.push(("patches SHA-256", code(&table.patch_digest)));
     }
     rows
 }
@@ -188,7 +191,7 @@ fn summarised(summary: &Value) -> Vec<Row> {
     let mut rows = Vec::new();
     let plan = &summary["plan"];
     if let (Some(samples), Some(realisations)) = (plan["samples"].as_u64(), plan["realisations"].as_u64()) {
-        let by = summary["stopped_by"].as_str().unwrap_or("samples");
+        let by = plain(summary["stopped_by"].as_str().unwrap_or("samples"));
         let most = if by == "samples" { "" } else { "at most " };
         rows.push((
             "samples",
@@ -221,10 +224,10 @@ fn goodness(table: &BrdfTable, quality: Option<Quality>, summary: &Value) -> Vec
     if let Some(albedo) = summary["energy"]["largest_albedo"].as_f64() {
         rows.push(("largest albedo", format!("{albedo:.5}")));
     }
-    rows.extend(summary["verdict"].as_str().map(|verdict| ("verdict", verdict.to_string())));
+    rows.extend(summary["verdict"].as_str().map(|verdict| ("verdict", plain(verdict))));
     for judgement in summary["judgements"].as_array().into_iter().flatten() {
         let [law, words, reason] = ["law", "verdict", "reason"].map(|key| judgement[key].as_str());
-        let words = words.zip(reason).map(|(words, reason)| format!("{words}: {reason}"));
+        let words = words.zip(reason).map(|(words, reason)| plain(&format!("{words}: {reason}")));
         rows.extend(LAWS.iter().find(|name| Some(**name) == law).copied().zip(words));
     }
     rows

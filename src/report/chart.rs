@@ -2,6 +2,7 @@
 //!
 //! Enters: series of numbers. Leaves: text that reads the same in grey: every series has a dash or a marker of its own.
 
+use crate::error::is_unseen;
 use std::fmt::Write;
 
 /// Size of the frame, and the room to its left, right, top and bottom (without the legend).
@@ -179,6 +180,7 @@ pub fn escaped(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
+            c if is_unseen(c) && !matches!(c, '\n' | '\t') => out.push(char::REPLACEMENT_CHARACTER),
             c => out.push(c),
         }
     }

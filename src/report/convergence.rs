@@ -25,7 +25,11 @@ const MOST_ANGLES: usize = 4;
 ///
 /// The lines are least squares of err^2 = a/N + p^2 with relative weights: p is the patches' own spread.
 pub fn looks(scene: &Scene, stops: &Value) -> Option<Chart> {
-    let point = |look: &Value| Some([look["samples"].as_f64()?, look["relative_error"].as_f64()?]);
+    // A summary is a file that anybody may have changed: what has no logarithm is no point.
+    let point = |look: &Value| {
+        let point = [look["samples"].as_f64()?, look["relative_error"].as_f64()?];
+        point.iter().all(|value| *value > 0.0 && value.is_finite()).then_some(point)
+    };
     let of = |stop: usize| {
         stops[stop]["looks"].as_array().into_iter().flatten().filter_map(point).collect::<Vec<_>>()
     };

@@ -4,6 +4,7 @@ pub mod card;
 pub mod chart;
 pub mod convergence;
 pub mod inline;
+pub mod markdown;
 pub mod masking;
 pub mod page;
 pub mod plots;

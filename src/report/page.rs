@@ -10,6 +10,7 @@ use super::sections;
 use super::slices::Scene;
 use super::specimen;
 use crate::campaign::Campaign;
+use crate::error::seen_in_json;
 
 /// By this a page is told as one of ours.
 pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
@@ -94,9 +95,9 @@ fn filled(template: &str, parts: &[(&str, String)]) -> String {
     out
 }
 
-/// JSON that cannot end the element it stands in.
+/// JSON that cannot end the element it stands in, nor turn the text around it.
 fn inside_script(data: &Value) -> String {
-    data.to_string().replace('<', "\\u003c")
+    seen_in_json(&data.to_string()).replace('<', "\\u003c")
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use crate::campaign::{Detrend, HeightMap};
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, memory};
 
 use super::Heightfield;
 use super::map_file::{self, MapFile, Stored};
@@ -85,7 +85,10 @@ pub fn load_patch(path: &Path) -> Result<Patch> {
 }
 
 fn read(path: &Path) -> Result<MapFile> {
-    map_file::read(&files::read(path)?).map_err(|why| Error::format(path, why))
+    let bytes = files::read(path)?;
+    let wrong = |why: String| Error::format(path, why);
+    memory::check_file(path, map_file::needed(&bytes).map_err(wrong)?)?;
+    map_file::read(&bytes).map_err(wrong)
 }
 
 fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap, String> {

@@ -1,10 +1,12 @@
 //! The samples of a height map's file, untouched: EXR, NPY, GSF or text, told apart by their first bytes.
 
+use std::io::Cursor;
+
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
-use crate::files::exr_header;
 use crate::files::image::{self, Samples};
-use crate::files::npy;
+use crate::files::image_blocks::Blocks;
+use crate::files::{exr_header, memory, npy};
 use crate::text_decoding::decode_text_or_latin1;
 
 use super::{map_gsf, map_text};
@@ -46,6 +48,28 @@ impl MapFile {
     pub fn new(columns: usize, rows: usize, heights: Vec<f64>, stored: Stored) -> Self {
         MapFile { columns, rows, heights, stored, pitch: [None, None], unit_um: None, no_pitch: None }
     }
+}
+
+/// The most bytes of memory that reading these bytes may take, besides themselves.
+///
+/// Held by: tests/bombs.rs.
+pub fn needed(bytes: &[u8]) -> Result<u64, String> {
+    let length = bytes.len() as u64;
+    Ok(if exr_header::is_exr(bytes) {
+        // The image and its heights in f64, of halves four times as long.
+        Blocks::open(Cursor::new(bytes))?.bytes().saturating_mul(5)
+    } else if bytes.starts_with(NPY_MAGIC) {
+        npy::check_header(bytes, 2)?;
+        let header = NpyHeader::from_reader(&mut &*bytes).map_err(|e| format!("NPY header: {e}"))?;
+        let values = length / header.dtype().num_bytes().unwrap_or(1).max(1) as u64;
+        // Heights in f64, once more where the columns come first.
+        if header.order() == Order::Fortran { 16 * values } else { 8 * values }
+    } else if bytes.starts_with(map_gsf::MAGIC) {
+        2 * length
+    } else {
+        // A text of another encoding, and a list of f64 that grows.
+        2 * length + 3 * 8 * memory::words(bytes)
+    })
 }
 
 /// Reads a map from the bytes of its file; the error is a reason, to be completed with the path.
@@ -132,7 +156,11 @@ fn read_npy(bytes: &[u8]) -> Result<MapFile, String> {
 
 fn values<T: Deserialize>(npy: NpyFile<&[u8]>, to_f64: impl Fn(T) -> f64) -> Result<Vec<f64>, String> {
     let data = npy.data::<T>().map_err(|e| e.to_string())?;
-    data.map(|value| value.map(&to_f64).map_err(|e| e.to_string())).collect()
+    let mut heights = memory::room(data.len() as usize)?;
+    for value in data {
+        heights.push(to_f64(value.map_err(|e| e.to_string())?));
+    }
+    Ok(heights)
 }
 
 /// Row-major from column-major.

@@ -9,6 +9,8 @@ use crate::text_decoding::decode_text_or_latin1;
 
 /// The first line.
 pub const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
+/// The keys that are read.
+const KEYS: [&str; 6] = ["XRes", "YRes", "XReal", "YReal", "XYUnits", "ZUnits"];
 /// Longest header that is looked through.
 const LONGEST_HEADER: usize = 1 << 16;
 
@@ -20,6 +22,14 @@ pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
     let head = &bytes[..bytes.len().min(LONGEST_HEADER)];
     let end = head.iter().position(|&byte| byte == 0).ok_or("GSF: the header does not end")?;
     let text = decode_text_or_latin1(&head[..end])?;
+    // Titles and notes of other programs may come several times: nothing follows from them.
+    for name in KEYS {
+        let lines = text.lines().skip(1).filter_map(|line| line.split_once('='));
+        let mut values = lines.filter(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());
+        if let (Some(first), Some(second)) = (values.next(), values.next()) {
+            return Err(format!("GSF: {name} is there twice: {first:.40} and {second:.40}; leave one"));
+        }
+    }
     let value = |name: &str| {
         let lines = text.lines().skip(1).filter_map(|line| line.split_once('='));
         let mut found = lines.filter(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());
@@ -110,6 +120,8 @@ mod tests {
         assert!(
             reason(&field("XRes = 3\nYRes = 2\n", &[0.0; 5])).contains("20 bytes of data do not make 3 x 2")
         );
+        let twice = reason(&field("XRes = 3\nYRes = 2\nXRes = 4\n", &[0.0; 6]));
+        assert!(twice.contains("XRes is there twice: 3 and 4"), "{twice}");
         let huge = "XRes = 4294967296\nYRes = 4294967296\n";
         assert!(reason(&field(huge, &[0.0])).contains("do not make"));
         assert!(reason(&field("XRes = 1\nYRes = 1\nXReal = wide\n", &[0.0])).contains("XReal = wide"));

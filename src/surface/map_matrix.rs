@@ -11,6 +11,9 @@ use super::units;
 /// Fewest columns of a matrix: fewer are no map.
 pub const FEWEST_COLUMNS: usize = 8;
 
+/// Names at the head of an Arc grid at most.
+const MOST_NAMES: usize = 32;
+
 /// Reads a matrix; the first line is y = 0.
 pub fn read(text: &str) -> Result<MapFile, String> {
     let (mut heights, mut columns, mut rows) = (Vec::new(), 0, 0);
@@ -81,6 +84,9 @@ pub fn read_arc_grid(text: &str) -> Result<MapFile, String> {
         let value: f64 =
             text.parse().map_err(|_| format!("Arc grid: {name:.40} = {text:.40}: must be a number"))?;
         head.push((name, value));
+        if head.len() > MOST_NAMES {
+            return Err(format!("Arc grid: more than {MOST_NAMES} names before the heights"));
+        }
     }
     let value = |name: &str| head.iter().find(|(key, _)| key == name).map(|(_, value)| *value);
     let count = |name: &str| match value(name) {

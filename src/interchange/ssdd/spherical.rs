@@ -15,6 +15,11 @@ pub fn table(header: &Header, mut total: Vec<Vec<f32>>) -> Reason<BrdfTable> {
 /// The stops and directions that a file lists.
 pub fn grid(header: &Header) -> Reason<Grid> {
     let [theta_i, phi_i, theta_r, phi_r] = &header.lists;
+    for (list, angles) in [(0, theta_i), (2, theta_r)] {
+        if let Some(angle) = angles.iter().find(|angle| !(0.0..=90.0).contains(*angle)) {
+            return Err(format!("PARAM{list}_LIST: polar angle {angle} lies outside [0, 90]"));
+        }
+    }
     // Azimuths of the light are needed of anisotropic data: without them there is one kind of azimuth, from the light.
     let phi_r_relative = !header.anisotropic;
     if header.bilateral && (phi_i != &[0.0] || phi_r.iter().any(|phi| !(0.0..=180.0).contains(phi))) {

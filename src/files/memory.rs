@@ -1,6 +1,13 @@
-//! How much memory a run may use: half of what the system, the session and the job scheduler leave.
+//! How much memory a run and its readers may use: half of what the system, the session and the job scheduler leave.
+//!
+//! Readers judge what a file needs before they make room for it: from its length, the sizes that it claims, or the numbers
+//! that its text can hold ([`words`]). What still does not fit, because others took the memory meanwhile, ends the program
+//! with exit code 4 (`cli::run`).
 
 use std::fs;
+use std::path::Path;
+
+use crate::error::{Error, Result};
 
 /// Bytes where the system says nothing.
 const DEFAULT_LIMIT: u64 = 4 << 30;
@@ -12,6 +19,53 @@ const DEFAULT_LIMIT: u64 = 4 << 30;
 pub fn memory_limit() -> u64 {
     let limits = [available(), address_space_left(), control_group()];
     limits.into_iter().flatten().min().map_or(DEFAULT_LIMIT, |bytes| bytes / 2)
+}
+
+/// Refuses what takes more bytes than may be used; the reason is to be completed with what it is.
+pub fn check(needed: u64) -> std::result::Result<(), String> {
+    let limit = memory_limit();
+    if needed <= limit {
+        return Ok(());
+    }
+    Err(format!(
+        "reading it takes up to {} MiB of memory, {} MiB may be used (half of what is free); free memory, or split the file",
+        needed.div_ceil(1 << 20),
+        limit >> 20
+    ))
+}
+
+/// The same for the file at `path`, as a refusal (exit code 4).
+pub fn check_file(path: &Path, needed: u64) -> Result<()> {
+    check(needed).map_err(|why| Error::Refused(format!("{}: {why}", path.display())))
+}
+
+/// How many words, cells or nodes a text can hold: its marks, its runs of blanks that follow none, and one more.
+pub fn words(text: &[u8]) -> u64 {
+    let is_blank = |byte: u8| byte.is_ascii_whitespace() || byte == 0;
+    let is_mark = |byte: u8| matches!(byte, b',' | b';' | b':' | b'[' | b'{' | b'<' | b'=');
+    let (mut count, mut blank) = (1, true);
+    for &byte in text {
+        let here = is_blank(byte);
+        let mark = is_mark(byte);
+        count += u64::from((here && !blank) || mark);
+        blank = here || mark;
+    }
+    count
+}
+
+/// How many lines a text has at most, and the length of the longest.
+pub fn lines(text: &[u8]) -> (u64, usize) {
+    text.split(|&byte| byte == b'\n')
+        .fold((0, 0), |(count, longest), line| (count + 1, longest.max(line.len())))
+}
+
+/// A vector with room for so many values, or the reason why there is none.
+pub fn room<T>(values: usize) -> std::result::Result<Vec<T>, String> {
+    let mut list = Vec::new();
+    match list.try_reserve_exact(values) {
+        Ok(()) => Ok(list),
+        Err(_) => Err(format!("{values} values of {} bytes do not fit into memory", size_of::<T>())),
+    }
 }
 
 fn available() -> Option<u64> {
