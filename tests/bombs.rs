@@ -1,7 +1,7 @@
 //! Promise: no file makes the program take more memory than it says it may: sizes are judged before room is made for them.
 //!
 //! The program runs under `ulimit -v` of 2 GB, so that it may use at most half of that by its own rule; what it answers is
-//! one line with exit code 3 or 4, and what it takes stays below the limit itself, measured as VmHWM. Linux only.
+//! one line with exit code 3 or 4 (2 of a campaign), and what it takes stays below the limit itself, measured as VmHWM. Linux only.
 #![cfg(target_os = "linux")]
 
 #[path = "bombs/files.rs"]

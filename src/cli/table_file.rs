@@ -52,7 +52,8 @@ pub fn open_as_stored(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<O
     for warning in rows.warnings() {
         warn(format_args!("{}: {warning}", path.display()));
     }
-    if row_bytes(&rows).saturating_mul(rows.grid().stops() as u64) > memory_limit() {
+    let kept = row_bytes(&rows).saturating_mul(rows.grid().stops() as u64);
+    if kept.max(rows.reading_bytes()) > memory_limit() {
         return Ok(Opened::Rows(Box::new(rows)));
     }
     Ok(Opened::Whole(Box::new(store::load(path)?.table)))

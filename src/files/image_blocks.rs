@@ -17,8 +17,8 @@ use exr::prelude::{AttributeValue, Text};
 use super::image::{Attribute, Part, Samples};
 use super::{exr_header, memory};
 
-/// Copies of a block that the decoder holds at once: packed, unpacked, in the order of its bytes, and one to spare.
-const COPIES: u64 = 4;
+/// Copies of a block that the decoder holds at once: packed, unpacked, and in the order of its bytes.
+const COPIES: u64 = 3;
 
 /// A file of which the header was read.
 pub struct Blocks<R> {

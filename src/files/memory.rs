@@ -53,9 +53,10 @@ pub fn words(text: &[u8]) -> u64 {
     count
 }
 
-/// How many lines a text has at most, and the length of the longest.
+/// How many lines that are not empty a text has, and the length of the longest; either end of a line ends it.
 pub fn lines(text: &[u8]) -> (u64, usize) {
-    text.split(|&byte| byte == b'\n')
+    text.split(|byte| matches!(byte, b'\n' | b'\r'))
+        .filter(|line| !line.is_empty())
         .fold((0, 0), |(count, longest), line| (count + 1, longest.max(line.len())))
 }
 
@@ -106,6 +107,25 @@ fn kib_in(text: &str, name: &str) -> Option<u64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_and_lines_are_counted_as_readers_part_them() {
+        for (text, wanted) in [("0, 1,2", 3), ("0 1\n2", 3), ("{0}{1}", 3), (",,,", 4), ("  0  ", 2), ("", 1)]
+        {
+            assert_eq!(words(text.as_bytes()), wanted, "{text:?}");
+        }
+        for text in ["ab\nc\n", "ab\r\nc", "ab\rc\r"] {
+            assert_eq!(lines(text.as_bytes()), (2, 2), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn what_no_machine_has_is_refused_before_it_is_asked_for() {
+        assert_eq!(check(0), Ok(()));
+        let why = check(1 << 60).expect_err("an exbibyte");
+        assert!(why.contains("1099511627776 MiB") && why.contains("may be used"), "{why}");
+        assert!(room::<u64>(usize::MAX / 16).expect_err("too much").contains("do not fit"));
+    }
 
     #[test]
     fn lines_of_the_system_are_read_and_other_lines_are_not() {

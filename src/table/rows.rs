@@ -79,6 +79,11 @@ impl TableRows {
         self.row_bytes() * self.outline.height as u64
     }
 
+    /// Bytes that reading all values at once takes.
+    pub fn reading_bytes(&self) -> u64 {
+        self.blocks.bytes()
+    }
+
     /// Bytes of one stop's values.
     pub fn row_bytes(&self) -> u64 {
         4 * (self.outline.channels.len() * self.outline.width) as u64
