@@ -4,9 +4,12 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use gonio::campaign;
+use gonio::measure::{self, Ledger, Patches, Session};
 use gonio::rng::uniform;
 use rand_pcg::Pcg64Dxsm;
 use rustix::process::Signal;
@@ -144,27 +147,56 @@ fn a_thousand_hostile_maps_end_with_a_table_or_one_line() {
     each_ends(152, 1000);
 }
 
-/// One block of 2^21 wide steps: paths of up to 32 bounces between needles on a map that no lanes serve.
-#[test]
-fn a_signal_ends_a_run_inside_a_block() {
+/// A map that no lanes serve, with needles between which paths of up to 32 bounces go.
+fn needles(folder: &Path) -> &'static str {
     let heights: Vec<f64> =
-        (0..128 * 128).map(|i| 0.1 + if (i * 7919) % 5 == 0 { 40.3 } else { 0.0 }).collect();
-    let text = "name = \"small\"\nseed = 1\n[surface.file]\npath = \"map.npy\"\npitch_x_um = 1\npitch_y_um = 1\n\
-                height_unit_um = 1\nperiodic = true\nrefine = 8\ntiles = 1\n[light]\ntheta_i_deg = [60]\n\
-                azimuth = \"absolute\"\nphi_i_deg = [0]\n[sensor.hemisphere]\n[trace]\nbounces = 32\n\
-                [stop]\nsamples = 100_000_000\n";
-    for signal in [Signal::TERM, Signal::INT] {
-        let folder = ended::folder(text);
-        fs::write(folder.path().join("map.npy"), npy(&heights, 128, false)).expect("map");
-        let child = ended::start(folder.path(), &["--threads", "1"]);
-        // Into the blocks: a thread keeps sums to itself for half a second.
-        thread::sleep(Duration::from_secs(4));
-        ended::signal_to(&child, signal);
+        (0..128 * 128).map(|i| 0.1 + if (i * 7919) % 5 == 0 { 8.3 } else { 0.0 }).collect();
+    fs::write(folder.join("map.npy"), npy(&heights, 128, false)).expect("map");
+    "name = \"small\"\nseed = 1\n[surface.file]\npath = \"map.npy\"\npitch_x_um = 1\npitch_y_um = 1\n\
+     height_unit_um = 1\nperiodic = true\nrefine = 8\ntiles = 1\n[light]\ntheta_i_deg = [60]\n\
+     azimuth = \"absolute\"\nphi_i_deg = [0]\n[sensor.hemisphere]\n[trace]\nbounces = 32\n\
+     [stop]\nsamples = 100_000_000\n"
+}
+
+/// One block of 2^23 starts takes half a minute: it is given up half-way, and none of it is kept.
+#[test]
+fn a_run_is_ended_inside_a_block() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let text = needles(folder.path());
+    let campaign = campaign::parse(text, "c.toml", folder.path()).expect("sound").campaign;
+    let mut plan = measure::plan(&campaign).expect("it fits");
+    (plan.block_starts, plan.blocks) = (1 << 23, 1);
+    let patches = Patches::prepare(&campaign, &mut Vec::new()).expect("the map");
+    let interrupted = AtomicBool::new(false);
+    let session = Session { interrupted: &interrupted, ..Session::plain(&|_| ()) };
+    let (answer, asked) = thread::scope(|scope| {
+        let run = scope.spawn(|| {
+            measure::go_on(&campaign, &plan, &patches, Ledger::new(&campaign, &plan), &session).map(drop)
+        });
+        thread::sleep(Duration::from_secs(2));
+        assert!(!run.is_finished());
+        interrupted.store(true, Ordering::Relaxed);
         let asked = Instant::now();
-        let output = child.wait_with_output().expect("ends");
-        ended::exits(&output, 130);
-        println!("{signal:?} is answered after {:?}", asked.elapsed());
-        // 0.2 s of a block and a checkpoint; on a busy machine several times as long as alone.
-        assert!(asked.elapsed() < Duration::from_secs(5), "{:?}", asked.elapsed());
-    }
+        (run.join().expect("no panic"), asked.elapsed())
+    });
+    println!("answered after {asked:?}");
+    let why = answer.expect_err("ended").to_string();
+    assert!(why.contains("interrupted after 0.0 %"), "{why}");
+    // Power: the block takes several times as long.
+    assert!(asked < Duration::from_secs(10), "{asked:?}");
+}
+
+#[test]
+fn a_signal_ends_a_run_over_a_map() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    fs::write(folder.path().join("small.toml"), needles(folder.path())).expect("campaign");
+    let child = ended::start(folder.path(), &["--threads", "1"]);
+    thread::sleep(Duration::from_secs(3));
+    ended::signal_to(&child, Signal::TERM);
+    let asked = Instant::now();
+    let said = ended::exits(&child.wait_with_output().expect("ends"), 130);
+    println!("SIGTERM is answered after {:?}", asked.elapsed());
+    assert!(said.contains("interrupted"), "{said}");
+    // 0.2 s of a block and a checkpoint; on a busy machine several times as long as alone.
+    assert!(asked.elapsed() < Duration::from_secs(10), "{:?}", asked.elapsed());
 }
