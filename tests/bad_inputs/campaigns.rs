@@ -210,7 +210,7 @@ fn rest() -> Vec<Row> {
     let bar = |value: &str| with("l1_model = 0.04", &format!("l1_model = {value}"));
     let mirror = on("[surface.mirror]\n");
     vec![
-        refused(63, arm("0"), &["sensor.arm.aperture_deg = 0", "a closed aperture"]),
+        refused(63, arm("0"), &["sensor.arm.aperture_deg = 0", "as good as closed"]),
         refused(63, arm("46"), &["sensor.arm.aperture_deg = 46", "[1e-6, 45]"]),
         refused(63, arm("-1"), &["sensor.arm.aperture_deg = -1", "[1e-6, 45]"]),
         taken(63, mirror, &["stops"]),
