@@ -142,7 +142,7 @@ fn hostile_maps_end_with_a_table_or_one_line() {
 }
 
 #[test]
-#[ignore = "takes minutes: cargo test --test hostile_maps -- --ignored"]
+#[ignore = "takes minutes, and fails: light at 89.9 degrees along a wall on a periodic map (map 122) takes over 60 s"]
 fn a_thousand_hostile_maps_end_with_a_table_or_one_line() {
     each_ends(152, 1000);
 }
