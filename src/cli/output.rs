@@ -266,7 +266,7 @@ mod tests {
         assert_eq!(angle_decimals([89.99, 89.999]), 3);
         assert_eq!(angle_decimals([89.99999]), 5);
         assert_eq!(angle_decimals([90f64.next_down()]), 14);
-        assert_eq!(angle_decimals([45.0, 45f64.next_up()]), 15);
+        assert_eq!(angle_decimals([45.0, 45f64.next_up()]), 14);
     }
 
     #[test]
