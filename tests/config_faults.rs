@@ -446,8 +446,8 @@ fn the_sensor_is_one_of_two() {
     one_fault(&text("[-60,", "[60,"), "theta_r", theta, "must increase");
     let aperture = "sensor.arm.aperture_deg";
     let row = |new: &str| with_arm(&ARM.replace("aperture_deg = 1", new)).replace("aperture_deg = 0.0", "");
-    one_fault(&row("aperture_deg = 0"), "aperture", aperture, "(0, 45]; a closed aperture");
-    one_fault(&row("aperture_deg = 46"), "aperture", aperture, "(0, 45]");
+    one_fault(&row("aperture_deg = 0"), "aperture", aperture, "[1e-6, 45]; an aperture as good as closed");
+    one_fault(&row("aperture_deg = 46"), "aperture", aperture, "[1e-6, 45]");
     one_fault(&row("aperture_deg = 30"), "aperture", aperture, "must stay below 90");
     one_fault(&row(""), "[sensor.arm]", aperture, "required");
     let sample = text("aperture", "phi_r_from = \"sample\"\naperture");

@@ -7,7 +7,7 @@ use glam::DVec3;
 use gonio::rng::uniform;
 use gonio::sphere;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
-use gonio::trace::{Facet, Kernel, LaneField, LaneWalker, Outcome, Place, Walker};
+use gonio::trace::{Facet, Kernel, LaneField, LaneWalker, Outcome, Peaks, Place, Walker};
 use measuring::{start, test_rng, whole};
 use rand_pcg::Pcg64Dxsm;
 
@@ -66,18 +66,62 @@ fn a_long_ray_ends_where_the_plain_walk_ends() {
         let lanes = LaneField::new(field).expect("lanes serve it");
         let walker = Walker::new(field);
         let over = LaneWalker::new(walker, &lanes, Kernel::Scalar);
+        let peaks = Peaks::new(field);
+        let over_tiles = walker.with_peaks(&peaks);
         let (mut escaped, mut hit, mut cells) = (0u32, 0u32, 0);
         for _ in 0..RAYS {
             let (place, d) = ray(&mut rng, field, *climb);
             let expected = walker.walk_counted(&place, d, &mut cells);
             // Every bit: where it is met, and that it is met at all.
             assert_eq!(over.walk_long(&place, d), expected, "{name}: {place:?} along {d:?}");
+            assert_eq!(over_tiles.walk(&place, d), expected, "{name}: {place:?} along {d:?}");
             escaped += u32::from(expected == Outcome::Escaped);
             hit += u32::from(matches!(expected, Outcome::Hit(_)));
         }
         println!("{name}: {escaped} escape, {hit} hit, {} cells each", cells / RAYS);
         // Power: both ends are there, except over a plain, and rays are long.
         assert!(escaped > 100 && (hit > 100 || *name == "plain"), "{name}");
+    }
+}
+
+/// Fields that no lanes serve: open ones, sides that are no powers of two, heights that f32 rounds; with a needle, a wall
+/// along each axis, and pits.
+#[test]
+fn tiles_of_any_field_change_no_answer() {
+    let mut rng = test_rng(32);
+    for (nx, ny, periodic) in [(30usize, 30usize, true), (200, 9, true), (70, 100, false), (257, 64, false)] {
+        let columns = nx + usize::from(!periodic);
+        let rows = ny + usize::from(!periodic);
+        let shapes: [&dyn Fn(usize, usize) -> f64; 4] = [
+            &|x, y| if (x, y) == (5, 6) { 300.1 } else { 0.0 },
+            &|x, _| if x == 5 { 300.1 } else { 0.0 },
+            &|_, y| if y == 6 { 300.1 } else { 0.0 },
+            &|x, y| if (x * y) % 7 == 3 { -300.1 } else { 0.0 },
+        ];
+        for (shape, extra) in shapes.into_iter().enumerate() {
+            let height = |i: usize| extra(i % columns, i / columns) + 0.1 * ((i * 7919) % 13) as f64;
+            let field = Heightfield::new(nx, ny, periodic, (0..columns * rows).map(height).collect());
+            let (walker, peaks) = (Walker::new(&field), Peaks::new(&field));
+            let (mut plain, mut counted, mut ends) = (0, 0, [0u32; 3]);
+            for _ in 0..RAYS {
+                let (place, d) = ray(&mut rng, &field, 3.0);
+                let expected = walker.walk_counted(&place, d, &mut plain);
+                let found = walker.with_peaks(&peaks).walk_counted(&place, d, &mut counted);
+                assert_eq!(found, expected, "{nx} x {ny}, shape {shape}: {place:?} along {d:?}");
+                let end = match expected {
+                    Outcome::Escaped => 0,
+                    Outcome::Hit(_) => 1,
+                    Outcome::LeftMap | Outcome::Lost => 2,
+                };
+                ends[end] += 1;
+            }
+            println!(
+                "{nx} x {ny}, shape {shape}: {ends:?}, {plain} cells, {counted} of them one by one first"
+            );
+            // Power: rays escape, hit, and of an open field leave; some are longer than what is followed one by one.
+            assert!(ends[1] > 100 && (periodic || ends[2] > 100) && counted < plain, "{ends:?}");
+            assert!(!periodic || ends[0] > 100, "{ends:?}");
+        }
     }
 }
 

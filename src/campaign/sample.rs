@@ -178,6 +178,11 @@ impl SurfaceKind {
         }
     }
 
+    /// Whether it is a measured height map.
+    pub fn is_map(&self) -> bool {
+        matches!(self, SurfaceKind::File(_))
+    }
+
     /// Whether it ends at an edge that light may leave by.
     pub fn is_open_map(&self) -> bool {
         matches!(self, SurfaceKind::File(map) if !map.periodic)

@@ -143,7 +143,12 @@ fn pool(wanted: usize) -> Result<rayon::ThreadPool> {
         .num_threads(threads)
         .stack_size(STACK_BYTES)
         .build()
-        .map_err(|e| Error::Refused(format!("{threads} threads cannot be started: {e}")))
+        .map_err(|e| {
+            Error::Refused(format!(
+                "{threads} threads cannot be started: {e}; raise the limit of processes or of memory (ulimit -u, ulimit \
+                 -v), or give fewer --threads"
+            ))
+        })
 }
 
 /// How many workers there will be: as wanted, one for each core for 0, within the limit.

@@ -1,6 +1,6 @@
 //! What a measurement says of its material: albedos of each order, and what Schlick's formula costs.
 
-use super::output::columns;
+use super::output::{StopAngles, angle_decimals, columns};
 use crate::measure::{Measured, Plan, StopResult};
 use crate::stats;
 use crate::validate::schlick_error::{ColourError, SchlickError, StopError};
@@ -20,10 +20,14 @@ pub fn order_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
     let mut headings: Vec<String> = ["theta_i", "phi_i"].map(String::from).to_vec();
     headings.extend((1..=shown).map(|order| order.to_string()));
     headings.extend((orders > shown).then(|| format!("{} to {orders}", shown + 1)));
+    let angles = StopAngles::of(&plan.grid);
     let row = |(index, stop): (usize, &StopResult)| {
-        let (theta, phi) = plan.grid.stop_deg(index);
+        let mut row = angles.texts(index).to_vec();
+        if stop.is_dark() {
+            row.resize(headings.len(), "not seen".into());
+            return row;
+        }
         let means: Vec<f64> = stop.albedo_by_order.iter().map(|order| stats::mean(order)).collect();
-        let mut row = vec![format!("{theta:.2}"), format!("{phi:.2}")];
         row.extend(means[..shown].iter().map(|mean| format!("{mean:.5}")));
         row.extend((orders > shown).then(|| format!("{:.5}", means[shown..].iter().sum::<f64>())));
         row
@@ -55,10 +59,12 @@ pub fn schlick_lines(error: &SchlickError) -> Vec<String> {
         lines.push(format!("(the {MOST_COLOURS} of {} colours that differ most)", error.colours.len()));
     }
     if !error.stops.is_empty() {
+        let of_theta = angle_decimals(error.stops.iter().map(|stop| stop.theta_i_deg));
+        let of_phi = angle_decimals(error.stops.iter().map(|stop| stop.phi_i_deg));
         let row = |stop: &StopError| {
             vec![
-                format!("{:.2}", stop.theta_i_deg),
-                format!("{:.2}", stop.phi_i_deg),
+                format!("{:.of_theta$}", stop.theta_i_deg),
+                format!("{:.of_phi$}", stop.phi_i_deg),
                 format!("{:.5}", stop.albedo_exact),
                 format!("{:.5}", stop.albedo_schlick),
                 format!("{:.5}", stop.l1),

@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::export::check_output;
-use super::output::{Output, columns, say, with_error};
+use super::output::{Output, angle_decimals, columns, say, with_error};
 use super::table_file;
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
@@ -79,7 +79,11 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         out.json(&files)?;
         return Ok(0);
     }
-    let texts: Vec<Vec<String>> = rows.iter().map(Row::text).collect();
+    let decimals = [
+        angle_decimals(rows.iter().map(|row| row.stop_deg.0)),
+        angle_decimals(rows.iter().map(|row| row.stop_deg.1)),
+    ];
+    let texts: Vec<Vec<String>> = rows.iter().map(|row| row.text(decimals)).collect();
     out.lines(columns(&["theta_i", "phi_i", "albedo single", "albedo total"], &texts))?;
     out.line(format_args!("table         {}", output.display()))?;
     if parts.is_some() { out.line(format_args!("realisations  {}", beside.display())) } else { Ok(()) }
@@ -118,13 +122,14 @@ impl Row {
             "albedo_single_se": single.1, "albedo_total": total.0, "albedo_total_se": total.1 })
     }
 
-    fn text(&self) -> Vec<String> {
+    /// Its words, the angles with so many decimals.
+    fn text(&self, [of_theta, of_phi]: [usize; 2]) -> Vec<String> {
         let (theta, phi) = self.stop_deg;
         let texts = match self.albedos {
             Some(albedos) => albedos.map(|(mean, se)| with_error(mean, se)),
             None => ["not seen".to_string(), "not seen".into()],
         };
-        [vec![format!("{theta:.2}"), format!("{phi:.2}")], texts.to_vec()].concat()
+        [vec![format!("{theta:.of_theta$}"), format!("{phi:.of_phi$}")], texts.to_vec()].concat()
     }
 }
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::optics_text;
-use super::output::{self, Output, duration, grouped, with_error};
+use super::output::{self, Output, StopAngles, duration, grouped, with_error};
 use super::sheet::Sheet;
 use super::targets::Target;
 use crate::campaign::Campaign;
@@ -97,20 +97,23 @@ pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verd
     headings.extend(beyond.then_some("beyond order 1"));
     headings.extend(open_map.then_some("left map"));
     headings.extend(plan.apertures_only.then_some("outside"));
+    let angles = StopAngles::of(&plan.grid);
     let row = |(index, stop): (usize, &StopResult)| {
-        let (theta, phi) = plan.grid.stop_deg(index);
+        let [theta, phi] = angles.texts(index);
         let starts = stop.samples as f64 * f64::from(plan.realisations);
         let share = |count: u64| format!("{:.4} %", 100.0 * count as f64 / starts);
         let mut row = vec![
-            format!("{theta:.2}"),
-            format!("{phi:.2}"),
+            theta,
+            phi,
             albedo(stop.single()),
             albedo(stop.total()),
             share(stop.hidden),
             share(stop.cut),
         ];
         let missed = stop.beyond_order_1();
-        row.extend(missed.0.map(|mean| with_error(mean, missed.1)));
+        let none_seen = stop.orders[1..].iter().sum::<u64>() + stop.cut == 0;
+        let beyond = |mean| if none_seen { "not seen".into() } else { with_error(mean, missed.1) };
+        row.extend(missed.0.map(beyond));
         row.extend(open_map.then(|| share(stop.left_map)));
         row.extend(plan.apertures_only.then(|| share(stop.outside)));
         row
@@ -139,15 +142,16 @@ fn lost_light_line(measured: &Measured, plan: &Plan) -> Vec<String> {
     let stops = measured.stops.iter().enumerate().map(|(index, stop)| (index, stop.lost_light[1]));
     let most = stops.filter(|stop| stop.1 > 0.0).max_by(|a, b| a.1.total_cmp(&b.1));
     let Some((index, flux)) = most else { return vec![] };
-    let (theta, phi) = plan.grid.stop_deg(index);
+    let [theta, phi] = StopAngles::of(&plan.grid).texts(index);
     let text = format!(
-        "at {theta:.2}, {phi:.2} up to {flux:.4} of the light is missing; error bars cover where it may have gone"
+        "at {theta}, {phi} up to {flux:.4} of the light is missing; error bars cover where it may have gone"
     );
     output::wrapped("left map: ", &text)
 }
 
 /// What ended the stops, where it was not that all samples were measured.
 fn end_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
+    let angles = StopAngles::of(&plan.grid);
     let line = |(index, stop): (usize, &StopResult)| {
         let why = match stop.stopped_by {
             StoppedBy::Samples if measured.campaign.stop.relative_error.is_none() => return None,
@@ -162,9 +166,9 @@ fn end_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
                 )
             }
         };
-        let (theta, phi) = plan.grid.stop_deg(index);
+        let [theta, phi] = angles.texts(index);
         let error = stop.relative_error.map_or(String::new(), |e| format!(", relative error {e:.4}"));
-        Some(format!("stop {theta:.2} {phi:.2}: {} starts a patch{error}; {why}", grouped(stop.samples)))
+        Some(format!("stop {theta} {phi}: {} starts a patch{error}; {why}", grouped(stop.samples)))
     };
     measured.stops.iter().enumerate().filter_map(line).collect()
 }

@@ -12,6 +12,16 @@ const NS_PER_SYNTHESISED_CELL: f64 = 1600.0;
 /// A ray in the lanes, and each cell that it crosses.
 const NS_PER_RAY: f64 = 45.0;
 const NS_PER_CROSSED_CELL: f64 = 0.3;
+/// Cells that a ray towards the light crosses in the mean at most, for each of the range of heights: at grazing light
+/// those few starts that are lit, a share of 2/(alpha tan theta), send rays of range x alpha tan theta cells, the others
+/// are blocked close by.
+const MOST_CROSSED: f64 = 4.0;
+/// A ray over a measured map: each cell that it is followed through one by one, at most so many of them; then each
+/// crossing of the map, at most so many before something is in the way.
+const NS_PER_MAP_CELL: f64 = 5.0;
+const MAP_CELLS: f64 = 64.0;
+const NS_PER_MAP_CROSSING: f64 = 200.0;
+const MAP_CROSSINGS: f64 = 64.0;
 /// Reflection, bin and tally of a start.
 const NS_PER_START: f64 = 60.0;
 /// The search for the starts, without a sweep.
@@ -94,18 +104,23 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     Memory { shared: cells * surface + tallies, stop: records + files, written }
 }
 
-/// Cells of a patch; 0 of a map that cannot be read, which whoever measures it will say.
-pub(super) fn cells(campaign: &Campaign) -> f64 {
-    match &campaign.surface.kind {
+/// Cells of a patch, and how many cells long the shadow of a map's whole relief is at 45 degrees; 0 of a map that cannot
+/// be read, which whoever measures it will say.
+pub(super) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
+    let cells = match &campaign.surface.kind {
         SurfaceKind::Ggx(_)
         | SurfaceKind::Beckmann { .. }
         | SurfaceKind::StudentT { .. }
         | SurfaceKind::BlinnPhong { .. } => f64::from(campaign.surface.cells).powi(2),
         SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64.0,
         SurfaceKind::File(map) => {
-            import::load(map).map_or(0.0, |map| (map.field.cells_x() * map.field.cells_y()) as f64)
+            let Ok(map) = import::load(map) else { return (0.0, 0.0) };
+            let (low, high) = map.field.range();
+            let cells = (map.field.cells_x() * map.field.cells_y()) as f64;
+            return (cells, (high - low) * map.alpha_x.max(map.alpha_y));
         }
-    }
+    };
+    (cells, 0.0)
 }
 
 /// Lowest and highest height to be expected: measured on patches of 1024 x 1024 cells.
@@ -157,9 +172,21 @@ fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2, toge
     let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
     let run_in = (high - low) * alpha.max_element() * sin / cos;
     let visible = if campaign.trace.visibility { 1.0 } else { 0.0 };
-    let ray = |crossed: f64| visible * (NS_PER_RAY + NS_PER_CROSSED_CELL * crossed);
+    let ray = |crossed: f64| {
+        let crossed = crossed.min(MOST_CROSSED * (high - low));
+        visible * (NS_PER_RAY + NS_PER_CROSSED_CELL * crossed)
+    };
+    let over_a_map = |crossed: f64| {
+        let crossings = if cells > 0.0 { crossed / cells.sqrt() } else { 0.0 };
+        let far = NS_PER_MAP_CROSSING * crossings.min(MAP_CROSSINGS);
+        visible * (NS_PER_RAY + NS_PER_MAP_CELL * crossed.min(MAP_CELLS) + far)
+    };
     // Towards the light, and from the facet.
-    let (to_light, onwards) = (ray(run_in), ray(1.5 * (high - low) * alpha.max_element()));
+    let (to_light, onwards) = if campaign.surface.kind.is_map() {
+        (over_a_map(plan.relief * sin / cos), over_a_map(1.5 * plan.relief))
+    } else {
+        (ray(run_in), ray(1.5 * (high - low) * alpha.max_element()))
+    };
     let asked_for = if plan.apertures_only {
         super::plan::aperture_share(&plan.grid.regions(stop)).min(1.0)
     } else {

@@ -2,6 +2,7 @@
 //! starts.
 
 use std::cell::RefCell;
+use std::time::{Duration, Instant};
 
 use glam::{DVec2, DVec3};
 
@@ -15,6 +16,8 @@ use crate::trace::{Ending, LaneWalker, PathWaves, Place, Sample, View, Wave};
 
 /// Starts that are followed together: their rays fit the cache of a core.
 const WAVE: usize = 4096;
+/// Blocks that have taken longer than this when the run is asked to end are not waited for.
+const GRACE: Duration = Duration::from_millis(200);
 
 thread_local! {
     static WAVES: RefCell<Vec<WaveMemory>> = RefCell::default();
@@ -68,6 +71,10 @@ pub(super) struct Followed<'a> {
     lit: bool,
     /// Starts that were counted.
     counted: u64,
+    /// When the blocks began.
+    begin: Instant,
+    /// Whether they are given up: no further start is followed.
+    given_up: bool,
     rays: Rays,
     weights: PathWeights,
 }
@@ -76,7 +83,9 @@ impl<'a> Followed<'a> {
     /// Followed of `stop`; `lit` where only starts that the light sees are followed.
     pub fn new(context: &'a Context<'a>, stop: usize, lit: bool, tally: &'a mut Tally) -> Self {
         let (rays, weights) = (Rays::default(), PathWeights::default());
-        Followed { context, stop, tally, turns: Vec::new(), at: 0, lit, counted: 0, rays, weights }
+        let begin = Instant::now();
+        let (turns, given_up) = (Vec::new(), false);
+        Followed { context, stop, tally, turns, at: 0, lit, counted: 0, begin, given_up, rays, weights }
     }
 
     /// One block whose paths carry `flux` each.
@@ -103,8 +112,19 @@ impl<'a> Followed<'a> {
         &self.turns[self.at]
     }
 
+    /// Whether the run is to end and the blocks have taken so long that they are given up: the tally misses starts.
+    pub fn is_given_up(&mut self) -> bool {
+        if !self.given_up && self.context.session.is_over() && self.begin.elapsed() > GRACE {
+            self.given_up = true;
+        }
+        self.given_up
+    }
+
     /// Follows every start by itself.
     pub fn follow(&mut self, sample: &Sample, turn: usize, start: Place) {
+        if self.is_given_up() {
+            return;
+        }
         self.at = turn;
         if self.misses(sample, &start) {
             return self.leave_out(1);
@@ -143,6 +163,11 @@ impl<'a> Followed<'a> {
     /// Follows the starts that `memory` holds.
     pub fn follow_wave(&mut self, views: &[View], over: &LaneWalker, memory: &mut WaveMemory) {
         let WaveMemory { starts, turns, paths, lights, endings } = memory;
+        if self.is_given_up() {
+            starts.clear();
+            turns.clear();
+            return;
+        }
         let weighed = self.context.plan.weighing.needs_angles();
         lights.clear();
         lights.resize_with(starts.len(), || Light::new(weighed));
@@ -208,9 +233,18 @@ impl<'a> Followed<'a> {
         self.rays.skipped += 2 * starts;
     }
 
+    /// Counts all starts of a block none of whose facets is turned to the light: they carry nothing.
+    pub fn all_turned_away(&mut self, starts: u64) {
+        self.counted += starts;
+        self.tally.hidden.add_many(starts, 0);
+        self.rays.skipped += starts;
+    }
+
     /// Counts what is missing of `starts` as starts that send light into no aperture.
     pub fn leave_out_up_to(&mut self, starts: u64) {
-        self.leave_out(starts.saturating_sub(self.counted));
+        if !self.given_up {
+            self.leave_out(starts.saturating_sub(self.counted));
+        }
     }
 
     /// Counts the rays that went ahead of the starts, and those of them that found none.

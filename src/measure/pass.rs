@@ -73,7 +73,7 @@ impl<'a> Pending<'a> {
         Pending { context, place, group, blocks: Vec::new(), tallies: Vec::new(), since: Instant::now() }
     }
 
-    /// With some more blocks, unless the run is interrupted.
+    /// With some more blocks, unless the run is interrupted: long ones are not waited for.
     fn with(mut self, stage: &Stage, blocks: &[u64]) -> Result<Self> {
         if self.context.session.is_over() {
             return Ok(self);
@@ -86,6 +86,11 @@ impl<'a> Pending<'a> {
         let work = Work { stage, group, realisation: place.1, blocks };
         context.blocks(&work, &mut self.tallies);
         self.blocks.extend(blocks);
+        let starts = self.blocks.len() as u64 * context.plan.block_starts;
+        if context.session.is_over() && self.tallies.iter().any(|tally| tally.starts() < starts) {
+            // Given up half-way, and what this thread kept to itself with it: half a second's work.
+            return Ok(Pending::new(context, place, group));
+        }
         if self.since.elapsed() < KEPT_BY_A_THREAD {
             return Ok(self);
         }

@@ -4,7 +4,7 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::bands::{self, Band};
-use super::estimate::{Memory, cells, memory, seconds};
+use super::estimate::{Memory, cells_and_relief, memory, seconds};
 use super::shards::Shard;
 use super::skips::{Skip, skips};
 use super::weighing::Weighing;
@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::files::memory::memory_limit;
 use crate::instrument::{Grid, GridKind, Region, grid_of};
 use crate::sphere;
+use crate::surface::import::ABSURD_SDQ;
 use crate::trace::BLOCK;
 
 /// A sweep visits every cell: with more of them for each start, rays are faster.
@@ -21,6 +22,8 @@ const MOST_CELLS_PER_START: f64 = 20.0;
 const FEWEST_STARTS_PER_CELL: f64 = 1.0 / 64.0;
 /// Apertures that cover more than this share of the hemisphere are not worth an index.
 const LARGEST_SHARE: f64 = 0.25;
+/// Largest sum of the flux that starts carry, of what falls on the patch in one block.
+const LARGEST_FLUX: f64 = (1u64 << 36) as f64;
 /// A run that would take longer is refused: 31 days.
 const LONGEST_S: f64 = 31.0 * 86_400.0;
 
@@ -44,6 +47,9 @@ pub struct Plan {
     /// Cells of a patch, as far as they are known before it is made.
     #[serde(skip)]
     pub cells: f64,
+    /// Length in cells of the shadow of a measured map's whole relief at 45 degrees.
+    #[serde(skip)]
+    pub relief: f64,
     /// Sensor bins at each stop.
     pub bins: usize,
     /// Tables (one for each roughness and material).
@@ -128,6 +134,7 @@ pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan
         Some(shard) => dealt(campaign, &grid, shard)?,
         None => (0..grid.stops()).collect(),
     };
+    let (cells, relief) = cells_and_relief(campaign);
     let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
     let roughnesses = campaign.alphas().len();
@@ -146,7 +153,8 @@ pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan
         measured,
         shard,
         band: None,
-        cells: cells(campaign),
+        cells,
+        relief,
         bins: grid.bins(),
         tables: roughnesses * campaign.optics.each().len(),
         realisations,
@@ -188,6 +196,7 @@ pub(super) fn checked(campaign: &Campaign, plan: Plan, limit: u64) -> Result<Pla
             limit >> 20
         )));
     }
+    flux_fits(campaign, &plan)?;
     if plan.estimated_s > LONGEST_S {
         return Err(Error::Refused(format!(
             "{}: would take about {:.0} days on two cores, {:.0} are allowed; take fewer samples, stops or realisations",
@@ -197,6 +206,32 @@ pub(super) fn checked(campaign: &Campaign, plan: Plan, limit: u64) -> Result<Pla
         )));
     }
     Ok(plan)
+}
+
+/// Refuses light so near the horizon that the sums of flux would not hold it.
+///
+/// Starts carry the area that facets turn to the light, slope x tan(theta_i) of what falls on the patch in the mean,
+/// lit or not; a sum holds 2^38 times that (`tally`). Slopes in the mean stay below alpha, of a map below the largest
+/// that is let in: a factor of 4 is left.
+fn flux_fits(campaign: &Campaign, plan: &Plan) -> Result<()> {
+    let slope = match &campaign.surface.kind {
+        SurfaceKind::File(_) => ABSURD_SDQ,
+        SurfaceKind::VGroove { slope } => *slope,
+        kind => kind.alphas().into_iter().flatten().fold(1.0, |most, alpha| alpha.x.max(alpha.y).max(most)),
+    };
+    let most = LARGEST_FLUX / (slope.max(1.0) * plan.blocks as f64);
+    let theta = campaign.light.theta_i_deg.iter().copied().fold(0.0, f64::max);
+    let (sin, cos) = sphere::sin_cos_deg(theta);
+    if sin <= most * cos {
+        return Ok(());
+    }
+    Err(Error::Refused(format!(
+        "{}: light.theta_i_deg = {theta}: so near the horizon {} samples carry more flux than the sums hold; stay {:.0e} \
+         degrees from 90, or take fewer samples",
+        campaign.name,
+        plan.samples,
+        (1.0 / most).atan().to_degrees()
+    )))
 }
 
 /// How many light stops a campaign has.

@@ -78,7 +78,10 @@ pub fn go_on(
     let mut run = Run { context: &context, patches, mounted: BTreeMap::new() };
     let (measured, kept) = thread::scope(|scope| {
         let (others, end) = mpsc::channel();
-        let keeper = scope.spawn(move || keeper.run(end));
+        let keeper = match thread::Builder::new().spawn_scoped(scope, move || keeper.run(end)) {
+            Ok(keeper) => keeper,
+            Err(why) => return (Err(no_thread(&why)), Ok(())),
+        };
         let measured = run.rounds();
         drop(others);
         (measured, keeper.join().unwrap_or_else(|_| Err(Error::Internal("a checkpoint".into()))))
@@ -94,6 +97,13 @@ pub fn go_on(
     }
     // Whoever writes the tables next has the same full disk before him, and says so.
     Ok(ledger)
+}
+
+fn no_thread(why: &std::io::Error) -> Error {
+    Error::Refused(format!(
+        "the thread that writes checkpoints cannot be started: {why}; raise the limit of processes or of memory (ulimit \
+         -u, ulimit -v), or give fewer --threads"
+    ))
 }
 
 /// The tables of a ledger in which nothing is missing.

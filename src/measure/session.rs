@@ -33,7 +33,7 @@ pub struct Session<'a> {
     pub progress: &'a (dyn Fn(u64) + Sync),
     /// Called with what the user should know.
     pub note: &'a (dyn Fn(String) + Sync),
-    /// Once this is set, running blocks are finished and no further ones begun.
+    /// Once this is set, no further blocks are begun, and running ones finished if they are short.
     pub interrupted: &'a AtomicBool,
     /// Where finished blocks are kept, if anywhere, and the number of the last checkpoint that is there.
     pub checkpoint: Option<(&'a Checkpoint, u64)>,

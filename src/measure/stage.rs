@@ -7,7 +7,9 @@ use super::arms::BlockArms;
 use super::patches::{Patch, Specimen};
 use super::plan::{Plan, is_swept};
 use crate::campaign::{Alpha, Campaign};
-use crate::trace::{FacetIndex, Kernel, LaneField, LaneWalker, Layout, Sample, SmithWalk, Together, Walker};
+use crate::trace::{
+    FacetIndex, Kernel, LaneField, LaneWalker, Layout, Peaks, Sample, SmithWalk, Together, Walker,
+};
 
 /// Cells of a patch for each start that is followed together with others.
 pub const CELLS_PER_START: u64 = 4;
@@ -18,6 +20,8 @@ const WORK_PER_THREAD: usize = 4;
 pub(super) struct Mounted {
     pub specimen: Specimen,
     lanes: Option<LaneField>,
+    /// For the f64 walk, where there are no lanes.
+    peaks: Option<Peaks>,
     index: Option<FacetIndex>,
 }
 
@@ -74,7 +78,13 @@ impl Mounted {
             Specimen::Patch(patch) if campaign.trace.visibility => LaneField::new(&patch.field),
             _ => None,
         };
-        Mounted { specimen, lanes, index }
+        let peaks = match &specimen {
+            Specimen::Patch(patch) if campaign.trace.visibility && lanes.is_none() => {
+                Some(Peaks::new(&patch.field))
+            }
+            _ => None,
+        };
+        Mounted { specimen, lanes, peaks, index }
     }
 
     /// The stage for one roughness.
@@ -82,6 +92,7 @@ impl Mounted {
         match &self.specimen {
             Specimen::Patch(patch) => {
                 let walker = Walker::new(&patch.field);
+                let walker = self.peaks.as_ref().map_or(walker, |peaks| walker.with_peaks(peaks));
                 let lanes = self.lanes.as_ref().map(|lanes| LaneWalker::new(walker, lanes, kernel));
                 let index = self.index.as_ref();
                 // Lines cross the whole of a field, start regions of a map are parts of it; and what they see goes

@@ -47,6 +47,9 @@ impl Context<'_> {
         let flux = 1.0 / self.plan.block_starts as f64;
         let mut followed = Followed::one(self, (arms, stop), flux, false, tally);
         for _ in 0..self.plan.block_starts {
+            if followed.is_given_up() {
+                return;
+            }
             let mut light = Light::new(self.plan.weighing.needs_angles());
             let ending = walk.trace(arms.wi, self.campaign.trace.bounces, &mut rng, &mut light);
             followed.end(ending, &light);
@@ -63,6 +66,10 @@ impl Context<'_> {
         let starts = Starts::new(&heights.patch.field, heights.patch.window, light);
         let flux = starts.share(plan.block_starts);
         let mut followed = Followed::one(self, (arms, stop), flux, false, tally);
+        if flux == 0.0 {
+            // A part of an open map may lean away from the light with every facet: nothing falls on it.
+            return followed.all_turned_away(plan.block_starts);
+        }
         follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |visit| {
             starts.each(plan.block_starts, &mut rng, |start| visit(0, start));
         });

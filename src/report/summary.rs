@@ -161,7 +161,7 @@ impl StopResult {
     }
 
     /// Whether the light saw no start: then nothing is known of the albedo.
-    fn is_dark(&self) -> bool {
+    pub fn is_dark(&self) -> bool {
         self.orders.iter().sum::<u64>() + self.cut + self.left_map + self.outside == 0
     }
 

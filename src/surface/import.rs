@@ -23,7 +23,7 @@ const MIN_CELLS: usize = 8;
 const MIN_STEPS: f64 = 65_536.0;
 /// Rms slopes beyond which a map is refused: walls of 88 degrees. Ground and blasted surfaces have 0.1 to 1, so that a
 /// unit that is 1000 times too large ends up here.
-const ABSURD_SDQ: f64 = 30.0;
+pub const ABSURD_SDQ: f64 = 30.0;
 /// Rms slopes outside of which a map is doubtful: steeper than 72 degrees, or smoother than a polished mirror and yet not
 /// flat.
 const DOUBTFUL_SDQ: [f64; 2] = [1e-3, 3.0];
@@ -101,6 +101,9 @@ fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap
     let alpha_x = alpha("pitch_x", map.pitch_x_um, own_x)?;
     let alpha_y = alpha("pitch_y", map.pitch_y_um, own_y)?;
     let (cells_x, cells_y) = check_size(&file, map.periodic)?;
+    if let Some(why) = outliers::refused(&file.heights, file.columns) {
+        return Err(why);
+    }
     check_precision(&file)?;
     let mut notes = vec![format!("{} x {} samples, {cells_x} x {cells_y} cells", file.columns, file.rows)];
     if file.stored == Stored::Half {

@@ -1,4 +1,5 @@
-//! Single heights of a measured map that stand far out of the rest: spikes, dust, no-data values.
+//! Single heights of a measured map that stand far out of the rest: spikes and dust, which are named, and what marks
+//! missing data, which is refused.
 //!
 //! One of them decides from which height on a ray is above everything, and so how much light leaves the map by its edge.
 
@@ -7,6 +8,46 @@
 const FAR: f64 = 6.0;
 /// So many are named with their places.
 const NAMED: usize = 3;
+/// Heights from here on are none in any unit that a campaign may give: 1e15 m in the smallest. Blank cells of Surfer
+/// (1.7e38), GDAL's lowest f32 (-3.4e38) and 1e30 lie beyond.
+const NO_LENGTH: f64 = 1e30;
+/// What programs write where there are no data, besides.
+const CUSTOMARY: [f64; 8] = [-9999.0, -99_999.0, -999_999.0, 9999.0, 99_999.0, -32_768.0, 32_767.0, -1e10];
+/// How many median deviations from the median a customary value must lie for it to be no height: 67 standard deviations
+/// of a normal law.
+const OUTSIDE: f64 = 100.0;
+/// Beyond so many times the distance of 99 of 100 heights no instrument has both: dust of 1 mm on a mirror of 1 nm.
+const ABSURD: f64 = 1e6;
+
+/// Why a map with `columns` heights in a row cannot be measured as it is: a value that is no height, with its place.
+pub fn refused(heights: &[f64], columns: usize) -> Option<String> {
+    let told = |what: &str, is_one: &dyn Fn(f64) -> bool| {
+        let at = heights.iter().position(|&height| is_one(height))?;
+        let count = heights.iter().filter(|&&height| is_one(height)).count();
+        Some(format!(
+            "height {:e} at row {}, column {} ({count} such of {}) {what}; fill in their neighbours' heights, or cut the map \
+             to where there are data",
+            heights[at],
+            at / columns,
+            at % columns,
+            heights.len()
+        ))
+    };
+    if let Some(why) = told("is no length: heights lie within 1e30", &|height| height.abs() >= NO_LENGTH) {
+        return Some(why);
+    }
+    let median = quantile(&mut heights.to_vec(), 0.5);
+    let mut distances: Vec<f64> = heights.iter().map(|height| (height - median).abs()).collect();
+    let (usual, most) = (quantile(&mut distances, 0.5), quantile(&mut distances, 0.99));
+    let marks = |height: f64| CUSTOMARY.contains(&height) && (height - median).abs() > OUTSIDE * usual;
+    let what =
+        format!("marks missing data: more than {OUTSIDE} median deviations ({usual:.3e}) from the median");
+    told(&what, &marks).or_else(|| {
+        let what =
+            format!("is absurd: more than {ABSURD:e} times as far from the median as 99 of 100 ({most:.3e})");
+        told(&what, &|height| most > 0.0 && (height - median).abs() > ABSURD * most)
+    })
+}
 
 /// A sentence that names the outliers of a map with `columns` heights in a row, where there are any.
 ///
@@ -60,6 +101,41 @@ mod tests {
         let said = named(&heights, 64).expect("two outliers");
         assert!(said.starts_with("outlying heights (2): -1.0000e5 at row 9, column 3; "), "{said}");
         assert!(said.contains("at row 5, column 7"), "{said}");
+    }
+
+    #[test]
+    fn what_is_no_height_is_refused_with_its_place() {
+        for (value, what) in [
+            (-9999.0, "marks missing data"),
+            (f64::from(f32::MIN), "is no length"),
+            (1e30, "is no length"),
+            (1.7e308, "is no length"),
+            (1e7, "is absurd"),
+        ] {
+            let mut heights = smooth();
+            heights[5 * 64 + 7] = value;
+            let why = refused(&heights, 64).unwrap_or_else(|| panic!("{value} is taken"));
+            assert!(why.contains("at row 5, column 7 (1 such of 4096)") && why.contains(what), "{why}");
+            // A third of the map, too.
+            heights[..1365].fill(value);
+            assert_eq!(refused(&heights, 64).is_some(), what != "is absurd", "{value}");
+        }
+    }
+
+    #[test]
+    fn spikes_and_round_numbers_are_heights() {
+        let mut heights = smooth();
+        heights[3] = -1e5;
+        assert_eq!(refused(&heights, 64), None);
+        // Counts of a converter around one of the marks.
+        assert_eq!(
+            refused(
+                &smooth().iter().map(|h| (32_000.0 + 900.0 * h).round().min(32_767.0)).collect::<Vec<_>>(),
+                64
+            ),
+            None
+        );
+        assert_eq!(refused(&[0.25; 64], 8), None);
     }
 
     #[test]

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::lane_kernel::{Answers, LaneHit};
 use super::lane_rays::LaneRays;
 use super::lanes::Kernel;
+use super::peaks::Tiles;
 use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
 
@@ -73,11 +74,6 @@ impl LaneField {
         (wrapped(x, hit.cells_x, self.cells_x), wrapped(y, hit.cells_y, self.cells_y))
     }
 
-    /// The highest level of tiles.
-    pub(super) fn top_level(&self) -> usize {
-        top_level(self.cells_x, self.cells_y)
-    }
-
     /// The highest level that the lanes look at: a needle stands in most of the larger tiles, the way down from them takes
     /// longer than their skipping saves.
     ///
@@ -86,12 +82,6 @@ impl LaneField {
     pub(super) fn level_of_lanes(&self) -> usize {
         let side = self.cells_x.min(self.cells_y) / LARGEST_SHARE;
         (side.checked_ilog2().unwrap_or(0) as usize / 2).max(2)
-    }
-
-    /// The highest corner of the 4^level x 4^level cells around a cell.
-    #[inline]
-    pub(super) fn highest_in_tile(&self, level: usize, (x, y): (usize, usize)) -> f64 {
-        f64::from(self.maxima[tile(self.cells_x, self.cells_y, 2 * level, x, y)])
     }
 
     /// Whether anything stops each ray.
@@ -106,6 +96,17 @@ impl LaneField {
     /// Held by: `tests/lanes.rs`, kernel against kernel and against the f64 walk.
     pub fn closest_hit(&self, kernel: Kernel, rays: &LaneRays, answers: &mut Answers) {
         kernel.run::<true>(self, rays, answers);
+    }
+}
+
+impl Tiles for LaneField {
+    fn top_level(&self) -> usize {
+        top_level(self.cells_x, self.cells_y)
+    }
+
+    #[inline]
+    fn highest_in_tile(&self, level: usize, (x, y): (usize, usize)) -> f64 {
+        f64::from(self.maxima[tile(self.cells_x, self.cells_y, 2 * level, x, y)])
     }
 }
 

@@ -8,6 +8,8 @@
 
 use glam::DVec3;
 
+use super::long_walk;
+use super::peaks::Peaks;
 use super::way::Way;
 use crate::surface::Heightfield;
 
@@ -67,13 +69,23 @@ pub struct Walker<'a> {
     field: &'a Heightfield,
     lowest: f64,
     highest: f64,
+    peaks: Option<&'a Peaks>,
 }
+
+/// Cells that a ray is followed through one by one before whole tiles are asked for: most rays end within them.
+const NEAR: u64 = 64;
 
 impl<'a> Walker<'a> {
     /// A walker over `field`.
     pub fn new(field: &'a Heightfield) -> Self {
         let (lowest, highest) = field.range();
-        Walker { field, lowest, highest }
+        Walker { field, lowest, highest, peaks: None }
+    }
+
+    /// One that takes long rays over whole tiles, of which `peaks` of the same field knows the heights: the same answers,
+    /// sooner.
+    pub fn with_peaks(self, peaks: &'a Peaks) -> Self {
+        Walker { peaks: Some(peaks), ..self }
     }
 
     /// The field.
@@ -93,19 +105,22 @@ impl<'a> Walker<'a> {
         self.walk_counted(start, d, &mut 0)
     }
 
-    /// As `walk`, and adds the cells that the ray meets, the first one included, to `cells`.
+    /// As `walk`, and adds the cells that the ray is followed through one by one, the first one included, to `cells`:
+    /// all that it meets, where there are no peaks.
     ///
     /// Held by: `a_ray_crosses_as_many_cells_as_its_rise_over_the_patch_says`.
     #[inline]
     pub fn walk_counted(&self, start: &Place, d: DVec3, cells: &mut u64) -> Outcome {
         let mut way = Way::new(self, start, d);
-        for _ in 0..self.step_limit(start.z, d) {
+        let limit = self.step_limit(start.z, d);
+        let one_by_one = if self.peaks.is_some() { limit.min(NEAR) } else { limit };
+        for _ in 0..one_by_one {
             *cells += 1;
             if let Some(outcome) = way.cross(self.field) {
                 return outcome;
             }
         }
-        Outcome::Lost
+        self.peaks.map_or(Outcome::Lost, |peaks| long_walk::go_on(self, peaks, start, way))
     }
 
     /// Ray parameter from which the ray is above every height.

@@ -210,9 +210,9 @@ fn rest() -> Vec<Row> {
     let bar = |value: &str| with("l1_model = 0.04", &format!("l1_model = {value}"));
     let mirror = on("[surface.mirror]\n");
     vec![
-        refused(63, arm("0"), &["sensor.arm.aperture_deg = 0", "a closed aperture"]),
-        refused(63, arm("46"), &["sensor.arm.aperture_deg = 46", "(0, 45]"]),
-        refused(63, arm("-1"), &["sensor.arm.aperture_deg = -1", "(0, 45]"]),
+        refused(63, arm("0"), &["sensor.arm.aperture_deg = 0", "as good as closed"]),
+        refused(63, arm("46"), &["sensor.arm.aperture_deg = 46", "[1e-6, 45]"]),
+        refused(63, arm("-1"), &["sensor.arm.aperture_deg = -1", "[1e-6, 45]"]),
         taken(63, mirror, &["stops"]),
         // Cut cones would no longer be what their name says: they are refused, not cut.
         refused(64, arm("30.5"), &["sensor.arm.aperture_deg = 30.5", "reaches the horizon"]),
