@@ -17,7 +17,7 @@ const FIT: &str = "#c4451c";
 const POINT: &str = "#1f5fa8";
 
 /// By this a picture is told as one of ours.
-pub const MARK: &str = "<!-- gonio: bench -->";
+pub const MARK: &str = "data-made-by=\"gonio bench\"";
 
 /// The picture as text. Every rung is one `<circle>`, its bar the range of the replicates; the solid curve is
 /// sqrt(a/N + b^2), the dashed line falls as 1/sqrt(N) from the first rung, the dotted one is b.
@@ -26,9 +26,9 @@ pub fn svg(name: &str, bench: &Bench) -> String {
     let total = height * bench.ladders.len() as f64;
     let mut out = Svg(String::new());
     out.add(format_args!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {total}\" width=\"{width}\" \
+        "<svg {MARK} xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {total}\" width=\"{width}\" \
          height=\"{total}\" font-family=\"sans-serif\" font-size=\"14\" fill=\"{INK}\">\n\
-         {MARK}\n<rect width=\"{width}\" height=\"{total}\" fill=\"white\"/>"
+         <rect width=\"{width}\" height=\"{total}\" fill=\"white\"/>"
     ));
     for (index, ladder) in bench.ladders.iter().enumerate() {
         out.add(format_args!(

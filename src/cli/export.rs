@@ -19,8 +19,7 @@ use crate::table::TableRows;
 /// Write a table in another program's format, and say how far the file is from the table
 #[derive(Args)]
 #[command(
-    after_help = "Formats: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto\n\
-    utia with -o FILE.exr writes the image form\n\n\
+    after_help = "Formats: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto\n\n\
     Example: gonio export out/quickstart/quickstart.exr --to rgl -o quickstart.bsdf"
 )]
 pub struct Arguments {
@@ -29,7 +28,7 @@ pub struct Arguments {
     /// One of the formats below
     #[arg(long, value_name = "FORMAT")]
     to: String,
-    /// The file (pabopto: a folder) to write
+    /// The file (pabopto: a folder; utia: FILE.exr is the image form)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// MERL: values at the cells' centres (for nearest-cell readers)

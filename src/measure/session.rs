@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::checkpoint::Checkpoint;
-use super::cost::Cost;
+use super::cost::{Cost, cpu_seconds};
 use super::ledger::Ledger;
 use super::plan::Plan;
 use crate::campaign::Campaign;
@@ -16,8 +16,8 @@ use crate::error::Result;
 const TICK: Duration = Duration::from_millis(100);
 /// Time after which a checkpoint is due in any case, where there is something new.
 const LONGEST: Duration = Duration::from_secs(60);
-/// Time before which none is.
-const SHORTEST: Duration = Duration::from_secs(1);
+/// Seconds of processor time before which none is, but for that: however busy the machine, a short run writes none.
+const SHORTEST_S: f64 = 1.0;
 /// In between, one is due after this share of the work, and when this many times as long as the last took has gone by.
 const WORK_PARTS: u64 = 100;
 const REST: u32 = 100;
@@ -68,6 +68,8 @@ pub(super) struct Keeper<'a> {
 struct Last {
     number: u64,
     at: Instant,
+    /// The processor time of the run until then, s.
+    cpu_s: f64,
     took: Duration,
     starts: u64,
     failed: bool,
@@ -78,9 +80,9 @@ impl Keeper<'_> {
     /// new, unless the run was short. Returns how that one went.
     pub fn run(&self, others: Receiver<()>) -> Result<()> {
         let Some((checkpoint, number)) = self.session.checkpoint else { return Ok(()) };
-        let begin = Instant::now();
-        let starts = self.starts();
-        let mut last = Last { number, at: begin, took: Duration::ZERO, starts, failed: false };
+        let (begin, begin_cpu_s, starts) = (Instant::now(), cpu_seconds(), self.starts());
+        let mut last =
+            Last { number, at: begin, cpu_s: begin_cpu_s, took: Duration::ZERO, starts, failed: false };
         while others.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
             if self.is_due(&last) {
                 match self.write(checkpoint, &mut last) {
@@ -94,14 +96,14 @@ impl Keeper<'_> {
                 }
             }
         }
-        let worth_it = self.session.is_over() || begin.elapsed() > SHORTEST;
+        let worth_it = self.session.is_over() || cpu_seconds() - begin_cpu_s > SHORTEST_S;
         let new = self.starts() > last.starts || last.failed;
         if worth_it && new { self.write(checkpoint, &mut last) } else { Ok(()) }
     }
 
     fn is_due(&self, last: &Last) -> bool {
         let since = last.at.elapsed();
-        if since < SHORTEST {
+        if since < LONGEST && cpu_seconds() - last.cpu_s < SHORTEST_S {
             return false;
         }
         let new = self.starts() - last.starts;
@@ -120,7 +122,7 @@ impl Keeper<'_> {
             (bytes, ledger.tables.starts(self.plan))
         };
         // Also after a failure: a full disk is asked again at the next time, not at once.
-        (last.at, last.took) = (begin, begin.elapsed());
+        (last.at, last.cpu_s, last.took) = (begin, cpu_seconds(), begin.elapsed());
         checkpoint.save(number, &bytes)?;
         (last.took, last.number, last.starts) = (begin.elapsed(), number, starts);
         Ok(())

@@ -134,6 +134,9 @@ pub(super) fn energy(energy: &Energy) -> Judgement {
         return Judgement::not_judged(ENERGY, why.clone());
     }
     let Some(albedo) = energy.largest_albedo else { return Judgement::not_judged(ENERGY, "no stops") };
+    if albedo == 0.0 {
+        return Judgement::not_judged(ENERGY, "no light was seen");
+    }
     let error = match energy.largest_albedo_se {
         Some(se) => format!("+- {se:.5}, limit 1 and 3 standard errors"),
         None if energy.counted => "(errors n/a), limit 1 and 3 errors of counting".into(),

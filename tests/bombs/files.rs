@@ -136,6 +136,9 @@ fn xml(structure: &str, pieces: Vec<(String, u64)>) -> Box<dyn Fn(&Path)> {
     texts("b", [(head, 1)].into_iter().chain(pieces).chain([(end.to_string(), 1)]).collect())
 }
 
+/// A bomb's name, the command that is to read it, and what makes it.
+type Made<'a> = (&'a str, String, Box<dyn Fn(&Path)>);
+
 /// All of them; `size` is their length as a share of the usual one.
 pub fn all(size: f64) -> Vec<Bomb> {
     let mb = |count: f64| (count * size * 1e6) as u64;
@@ -151,7 +154,7 @@ pub fn all(size: f64) -> Vec<Bomb> {
     let orders = (2..22).map(|k| named(format!("order{k}.npy"), whole(40.0))).collect();
     let wide: String =
         CSV.encode_utf16().map(|unit| char::from(unit as u8)).flat_map(|c| [c, '\0']).collect();
-    let list: Vec<(&str, String, Box<dyn Fn(&Path)>)> = vec![
+    let list: Vec<Made> = vec![
         ("npz of zeros", import("npz"), npz(vec![("brdf.npy".into(), vec![], mb(600.0))])),
         ("npz array", import("npz"), npz(vec![named("brdf.npy".into(), whole(300.0))])),
         ("npz orders", import("npz"), npz(orders)),
@@ -174,7 +177,7 @@ pub fn all(size: f64) -> Vec<Bomb> {
         ("csv lines", import("csv"), texts("b", vec![once(CSV), of("0,0,0,0,1\n", 300.0)])),
         ("csv empty lines", import("csv"), texts("b", vec![once(CSV), of("\n", 300.0)])),
         ("csv comments", import("csv"), texts("b", vec![of("#\n", 300.0)])),
-        ("csv wide", import("csv"), texts("b", vec![once(&format!("{wide}")), of("0\0,\0", 300.0)])),
+        ("csv wide", import("csv"), texts("b", vec![once(&wide.to_string()), of("0\0,\0", 300.0)])),
         ("astm line", import("astm"), texts("b", vec![once(ASTM), of("0,", 300.0)])),
         ("astm lines", import("astm"), texts("b", vec![once(ASTM), of("0,0,0,0,1\n", 300.0)])),
         ("ssdd line", import("ssdd"), texts("b", vec![once(SSDD), once("PARAM0_LIST "), of("0 ", 300.0)])),

@@ -17,6 +17,16 @@ XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1
 TINT = [0.9, 0.5, 0.2]
 
 
+# pyradiance looks through every file that it has loaded, also through those that Python has freed: none is freed.
+LOADED = []
+
+
+def loaded(path):
+    """The functions in a file of Radiance."""
+    LOADED.append(bsdf.load_file(str(path)))
+    return LOADED[-1]
+
+
 def query(s, wi, wo):
     """X, Y, Z of a pair of directions."""
     angles = [np.degrees(a) for w in (wi, wo) for a in (np.arctan2(np.hypot(w[0], w[1]), w[2]), np.arctan2(w[1], w[0]))]
@@ -49,7 +59,7 @@ def matrices(folder):
     text = (folder / "aniso4.klems.xml").read_text()
     cells = ("0," + "0.2," * (145 * 145 - 1)).join(["<ScatteringData>", "</ScatteringData>"])
     (folder / "control.xml").write_text(re.sub(r"<ScatteringData>[^<]*</ScatteringData>", cells, text))
-    found, control = (bsdf.load_file(str(folder / name)) for name in ("aniso4.klems.xml", "control.xml"))
+    found, control = (loaded(folder / name) for name in ("aniso4.klems.xml", "control.xml"))
     raw = distance = total = worst = 0.0
     rng = np.random.default_rng(3)
     for stop, bin in zip(rng.integers(145, size=1000), rng.integers(1, 145, size=1000)):
@@ -70,36 +80,38 @@ def matrices(folder):
 def trees(folder):
     """Tensor trees of both ranks against the formula."""
     ok = True
-    for name, ax, ay in [("iso", 0.3, 0.3), ("aniso4", 0.4, 0.7)]:
+    # Cells are divided until their steps are 1 % of the sum, half as much again for the pairs that are drawn; in four
+    # dimensions the number of values ends it before.
+    for name, ax, ay, limit in [("iso", 0.3, 0.3, 0.015), ("aniso4", 0.4, 0.7, 0.03)]:
         gonio("export", folder / f"{name}.exr", "--to", "tensor_tree", "-o", folder / f"{name}.tree.xml", *COARSE)
-        s = bsdf.load_file(str(folder / f"{name}.tree.xml"))
+        s = loaded(folder / f"{name}.tree.xml")
         f, g = np.array([(query(s, wi, wo)[1], ggx(wi, wo, ax, ay)) for wi, wo in zip(*pairs(4000, 75, 2))]).T
         size = (folder / f"{name}.tree.xml").stat().st_size / 1e6
-        ok &= check(f"tensor_tree {name} ({size:.1f} MB): pyradiance against the formula, L1", np.abs(f - g).sum() / g.sum(), 0.03)
+        ok &= check(f"tensor_tree {name} ({size:.1f} MB): pyradiance against the formula, L1", np.abs(f - g).sum() / g.sum(), limit)
     return ok
 
 
 def normal(folder):
     """Light from the normal: the matrix's value of its first patch, and the tree against the formula.
 
-    The normal is the end of a cell of sin theta_i, not its middle: up to twice the error of a random direction.
+    The normal is the end of a cell of sin theta_i, not its middle: up to twice the error of a random direction, which `trees` holds to 0.015.
     """
     gonio("export", folder / "iso.exr", "--to", "klems", "-o", folder / "normal.klems.xml", *COARSE)
     gonio("import", folder / "normal.klems.xml", "--from", "klems", "-o", folder / "normal.exr")
     gonio("export", folder / "normal.exr", "--to", "npz", "-o", folder / "normal.npz")
     matrix = np.load(folder / "normal.npz")
     grid, values = readers.grid(matrix), matrix["brdf"].astype(float)
-    s, up = bsdf.load_file(str(folder / "normal.klems.xml")), np.array([0.0, 0.0, 1.0])
+    s, up = loaded(folder / "normal.klems.xml"), np.array([0.0, 0.0, 1.0])
     off = 0.0
     for bin, (t0, t1, p0, p1) in enumerate(grid["patches_deg"]):
         wo = direction(np.radians((t0 + t1) / 2), np.radians((p0 + p1) / 2))
         off = max(off, abs(query(s, up, wo)[1] / values[0, bin] - 1))
     # The factors of the query, as in `matrices`.
     ok = check("klems: light from the normal, worst of 145 patches, relative", off, 5e-4)
-    s = bsdf.load_file(str(folder / "iso.tree.xml"))
+    s = loaded(folder / "iso.tree.xml")
     _, outs = pairs(1000, 75, 6)
     f, g = np.array([(query(s, up, wo)[1], ggx(up, wo, 0.3, 0.3)) for wo in outs]).T
-    ok &= check("tensor_tree: light from the normal against the formula, L1", np.abs(f - g).sum() / g.sum(), 0.06)
+    ok &= check("tensor_tree: light from the normal against the formula, L1", np.abs(f - g).sum() / g.sum(), 2 * 0.015)
     # And back through the program's own reader.
     gonio("import", folder / "iso.tree.xml", "--from", "tensor_tree", "--like", folder / "iso.exr", "-o", folder / "tree.exr")
     gonio("export", folder / "tree.exr", "--to", "npz", "-o", folder / "tree.npz")
@@ -120,7 +132,7 @@ def colours(folder):
     for kind in ("klems", "tensor_tree"):
         gonio("export", folder / "tint.exr", "--to", kind, "-o", folder / f"tint.{kind}.xml", *COARSE)
     wanted = XYZ @ TINT
-    s = bsdf.load_file(str(folder / "tint.klems.xml"))
+    s = loaded(folder / "tint.klems.xml")
     found = np.array([query(s, wi, wo) for wi, wo in zip(*pairs(500, 75, 5))]).sum(axis=0)
     off = np.abs(found / found[1] * wanted[1] / wanted - 1).max()
     ok = check("klems: colour of the mean of 500 pairs, X/Y and Z/Y relative", off, 0.03)
@@ -148,6 +160,6 @@ def tools(folder):
     gonio("export", folder / "text.exr", "--to", "pabopto", "-o", folder / "text")
     run("pabopto2bsdf", "-n", "2", *sorted((folder / "text").glob("*.txt")), to=folder / "text.sir")
     run("bsdf2ttree", "-g", "4", folder / "text.sir", to=folder / "text.xml")
-    s = bsdf.load_file(str(folder / "text.xml"))
+    s = loaded(folder / "text.xml")
     f, g = np.array([(query(s, wi, wo)[1], ggx(wi, wo, 0.4, 0.4)) for wi, wo in zip(*pairs(2000, 75, 2))]).T
     return ok & check("pabopto2bsdf: its fit against the formula, L1", np.abs(f - g).sum() / g.sum(), 0.2)
