@@ -28,7 +28,7 @@ pub struct Arguments {
     /// One of the formats below
     #[arg(long, value_name = "FORMAT")]
     to: String,
-    /// The file (pabopto: a folder; utia: FILE.exr is the image form)
+    /// The file (pabopto: a folder; utia: FILE.exr: the image form)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// MERL: values at the cells' centres (for nearest-cell readers)
@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Klems: 145, 73 or 41 patches (else the table's own, or full)
     #[arg(long, value_name = "full|half|quarter")]
     klems: Option<Basis>,
-    /// Write a file whose albedo between incidences is up to so far off (else 1 %)
+    /// How far the file's albedo may be off, instead of 1 %
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     allow_albedo_error: Option<f64>,
     /// Replace the file if it is there

@@ -94,7 +94,8 @@ def trees(folder):
 def normal(folder):
     """Light from the normal: the matrix's value of its first patch, and the tree against the formula.
 
-    The normal is the end of a cell of sin theta_i, not its middle: up to twice the error of a random direction, which `trees` holds to 0.015.
+    The normal is the end of a cell of sin theta_i, not its middle: up to twice the error of a random direction, which
+    `trees` holds to 0.015.
     """
     gonio("export", folder / "iso.exr", "--to", "klems", "-o", folder / "normal.klems.xml", *COARSE)
     gonio("import", folder / "normal.klems.xml", "--from", "klems", "-o", folder / "normal.exr")
