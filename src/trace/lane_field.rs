@@ -9,6 +9,7 @@ use super::lane_kernel::{Answers, LaneHit};
 use super::lane_rays::LaneRays;
 use super::lanes::Kernel;
 use super::peaks::Tiles;
+use super::vectors::Gathered;
 use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
 
@@ -28,8 +29,8 @@ const MOST_CELLS: usize = 1 << 29;
 pub struct LaneField {
     pub(super) cells_x: usize,
     pub(super) cells_y: usize,
-    pub(super) heights: Vec<f32>,
-    pub(super) maxima: Vec<f32>,
+    pub(super) heights: Gathered,
+    pub(super) maxima: Gathered,
     pub(super) highest: f32,
     /// Largest |dz/dx| or |dz/dy| of any facet, rounded up: a ray with dz > steepest (|dx| + |dy|) rises faster
     /// than everything on its way.
@@ -54,6 +55,7 @@ impl LaneField {
         let heights: Vec<f32> = field.heights().iter().map(|&h| h as f32).collect();
         let (maxima, steepest) = maxima(&heights, cells_x, cells_y);
         let highest = field.range().1 as f32;
+        let (heights, maxima) = (Gathered::new(heights), Gathered::new(maxima));
         Some(LaneField { cells_x, cells_y, heights, maxima, highest, steepest })
     }
 }

@@ -1,6 +1,6 @@
 //! Two vectors side by side, as one: while one waits for memory or for its last result, the other works.
 
-use super::vectors::Lanes;
+use super::vectors::{Gathered, Lanes};
 
 /// Lanes of two vectors; the second one's lanes follow the first one's.
 #[derive(Clone, Copy)]
@@ -141,7 +141,7 @@ impl<S: Lanes> Lanes for Pair<S> {
         [self.0.mask(bits), self.0.mask(bits >> S::WIDTH)]
     }
     #[inline(always)]
-    fn gather(self, table: &[f32], index: Self::I) -> Self::F {
+    fn gather(self, table: &Gathered, index: Self::I) -> Self::F {
         [self.0.gather(table, index[0]), self.0.gather(table, index[1])]
     }
     #[inline(always)]

@@ -85,7 +85,7 @@ mod x86 {
     use std::arch::x86_64::*;
 
     use super::super::lane_pair::Pair;
-    use super::super::vectors::Lanes;
+    use super::super::vectors::{Gathered, Lanes};
     use super::{Answers, LaneField, LaneRays, lane_kernel};
 
     /// A vector's indices in memory.
@@ -109,24 +109,6 @@ mod x86 {
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
     pub(super) fn run_avx2<const CLOSEST: bool>(field: &LaneField, rays: &LaneRays, answers: &mut Answers) {
         lane_kernel::run::<Pair<Avx2>, CLOSEST>(Pair(Avx2(())), field, rays, answers);
-    }
-
-    /// The last index of a table that lanes gather from: what an index is masked with, and never less than 0.
-    ///
-    /// Held by: `gathering_from_an_empty_table_is_a_panic`.
-    #[inline(always)]
-    fn last_of(table: &[f32]) -> i32 {
-        // An empty table has the largest number here.
-        let last = table.len().wrapping_sub(1);
-        assert!(last <= i32::MAX as usize, "a table to gather from has 1 to 2^31 values");
-        last as i32
-    }
-
-    #[cfg(test)]
-    #[test]
-    #[should_panic(expected = "1 to 2^31 values")]
-    fn gathering_from_an_empty_table_is_a_panic() {
-        last_of(&[]);
     }
 
     /// For each mask of 8 lanes: the rank of each lane among those set, and the lanes set in order.
@@ -312,15 +294,15 @@ mod x86 {
             bits as __mmask16
         }
         #[inline(always)]
-        fn gather(self, table: &[f32], index: Self::I) -> Self::F {
-            let index = self.and_i(index, self.splat_i(last_of(table)));
+        fn gather(self, table: &Gathered, index: Self::I) -> Self::F {
+            let index = self.and_i(index, self.splat_i(table.last()));
             // Single loads: one gather instruction takes longer on some processors, on others as long. The indices
             // pass through memory, 10 % of a ray's time faster than through the extractions that a plain store
             // becomes.
             let mut at = Indices([0; 16]);
             // SAFETY: 64 bytes of its own, at the alignment of a vector.
             unsafe { std::ptr::write_volatile((&raw mut at).cast(), index) };
-            // SAFETY: a number and'ed with the last index, which `last_of` has checked, is no larger than that.
+            // SAFETY: a number and'ed with the last index, which no table lacks, is no larger than that.
             let of = |k: usize| unsafe { *table.get_unchecked(at.0[k] as usize) };
             let of = |k: usize| [of(k), of(k + 1), of(k + 2), of(k + 3)];
             let ([a, b, c, d], [e, f, g, h]) = (of(0), of(4));
@@ -544,9 +526,9 @@ mod x86 {
             unsafe { _mm256_cmpeq_epi32(_mm256_and_si256(lane, _mm256_set1_epi32(bits as i32)), lane) }
         }
         #[inline(always)]
-        fn gather(self, table: &[f32], index: Self::I) -> Self::F {
-            let index = self.and_i(index, self.splat_i(last_of(table)));
-            // SAFETY: a number and'ed with the last index, which `last_of` has checked, is no larger than that, and not
+        fn gather(self, table: &Gathered, index: Self::I) -> Self::F {
+            let index = self.and_i(index, self.splat_i(table.last()));
+            // SAFETY: a number and'ed with the last index, which no table lacks, is no larger than that, and not
             // negative; `Avx2` exists only where the processor has its features.
             unsafe { _mm256_i32gather_ps::<4>(table.as_ptr(), index) }
         }

@@ -1,5 +1,42 @@
 //! The operations that the ray kernel is written in, and the plain one-lane kind of them.
 
+use std::ops::Deref;
+
+/// A table that lanes gather from: what an index is masked with is its last one, and an empty table has none.
+#[derive(Debug, Clone)]
+pub(super) struct Gathered(Vec<f32>);
+
+impl Gathered {
+    /// The table of 1 to 2^31 values; another number is a fault of the program.
+    ///
+    /// Held by: `an_empty_table_cannot_be_gathered_from`.
+    pub fn new(values: Vec<f32>) -> Self {
+        assert!((1..=1usize << 31).contains(&values.len()), "{} values to gather from", values.len());
+        Gathered(values)
+    }
+
+    /// The last index, never negative.
+    #[inline(always)]
+    pub fn last(&self) -> i32 {
+        (self.0.len() - 1) as i32
+    }
+}
+
+impl Deref for Gathered {
+    type Target = [f32];
+
+    fn deref(&self) -> &[f32] {
+        &self.0
+    }
+}
+
+#[cfg(test)]
+#[test]
+#[should_panic(expected = "0 values to gather from")]
+fn an_empty_table_cannot_be_gathered_from() {
+    Gathered::new(vec![]);
+}
+
 /// Vectors of `WIDTH` lanes: floats, integers, and masks of lanes.
 pub(super) trait Lanes: Copy {
     type F: Copy;
@@ -52,8 +89,8 @@ pub(super) trait Lanes: Copy {
     /// Lane k is bit k.
     fn bits(self, m: Self::M) -> u32;
     fn mask(self, bits: u32) -> Self::M;
-    /// `table[index & (table.len() - 1)]`; the length is a power of two.
-    fn gather(self, table: &[f32], index: Self::I) -> Self::F;
+    /// `table[index & table.last()]`; the length is a power of two.
+    fn gather(self, table: &Gathered, index: Self::I) -> Self::F;
     fn load(self, from: &[f32]) -> Self::F;
     fn load_i(self, from: &[i32]) -> Self::I;
     fn store(self, to: &mut [f32], a: Self::F);
@@ -205,8 +242,8 @@ impl Lanes for One {
         bits & 1 != 0
     }
     #[inline(always)]
-    fn gather(self, table: &[f32], index: Self::I) -> Self::F {
-        table[index as usize & (table.len() - 1)]
+    fn gather(self, table: &Gathered, index: Self::I) -> Self::F {
+        table[index as usize & table.last() as usize]
     }
     #[inline(always)]
     fn load(self, from: &[f32]) -> Self::F {
