@@ -62,6 +62,12 @@ pub fn uniform(rng: &mut Pcg64Dxsm) -> f64 {
     (rng.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
 }
 
+/// A normal number of mean 0 and variance 1 (Box and Muller 1958, one of their two).
+pub fn normal(rng: &mut Pcg64Dxsm) -> f64 {
+    let radius = (-2.0 * (1.0 - uniform(rng)).ln()).sqrt();
+    radius * (std::f64::consts::TAU * uniform(rng)).cos()
+}
+
 /// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): a bijection of the 64-bit words that mixes every bit.
 fn mix(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -9,9 +9,11 @@ use assert_cmd::Command;
 use gonio::campaign::{self, Campaign};
 use gonio::instrument::{Grid, GridKind};
 use gonio::measure::Measured;
+use gonio::rng::{self, Purpose, StreamId};
 use gonio::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, store};
 use gonio::validate::two_tables::{Side, difference};
 use measuring::measured_one;
+use rand_pcg::Pcg64Dxsm;
 use serde_json::Value;
 
 /// A statistical surface: no patches to make.
@@ -173,21 +175,8 @@ fn the_campaign_of_a_table_says_how_many_realisations_there_are() {
     assert!(found.figures.max_t.unwrap() > 3.7 && found.figures.share_outside_95 == Some(0.0), "{found:?}");
 }
 
-/// Splitmix64, Box and Muller.
-struct Normal(u64);
-
-impl Normal {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn next(&mut self) -> f64 {
-        (-2.0 * (1.0 - self.unit()).ln()).sqrt() * (std::f64::consts::TAU * self.unit()).cos()
-    }
+fn source(seed: u64) -> Pcg64Dxsm {
+    rng::stream(StreamId { seed, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 })
 }
 
 /// Bins of one stop, all of one projected solid angle: edges at equal steps of sin^2 theta.
@@ -198,11 +187,11 @@ const BINS: usize = ROWS * COLUMNS;
 const SE: f64 = 0.01;
 
 /// A table with mean `value(bin)` and errors of `SE`, and the realisations that it is the mean of.
-fn noisy(source: &mut Normal, count: usize, value: impl Fn(usize) -> f64) -> (BrdfTable, Realisations) {
+fn noisy(source: &mut Pcg64Dxsm, count: usize, value: impl Fn(usize) -> f64) -> (BrdfTable, Realisations) {
     let edge = |k: usize| (k as f64 / ROWS as f64).sqrt().asin().to_degrees();
     let scale = SE * (count as f64).sqrt();
     let one: Vec<Vec<f32>> = (0..count)
-        .map(|_| (0..BINS).map(|bin| (value(bin) + scale * source.next()) as f32).collect())
+        .map(|_| (0..BINS).map(|bin| (value(bin) + scale * rng::normal(source)) as f32).collect())
         .collect();
     let of_bin = |bin: usize| one.iter().map(move |values| f64::from(values[bin]));
     let both: Vec<(f64, Option<f64>)> =
@@ -236,7 +225,7 @@ const TRIES: usize = 200;
 /// shares of its values above the floor, and of its intervals that hold the truth. A is above B by d(bin) errors of the
 /// difference, which are sqrt(2) SE; with `split` B's realisations are not known.
 fn read_differences(counts: [usize; 2], split: bool, d: impl Fn(usize) -> f64) -> [f64; 4] {
-    let mut source = Normal(11);
+    let mut source = source(11);
     let unit = 2f64.sqrt() * SE;
     let truth = (0..BINS).map(|bin| d(bin).abs()).sum::<f64>() / BINS as f64;
     let (mut values, mut above, mut held) = (Vec::new(), 0, 0);
@@ -284,7 +273,7 @@ fn a_table_without_realisations_is_split() {
 
 #[test]
 fn errors_alone_leave_an_interval_and_no_figure() {
-    let mut source = Normal(5);
+    let mut source = source(5);
     let unit = 2f64.sqrt() * SE;
     for d in [0.0, 0.8, 3.0] {
         let (a, _) = noisy(&mut source, 16, |_| 1.0 + unit * d);

@@ -44,12 +44,12 @@ fn harassed(kills: usize) {
         println!("skipped: no namespaces can be made here");
         return;
     }
-    let whole = Command::new(env!("CARGO_BIN_EXE_gonio"))
-        .current_dir(here)
-        .args(["measure", "small.toml", "-o", "whole"])
-        .stdout(Stdio::null())
-        .status();
-    assert!(whole.expect("runs").success());
+    let done = |text: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gonio"));
+        let status = command.current_dir(here).args(words(text)).stdout(Stdio::null()).status();
+        assert!(status.expect("runs").success(), "{text}");
+    };
+    done("measure small.toml -o whole");
     let (mut state, mut killed, mut started) = (1u64, 0, 0);
     let mut draw = |below: u64| {
         state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -85,12 +85,7 @@ fn harassed(kills: usize) {
         }
     }
     println!("{started} starts, {killed} kills");
-    let merged = Command::new(env!("CARGO_BIN_EXE_gonio"))
-        .current_dir(here)
-        .args(["merge", "shards", "-o", "merged"])
-        .stdout(Stdio::null())
-        .status();
-    assert!(merged.expect("runs").success());
+    done("merge shards -o merged");
     let tables = |folder: &str| {
         let mut all = outputs::digests(&here.join(folder));
         all.retain(|name, _| name.ends_with(".exr"));

@@ -22,7 +22,7 @@ const STRETCHED: &str = "direction_correlated: lambda takes the azimuth between 
 #[command(
     after_help = "Errors come from leaving out one realisation at a time. Amplitudes are held at 0 or above,\n\
     F0 in 0 .. 1, slopes in 0.0001 .. 10; a parameter on its bound is named and has no error.\n\
-    Gaps of an imported table (no hits, no error) are left out. direction_correlated takes the\n\
+    Gaps of an imported table (error -2) are left out. direction_correlated takes the\n\
     azimuth between the stretched directions (alpha_x x, alpha_y y).\n\n\
     Example: gonio fit out/quickstart/quickstart.exr --model ggx"
 )]

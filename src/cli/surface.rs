@@ -192,26 +192,25 @@ impl<'a> Job<'a> {
 
     /// The patches that the certificate names which is there.
     fn certified(&self) -> Result<Vec<String>> {
-        let path = self.certificate();
-        if !files::is_there(&path) {
-            return Ok(vec![]);
-        }
-        let old: Value = parsed_json(&files::read(&path)?).unwrap_or_default();
+        let old = self.certificate_there()?.unwrap_or_default();
         let names = old["patches"].as_array().into_iter().flatten();
         Ok(names.filter_map(|entry| entry["file"].as_str().map(String::from)).collect())
     }
 
+    /// The certificate that is there; null if it is no JSON.
+    fn certificate_there(&self) -> Result<Option<Value>> {
+        let path = self.certificate();
+        let read = || Ok(parsed_json(&files::read(&path)?).unwrap_or_default());
+        files::is_there(&path).then(read).transpose()
+    }
+
     /// A certificate that is there must be of the same surface and seed.
     fn check_certificate(&self) -> Result<()> {
-        let path = self.certificate();
-        if !files::is_there(&path) {
-            return Ok(());
-        }
-        let old: Value = parsed_json(&files::read(&path)?).unwrap_or_default();
+        let Some(old) = self.certificate_there()? else { return Ok(()) };
         let same = old["seed"] == json!(self.campaign.seed)
             && old["surface"] == surface_of(self.campaign)?
             && old["pitch"] == json!(self.pitch);
-        if same { Ok(()) } else { Err(targets::in_the_way(&path, "is of other patches")) }
+        if same { Ok(()) } else { Err(targets::in_the_way(&self.certificate(), "is of other patches")) }
     }
 
     /// Files in the folder that are named as patches are, with their numbers.

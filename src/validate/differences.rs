@@ -68,12 +68,7 @@ fn split(value: f64, se: f64, count: usize, [side, stored, colour]: [u64; 3]) ->
     }
     let id = StreamId { seed: colour, purpose: Purpose::Split, realisation: side, stop: 0, block: stored };
     let mut rng = rng::stream(id);
-    // Box and Muller.
-    let mut normal = || {
-        let radius = (-2.0 * (1.0 - rng::uniform(&mut rng)).ln()).sqrt();
-        radius * (std::f64::consts::TAU * rng::uniform(&mut rng)).cos()
-    };
-    let z: Vec<f64> = (0..count).map(|_| normal()).collect();
+    let z: Vec<f64> = (0..count).map(|_| rng::normal(&mut rng)).collect();
     let (mean, scale) = (crate::stats::mean(&z), se * (count as f64).sqrt());
     z.iter().map(|z| value + scale * (z - mean)).collect()
 }

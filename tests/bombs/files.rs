@@ -136,6 +136,16 @@ fn xml(structure: &str, pieces: Vec<(String, u64)>) -> Box<dyn Fn(&Path)> {
     texts("b", [(head, 1)].into_iter().chain(pieces).chain([(end.to_string(), 1)]).collect())
 }
 
+/// What makes a bomb, with a small table beside it.
+fn beside_a_table(bomb: Box<dyn Fn(&Path)>) -> Box<dyn Fn(&Path)> {
+    Box::new(move |folder| {
+        let table = gonio::interchange::foreign_table(small_grid(), vec![vec![1.0; 8]]);
+        let path = folder.join("t.exr");
+        gonio::table::store::save(&path, &table.expect("a table")).expect("saved");
+        bomb(folder);
+    })
+}
+
 /// A bomb's name, the command that is to read it, and what makes it.
 type Made<'a> = (&'a str, String, Box<dyn Fn(&Path)>);
 
@@ -276,24 +286,16 @@ pub fn all(size: f64) -> Vec<Bomb> {
         ("toml values", check.into(), texts("c.toml", vec![once("a = ["), of("0,", 16.0)])),
         ("toml fewer values", check.into(), texts("c.toml", vec![once("a = ["), of("0,", 4.0), once("0]")])),
         ("toml tables", check.into(), texts("c.toml", vec![once("a = ["), of("{},", 5.0), once("0]")])),
-        ("json nodes", "report t.exr --bench j.json".into(), {
-            let json = texts("j.json", vec![once("["), of("0,", 100.0)]);
-            Box::new(move |folder| {
-                let table = gonio::interchange::foreign_table(small_grid(), vec![vec![1.0; 8]]);
-                let path = folder.join("t.exr");
-                gonio::table::store::save(&path, &table.expect("a table")).expect("saved");
-                json(folder);
-            })
-        }),
-        ("json text", "report t.exr --bench j.json".into(), {
-            let json = texts("j.json", vec![once("\""), of("0", 900.0)]);
-            Box::new(move |folder| {
-                let table = gonio::interchange::foreign_table(small_grid(), vec![vec![1.0; 8]]);
-                let path = folder.join("t.exr");
-                gonio::table::store::save(&path, &table.expect("a table")).expect("saved");
-                json(folder);
-            })
-        }),
+        (
+            "json nodes",
+            "report t.exr --bench j.json".into(),
+            beside_a_table(texts("j.json", vec![once("["), of("0,", 100.0)])),
+        ),
+        (
+            "json text",
+            "report t.exr --bench j.json".into(),
+            beside_a_table(texts("j.json", vec![once("\""), of("0", 900.0)])),
+        ),
         ("shard", "merge b.shard_1_of_1 -o out".into(), sparse("b.shard_1_of_1", vec![], mb(3000.0))),
         ("shard content", "merge b.shard_1_of_1 -o out".into(), {
             sparse("b.shard_1_of_1", b"gonio shard 3\n".to_vec(), mb(900.0))

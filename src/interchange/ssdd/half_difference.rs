@@ -51,7 +51,7 @@ pub fn imported(header: &Header, total: Vec<Vec<f32>>) -> Reason<(Imported, Vec<
         },
     };
     check_grid(&grid)?;
-    Ok((Imported::Table(with_hits(spectral_table(grid, values, &header.wavelengths_nm)?)), notes))
+    Ok((Imported::Table(with_gaps(spectral_table(grid, values, &header.wavelengths_nm)?)), notes))
 }
 
 /// The half of a whole turn of phi_d, if the other half has the same azimuths and values, the arms exchanged.
@@ -74,7 +74,7 @@ fn halved(grid: &Grid, values: &[Vec<f32>]) -> Option<(Grid, Vec<Vec<f32>>)> {
 
 /// The function of values that are not reciprocal.
 fn function(header: &Header, grid: Grid, values: &[Vec<f32>]) -> Reason<Imported> {
-    let table = with_hits(spectral_table(grid, values.to_vec(), &header.wavelengths_nm)?);
+    let table = with_gaps(spectral_table(grid, values.to_vec(), &header.wavelengths_nm)?);
     let arms = default_arms(table.grid.is_isotropic());
     let part = |values: &[Vec<f32>]| -> Box<dyn Brdf> {
         Box::new(HalfDifference::directed(&table.grid, values.to_vec(), &table.hits))
@@ -82,13 +82,15 @@ fn function(header: &Header, grid: Grid, values: &[Vec<f32>]) -> Reason<Imported
     Ok(Imported::function(values, &header.wavelengths_nm, arms, part))
 }
 
-/// A zero of an arm on or below the horizon is no value.
-fn with_hits(mut table: BrdfTable) -> BrdfTable {
+/// A zero of an arm on or below the horizon is a gap.
+fn with_gaps(mut table: BrdfTable) -> BrdfTable {
     let bins = table.grid.bins();
     for at in 0..table.hits.len() {
         if table.colours.iter().all(|colour| colour.total[at] == 0.0) {
             let (wi, wo) = table.grid.arms_of_half(at / bins, at % bins);
-            table.hits[at] = u32::from(wi.z > HORIZON && wo.z > HORIZON);
+            if wi.z <= HORIZON || wo.z <= HORIZON {
+                table.set_gap(at);
+            }
         }
     }
     table
