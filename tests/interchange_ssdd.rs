@@ -194,6 +194,7 @@ fn a_zero_below_the_horizon_is_no_value() {
     let found = ssdd::read(zero.as_bytes()).expect("a table");
     // Rows of theta_h, columns of theta_d and phi_d.
     assert_eq!(found.hits, [1, 1, 1, 1, 1, 1, 0, 1]);
+    assert_eq!((found.is_gap(6), found.gaps()), (true, 1));
     let filled = file(&head, lists, |_| 0.5);
     assert_eq!(ssdd::read(filled.as_bytes()).expect("a table").hits, [1; 8]);
 }
