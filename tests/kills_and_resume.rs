@@ -6,22 +6,25 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use gonio::campaign;
 use gonio::files::sealed;
 use gonio::measure::{self, Checkpoint, Kept, Ledger, Patches, Plan, Session};
-use rustix::process::{Pid, Signal, kill_process};
+use rustix::process::Signal;
 
 #[path = "common/ended.rs"]
 mod ended;
+#[path = "common/failing.rs"]
+mod failing;
 #[path = "common/measuring.rs"]
 mod measuring;
 #[path = "common/mutations.rs"]
 mod mutations;
 #[path = "common/outputs.rs"]
 mod outputs;
-use ended::{Whole, digests, ended_by, exits, folder, run, signal_to, start, uninterrupted};
+use ended::{Whole, digests, ended_by, exits, folder, run, signal_to, uninterrupted};
+use failing::Failing;
 
 /// A campaign of some seconds: two roughnesses, colours, two orders, stops that share a sweep.
 fn small(samples: u64, realisations: u32, stop: &str) -> String {
@@ -35,16 +38,15 @@ fn small(samples: u64, realisations: u32, stop: &str) -> String {
     )
 }
 
-/// Long enough for several checkpoints, which are written once a second at most.
-const LONG: u64 = 2_000_000;
+/// What the files of checkpoints have in their names.
+const CHECKPOINT: &str = ".checkpoint_";
+/// Long enough for several checkpoints.
+const LONG: u64 = 131_072;
 
-/// What the long campaign ends with, and how long that takes.
-fn whole() -> &'static (BTreeMap<String, String>, Duration) {
-    static WHOLE: OnceLock<(BTreeMap<String, String>, Duration)> = OnceLock::new();
-    WHOLE.get_or_init(|| {
-        let begin = Instant::now();
-        (uninterrupted(&small(LONG, 3, ""), &[]), begin.elapsed())
-    })
+/// What the long campaign ends with.
+fn whole() -> &'static BTreeMap<String, String> {
+    static WHOLE: OnceLock<BTreeMap<String, String>> = OnceLock::new();
+    WHOLE.get_or_init(|| uninterrupted(&small(LONG, 3, ""), &[]))
 }
 
 /// The checkpoints that are there.
@@ -55,8 +57,7 @@ fn checkpoints(folder: &Path) -> Vec<PathBuf> {
 
 /// Kills the long campaign.
 fn killed(kills: u32, chain: u32) {
-    let (files, takes) = whole();
-    ended::killed(&Whole { text: &small(LONG, 3, ""), words: &[], files, takes: *takes }, kills, chain);
+    ended::killed(&Whole { text: &small(LONG, 3, ""), words: &[], files: whole() }, kills, chain);
 }
 
 #[test]
@@ -73,10 +74,10 @@ fn fifty_killed_runs_end_with_the_bytes_of_one_that_was_not() {
 #[test]
 fn the_first_signal_keeps_what_is_measured_and_says_how_to_go_on() {
     let text = small(LONG, 3, "");
-    let whole = &whole().0;
+    let whole = whole();
     let folder = folder(&text);
     for (signal, words) in [(Signal::INT, &[][..]), (Signal::TERM, &["--resume", "--threads", "1"])] {
-        let said = exits(&ended_by(folder.path(), words, signal, 1), 130);
+        let said = exits(&ended_by(folder.path(), words, signal, CHECKPOINT, 1), 130);
         let last = said.lines().last().expect("a line");
         assert!(last.starts_with("interrupted after ") && last.ends_with(" --resume"), "{said}");
         assert!(last.contains("go on with: gonio measure small.toml -o out"), "{said}");
@@ -90,29 +91,30 @@ fn the_first_signal_keeps_what_is_measured_and_says_how_to_go_on() {
 
 #[test]
 fn the_second_signal_ends_at_once() {
-    // A block of so many stops takes seconds on one thread, in whatever build.
-    let stops = (0..80).map(|k| k.to_string()).collect::<Vec<_>>().join(", ");
-    let text = small(LONG, 1, "").replace("[0, 50]", &format!("[{stops}]"));
-    let folder = folder(&text.replace("cells = 64", "cells = 1024"));
-    let child = start(folder.path(), &["--threads", "1"]);
-    thread::sleep(Duration::from_millis(2500));
+    let Some(failing) = Failing::built() else { return };
+    let folder = folder(&small(LONG, 3, ""));
+    let (out, flag) = (folder.path().join("out"), folder.path().join("waits"));
+    fs::create_dir(&out).expect("folder");
+    fs::write(&flag, "").expect("the disk does not answer from now on");
+    let mut child =
+        failing.waiting_while(ended::measure(folder.path(), &[]), &out, &flag).spawn().expect("starts");
+    while failing.failed().is_empty() {
+        assert!(child.try_wait().expect("ours").is_none(), "ended before a checkpoint");
+        thread::sleep(Duration::from_millis(5));
+    }
+    // The run cannot end by itself: its checkpoint waits. Two kinds, for two of a kind may be told as one.
+    signal_to(&child, Signal::TERM);
     signal_to(&child, Signal::INT);
-    thread::sleep(Duration::from_millis(100));
-    let asked = Instant::now();
-    // Where the block was at its end by chance, the process has gone by itself.
-    let pid = Pid::from_raw(child.id().cast_signed()).expect("a process");
-    kill_process(pid, Signal::INT).ok();
-    let output = child.wait_with_output().expect("ends");
-    exits(&output, 130);
-    assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+    exits(&child.wait_with_output().expect("ends"), 130);
+    assert!(flag.exists() && checkpoints(folder.path()).is_empty());
 }
 
 #[test]
 fn a_damaged_checkpoint_gives_way_to_the_one_before() {
     let text = small(LONG, 3, "");
-    let whole = &whole().0;
+    let whole = whole();
     let folder = folder(&text);
-    exits(&ended_by(folder.path(), &[], Signal::INT, 2), 130);
+    exits(&ended_by(folder.path(), &[], Signal::INT, CHECKPOINT, 2), 130);
     let found = Checkpoint::of(&folder.path().join("out"), "small").load().expect("whole").expect("there");
     let mut bytes = fs::read(&found.path).expect("readable");
     let middle = bytes.len() / 2;
@@ -137,13 +139,13 @@ fn a_damaged_checkpoint_gives_way_to_the_one_before() {
 fn another_campaign_is_refused_by_the_key_that_differs() {
     let text = small(LONG, 3, "");
     let folder = folder(&text);
-    exits(&ended_by(folder.path(), &[], Signal::INT, 1), 130);
+    exits(&ended_by(folder.path(), &[], Signal::INT, CHECKPOINT, 1), 130);
     let changes = [
         ("alpha = [0.3, 0.5]", "alpha = [0.3, 0.6]", "surface.ggx.alpha = [0.3, 0.6]: [0.3, 0.5] in"),
         ("cells = 64", "cells = 128", "surface.cells = 128: 64 in"),
         ("seed = 5", "seed = 6", "seed = 6: 5 in"),
         ("[0, 50]", "[0, 51]", "light.theta_i_deg = [0.0, 51.0]: [0.0, 50.0] in"),
-        ("samples = 2000000", "samples = 65536", "of which more are allowed, not fewer"),
+        ("samples = 131072", "samples = 65536", "of which more are allowed, not fewer"),
         ("realisations = 3", "realisations = 2", "surface.realisations = 2: 3 in"),
     ];
     for (old, new, said) in changes {
@@ -153,25 +155,25 @@ fn another_campaign_is_refused_by_the_key_that_differs() {
         assert!(refused.contains(said) && refused.contains("small.checkpoint_"), "{refused}");
     }
     // The same campaign, begun again on purpose.
-    fs::write(folder.path().join("small.toml"), text.replace("2000000", "65536")).expect("campaign");
+    fs::write(folder.path().join("small.toml"), text.replace("131072", "65536")).expect("campaign");
     exits(&run(folder.path(), &["--force"]), 0);
     assert!(checkpoints(folder.path()).is_empty());
 }
 
 #[test]
 fn more_samples_give_the_bytes_of_a_fresh_run() {
-    // More realisations; and more samples where errors are looked at after 1, 2, 4, ... blocks, the 23rd being the last
+    // More realisations; and more samples where errors are looked at after 1, 2, 4, ... blocks, the third being the last
     // of the shorter run alone. What ends it before its time decides how much of it there is.
     let rule = "relative_error = 1e-4";
     let wide = |text: String| text.replace("cells = 64", "cells = 512");
     let of = [
-        (small(1_500_000, 3, ""), small(LONG, 4, "")),
-        (wide(small(1_500_000, 3, rule)), wide(small(LONG, 3, rule))),
+        (small(65_536, 3, ""), small(LONG, 4, "")),
+        (wide(small(150_000, 3, rule)), wide(small(5 * 65_536, 3, rule))),
     ];
     for (less, more) in of {
         let whole = uninterrupted(&more, &[]);
         let folder = folder(&less);
-        exits(&ended_by(folder.path(), &[], Signal::INT, 1), 130);
+        exits(&ended_by(folder.path(), &[], Signal::INT, CHECKPOINT, 1), 130);
         fs::write(folder.path().join("small.toml"), &more).expect("campaign");
         let said = exits(&run(folder.path(), &["--resume"]), 0);
         assert!(said.contains("goes on from"), "{said}");
@@ -184,7 +186,7 @@ fn tables_that_were_written_before_the_end_are_not_measured_again() {
     let text = small(LONG, 3, "");
     let (folder, whole) = (folder(&text), folder(&text));
     exits(&run(whole.path(), &[]), 0);
-    assert_eq!(ended_by(folder.path(), &[], Signal::KILL, 1).status.code(), None);
+    assert_eq!(ended_by(folder.path(), &[], Signal::KILL, CHECKPOINT, 1).status.code(), None);
     for end in ["exr", "realisations.exr", "json", "html", "card.md"] {
         let name = format!("out/small_alpha_0.3.{end}");
         fs::copy(whole.path().join(&name), folder.path().join(&name)).expect("copied");

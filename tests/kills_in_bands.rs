@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use std::time::{Duration, Instant};
 
 use gonio::campaign;
 use gonio::measure;
@@ -13,11 +12,13 @@ use rustix::process::Signal;
 
 #[path = "common/ended.rs"]
 mod ended;
+#[path = "common/failing.rs"]
+mod failing;
 #[path = "common/measuring.rs"]
 mod measuring;
 #[path = "common/outputs.rs"]
 mod outputs;
-use ended::{Whole, digests, ended_when, exits, folder, run, uninterrupted};
+use ended::{Whole, digests, ended_by, exits, folder, run, uninterrupted};
 
 /// Two roughnesses, two orders, colours, eight stops at two azimuths; some seconds for all of them.
 fn small(samples: u64) -> String {
@@ -32,8 +33,8 @@ fn small(samples: u64) -> String {
     )
 }
 
-const LONG: u64 = 655_360;
-const SHORT: u64 = 131_072;
+const LONG: u64 = 131_072;
+const SHORT: u64 = 65_536;
 
 /// MiB that give so many bands on two threads.
 fn mb_of(bands: usize) -> String {
@@ -54,13 +55,10 @@ fn with<'a>(words: &[&'a str]) -> Vec<&'a str> {
     [&in_three()[..], words].concat()
 }
 
-/// What the long campaign ends with in three bands, and how long that takes.
-fn whole() -> &'static (BTreeMap<String, String>, Duration) {
-    static WHOLE: OnceLock<(BTreeMap<String, String>, Duration)> = OnceLock::new();
-    WHOLE.get_or_init(|| {
-        let begin = Instant::now();
-        (uninterrupted(&small(LONG), &in_three()), begin.elapsed())
-    })
+/// What the long campaign ends with in three bands.
+fn whole() -> &'static BTreeMap<String, String> {
+    static WHOLE: OnceLock<BTreeMap<String, String>> = OnceLock::new();
+    WHOLE.get_or_init(|| uninterrupted(&small(LONG), &in_three()))
 }
 
 fn band(folder: &Path, number: u32) -> PathBuf {
@@ -75,15 +73,13 @@ fn errors(said: &str) -> usize {
 /// A run of the long campaign that is ended in its second band.
 fn begun(signal: Signal) -> (tempfile::TempDir, std::process::Output) {
     let folder = folder(&small(LONG));
-    let first = band(folder.path(), 1);
-    let output = ended_when(folder.path(), &in_three(), signal, || first.exists());
+    let output = ended_by(folder.path(), &in_three(), signal, "small.band_", 1);
     assert!(!band(folder.path(), 3).exists());
     (folder, output)
 }
 
 fn killed(kills: u32, chain: u32) {
-    let (files, takes) = whole();
-    ended::killed(&Whole { text: &small(LONG), words: &in_three(), files, takes: *takes }, kills, chain);
+    ended::killed(&Whole { text: &small(LONG), words: &in_three(), files: whole() }, kills, chain);
 }
 
 #[test]
@@ -103,8 +99,8 @@ fn a_run_in_bands_has_the_tables_of_one_at_once() {
     let tables = |files: &BTreeMap<String, String>| {
         files.clone().into_iter().filter(|(name, _)| name.ends_with(".exr")).collect::<Vec<_>>()
     };
-    assert_eq!((tables(&at_once).len(), tables(&at_once)), (4, tables(&whole().0)));
-    assert_eq!(at_once.keys().collect::<Vec<_>>(), whole().0.keys().collect::<Vec<_>>(), "and nothing else");
+    assert_eq!((tables(&at_once).len(), tables(&at_once)), (4, tables(whole())));
+    assert_eq!(at_once.keys().collect::<Vec<_>>(), *whole().keys().collect::<Vec<_>>(), "and nothing else");
 }
 
 #[test]
@@ -128,14 +124,14 @@ fn the_first_signal_says_how_to_go_on_and_the_bands_stay_as_they_were() {
     // More than the whole needs.
     let said = exits(&run(folder.path(), &["--resume", "--threads", "1"]), 0);
     assert!(said.contains("goes on from out/small."), "{said}");
-    assert_eq!(digests(folder.path()), whole().0);
+    assert_eq!(digests(folder.path()), *whole());
 }
 
 #[test]
 fn a_run_of_all_stops_is_not_gone_on_with_in_bands() {
     let folder = folder(&small(LONG));
     let checkpoint = folder.path().join("out/small.checkpoint_1");
-    let output = ended_when(folder.path(), &["--threads", "2"], Signal::INT, || checkpoint.exists());
+    let output = ended_by(folder.path(), &["--threads", "2"], Signal::INT, ".checkpoint_", 1);
     exits(&output, 130);
     let refused = exits(&run(folder.path(), &with(&["--resume"])), 4);
     assert!(refused.contains("goes on with all stops at once, as it began"), "{refused}");
@@ -167,7 +163,7 @@ fn a_damaged_band_is_named_and_can_be_measured_again() {
     assert!(refused.contains("small.band_3_of_3: is not what its name says"), "{refused}");
     fs::remove_file(band(folder.path(), 3)).expect("there");
     exits(&run(folder.path(), &with(&["--resume"])), 0);
-    assert_eq!(digests(folder.path()), whole().0);
+    assert_eq!(digests(folder.path()), *whole());
 }
 
 #[test]
@@ -189,15 +185,7 @@ fn more_samples_go_on_in_every_band() {
     let more = small(LONG + SHORT);
     fs::write(folder.path().join("small.toml"), &more).expect("campaign");
     // Ended again in a band that had been finished with fewer samples.
-    let checkpoint = measure::Checkpoint::of(&folder.path().join("out"), "small");
-    let of_first = || {
-        let found = checkpoint.load().expect("whole");
-        found.is_some_and(|found| found.kept.heading.band.is_some_and(|band| band.number == 1))
-    };
-    let begin = Instant::now();
-    // Where the first band is over within a second, there is no checkpoint of it.
-    let is_time = || of_first() || begin.elapsed() > Duration::from_millis(1500);
-    ended_when(folder.path(), &with(&["--resume"]), Signal::KILL, is_time);
+    ended_by(folder.path(), &with(&["--resume"]), Signal::KILL, "out/small.", 1);
     let said = exits(&run(folder.path(), &with(&["--resume"])), 0);
     assert!(said.contains("goes on from"), "{said}");
     assert_eq!(digests(folder.path()), uninterrupted(&more, &in_three()));

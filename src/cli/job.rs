@@ -34,7 +34,7 @@ impl Job<'_> {
         let patches = self.patches(plan, out)?;
         let progress = Progress::after(ledger.starts(plan), plan.total_samples, "samples");
         let add = |starts| progress.add(starts);
-        let session = self.session(&add, &interrupted, number);
+        let session = self.session(&add, &interrupted, number)?;
         let ended = measure::go_on(campaign, plan, &patches, ledger, &session);
         progress.finish();
         let ledger = ended.map_err(|error| kept::with_advice(error, self.keeping, self.arguments))?;
@@ -46,9 +46,9 @@ impl Job<'_> {
         progress: &'a (dyn Fn(u64) + Sync),
         interrupted: &'a AtomicBool,
         number: u64,
-    ) -> Session<'a> {
-        let checkpoint = Some((&self.keeping.checkpoint, number));
-        Session { progress, note: &|text| warn(text), interrupted, checkpoint }
+    ) -> Result<Session<'a>> {
+        let (checkpoint, pace) = (Some((&self.keeping.checkpoint, number)), kept::pace()?);
+        Ok(Session { progress, note: &|text| warn(text), interrupted, checkpoint, pace })
     }
 
     /// Measures all stops, and writes their tables.
@@ -81,7 +81,7 @@ impl Job<'_> {
         let patches = self.patches(plan, out)?.for_bands(campaign, arguments.memory())?;
         let progress = Progress::after(run.starts(), plan.total_samples, "samples");
         let add = |starts| progress.add(starts);
-        let session = self.session(&add, &interrupted, number);
+        let session = self.session(&add, &interrupted, number)?;
         let band = |stops: Range<usize>| {
             let is_last = stops.end == plan.stops;
             let measured = run.tables(stops, &patches, &session);

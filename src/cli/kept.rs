@@ -14,7 +14,9 @@ use super::targets::Target;
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
 use crate::files;
-use crate::measure::{Band, BandFiles, Checkpoint, Disk, Finished, Found, Heading, Ledger, Plan, Shard};
+use crate::measure::{
+    Band, BandFiles, Checkpoint, Disk, Finished, Found, Heading, Ledger, Pace, Plan, Shard,
+};
 
 /// What a process that is asked to end says to whom it was started by.
 const INTERRUPTED: i32 = 130;
@@ -174,6 +176,22 @@ impl Unfinished {
 pub fn goes_on(path: &Path, starts: u64, plan: &Plan) {
     let percent = 100.0 * starts as f64 / plan.total_samples.max(1) as f64;
     say(format_args!("note: goes on from {}: {} samples, {percent:.1} %", path.display(), grouped(starts)));
+}
+
+/// The environment's word for how often finished blocks are kept, s of processor time.
+const EVERY_S: &str = "GONIO_CHECKPOINT_S";
+
+/// How often finished blocks are kept.
+pub fn pace() -> Result<Pace> {
+    let Some(word) = std::env::var_os(EVERY_S) else { return Ok(Pace::Rare) };
+    let seconds = word.to_str().and_then(|word| word.parse::<f64>().ok());
+    match seconds {
+        Some(seconds) if (1e-3..=86_400.0).contains(&seconds) => Ok(Pace::Every(seconds)),
+        _ => Err(Error::Usage(format!(
+            "{EVERY_S} = {}: seconds of processor time between two checkpoints, 0.001 to 86400, are expected",
+            quoted(&word)
+        ))),
+    }
 }
 
 /// A flag that the first SIGINT, SIGTERM or SIGHUP sets; the second ends the process at once. A SIGHUP that is ignored, as

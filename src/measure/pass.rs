@@ -1,7 +1,7 @@
 //! The blocks of one realisation: in parallel, in any order, and added to the ledger from time to time.
 
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use rayon::prelude::*;
 
@@ -11,9 +11,6 @@ use super::stage::{Group, Mounted, Stage};
 use super::tally::Tally;
 use super::ways::Work;
 use crate::error::Result;
-
-/// How long a thread keeps sums to itself: adding them up takes up to milliseconds, where bins are many.
-const KEPT_BY_A_THREAD: Duration = Duration::from_millis(500);
 
 /// Where a pass is: a table and a realisation.
 pub(super) type Place = (usize, u64);
@@ -91,7 +88,7 @@ impl<'a> Pending<'a> {
             // Given up half-way, and what this thread kept to itself with it: half a second's work.
             return Ok(Pending::new(context, place, group));
         }
-        if self.since.elapsed() < KEPT_BY_A_THREAD {
+        if self.since.elapsed() < self.context.session.pace.kept_by_a_thread() {
             return Ok(self);
         }
         self.flush()?;

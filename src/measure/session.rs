@@ -12,12 +12,8 @@ use super::plan::Plan;
 use crate::campaign::Campaign;
 use crate::error::Result;
 
-/// How often it is asked whether a checkpoint is due.
-const TICK: Duration = Duration::from_millis(100);
 /// Time after which a checkpoint is due in any case, where there is something new.
 const LONGEST: Duration = Duration::from_secs(60);
-/// Seconds of processor time before which none is, but for that: however busy the machine, a short run writes none.
-const SHORTEST_S: f64 = 1.0;
 /// In between, one is due after this share of the work, and when this many times as long as the last took has gone by.
 const WORK_PARTS: u64 = 100;
 const REST: u32 = 100;
@@ -25,6 +21,34 @@ const REST: u32 = 100;
 /// The content of a lock: a panic elsewhere ends the run by itself.
 pub(super) fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
     lock.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// How often finished blocks are kept, as processor time of the run: a busy machine makes no checkpoint more.
+#[derive(Debug, Clone, Copy)]
+pub enum Pace {
+    /// After a second at the earliest, after a hundredth of the work, and so that writing takes a hundredth of the time.
+    Rare,
+    /// After so many seconds.
+    Every(f64),
+}
+
+impl Pace {
+    fn shortest_s(self) -> f64 {
+        match self {
+            Pace::Rare => 1.0,
+            Pace::Every(seconds) => seconds,
+        }
+    }
+
+    /// How often it is asked whether a checkpoint is due.
+    fn tick(self) -> Duration {
+        Duration::from_secs_f64((0.1 * self.shortest_s()).clamp(1e-3, 0.1))
+    }
+
+    /// How long a thread keeps sums to itself: adding them up takes up to milliseconds, where bins are many.
+    pub(super) fn kept_by_a_thread(self) -> Duration {
+        Duration::from_secs_f64((0.5 * self.shortest_s()).min(0.5))
+    }
 }
 
 /// What surrounds a run.
@@ -37,6 +61,8 @@ pub struct Session<'a> {
     pub interrupted: &'a AtomicBool,
     /// Where finished blocks are kept, if anywhere, and the number of the last checkpoint that is there.
     pub checkpoint: Option<(&'a Checkpoint, u64)>,
+    /// How often.
+    pub pace: Pace,
 }
 
 /// Never set.
@@ -45,7 +71,7 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 impl<'a> Session<'a> {
     /// A run that is not kept and goes on to its end.
     pub fn plain(progress: &'a (dyn Fn(u64) + Sync)) -> Self {
-        Session { progress, note: &|_| (), interrupted: &NEVER, checkpoint: None }
+        Session { progress, note: &|_| (), interrupted: &NEVER, checkpoint: None, pace: Pace::Rare }
     }
 
     /// Whether the run is to end.
@@ -83,7 +109,7 @@ impl Keeper<'_> {
         let (begin, begin_cpu_s, starts) = (Instant::now(), cpu_seconds(), self.starts());
         let mut last =
             Last { number, at: begin, cpu_s: begin_cpu_s, took: Duration::ZERO, starts, failed: false };
-        while others.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+        while others.recv_timeout(self.session.pace.tick()) == Err(RecvTimeoutError::Timeout) {
             if self.is_due(&last) {
                 match self.write(checkpoint, &mut last) {
                     Err(why) if !last.failed => {
@@ -96,19 +122,25 @@ impl Keeper<'_> {
                 }
             }
         }
-        let worth_it = self.session.is_over() || cpu_seconds() - begin_cpu_s > SHORTEST_S;
+        let worth_it = self.session.is_over() || cpu_seconds() - begin_cpu_s > self.session.pace.shortest_s();
         let new = self.starts() > last.starts || last.failed;
         if worth_it && new { self.write(checkpoint, &mut last) } else { Ok(()) }
     }
 
     fn is_due(&self, last: &Last) -> bool {
-        let since = last.at.elapsed();
-        if since < LONGEST && cpu_seconds() - last.cpu_s < SHORTEST_S {
+        let (since, pace) = (last.at.elapsed(), self.session.pace);
+        if since < LONGEST && cpu_seconds() - last.cpu_s < pace.shortest_s() {
             return false;
         }
         let new = self.starts() - last.starts;
-        let rested = since > last.took.saturating_mul(REST);
-        new > 0 && (since >= LONGEST || rested && new >= self.plan.total_samples / WORK_PARTS)
+        let enough = match pace {
+            Pace::Rare => {
+                let rested = since > last.took.saturating_mul(REST);
+                since >= LONGEST || rested && new >= self.plan.total_samples / WORK_PARTS
+            }
+            Pace::Every(_) => true,
+        };
+        new > 0 && enough
     }
 
     /// The sums are locked while they are encoded, not while they are written.

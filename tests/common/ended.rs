@@ -7,14 +7,13 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
-use std::thread;
-use std::time::Duration;
+use std::sync::OnceLock;
 
-use gonio::measure::Checkpoint;
 use gonio::rng::uniform;
 use rustix::process::{Pid, Signal, kill_process};
 use tempfile::TempDir;
 
+use super::failing::Failing;
 use super::{measuring, outputs};
 
 /// A folder with a campaign of the name `small`.
@@ -24,10 +23,19 @@ pub fn folder(text: &str) -> TempDir {
     folder
 }
 
-pub fn start(folder: &Path, words: &[&str]) -> Child {
+/// Calls that put something on the disk, of a run with some checkpoints: fewer than its last one.
+const MOST_CALLS: f64 = 60.0;
+
+/// The run, which keeps what it has after every 0.02 s of processor time.
+pub fn measure(folder: &Path, words: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gonio"));
     command.current_dir(folder).args(["measure", "small.toml", "-o", "out"]).args(words);
-    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts")
+    command.env("GONIO_CHECKPOINT_S", "0.02").stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+pub fn start(folder: &Path, words: &[&str]) -> Child {
+    measure(folder, words).spawn().expect("starts")
 }
 
 pub fn run(folder: &Path, words: &[&str]) -> Output {
@@ -54,23 +62,20 @@ pub fn uninterrupted(text: &str, words: &[&str]) -> BTreeMap<String, String> {
     digests(folder.path())
 }
 
-/// Runs until so many new checkpoints have been written, and then ends the run by a signal.
-pub fn ended_by(folder: &Path, words: &[&str], signal: Signal, seen: u64) -> Output {
-    let checkpoint = Checkpoint::of(&folder.join("out"), "small");
-    let number = || checkpoint.load().expect("whole").map_or(0, |found| found.kept.heading.number);
-    let before = number();
-    ended_when(folder, words, signal, || number() >= before + seen)
+/// Runs until so many files whose names have `part` in them have been put in their places, and then ends the run by a
+/// signal: between two calls to the system, whatever the machine does besides.
+pub fn ended_by(folder: &Path, words: &[&str], signal: Signal, part: &str, times: u64) -> Output {
+    fs::create_dir_all(folder.join("out")).expect("folder");
+    let command = measure(folder, words);
+    let mut command = failing().signalled(command, &folder.join("out"), signal.as_raw(), times);
+    command.env("FAILING_CALL", "rename").env("FAILING_NAME", part);
+    command.output().expect("runs")
 }
 
-/// Runs until it is time, and then ends the run by a signal.
-pub fn ended_when(folder: &Path, words: &[&str], signal: Signal, is_time: impl Fn() -> bool) -> Output {
-    let mut child = start(folder, words);
-    while !is_time() {
-        assert!(child.try_wait().expect("ours").is_none(), "ended before it was to be ended");
-        thread::sleep(Duration::from_millis(20));
-    }
-    signal_to(&child, signal);
-    child.wait_with_output().expect("ends")
+/// The preloaded library; where Rust can link, there is a C compiler.
+fn failing() -> &'static Failing {
+    static BUILT: OnceLock<Failing> = OnceLock::new();
+    BUILT.get_or_init(|| Failing::built().expect("a C compiler"))
 }
 
 pub fn signal_to(child: &Child, signal: Signal) {
@@ -78,31 +83,34 @@ pub fn signal_to(child: &Child, signal: Signal) {
     kill_process(pid, signal).expect("alive");
 }
 
-/// A campaign with its options, what it ends with, and how long that takes.
+/// A campaign with its options, and what it ends with.
 pub struct Whole<'a> {
     pub text: &'a str,
     pub words: &'a [&'a str],
     pub files: &'a BTreeMap<String, String>,
-    pub takes: Duration,
 }
 
-/// Kills a run and what goes on with it at random times, `kills` in all, a fresh run for every `chain` of them.
+/// Kills a run and what resumes it after random calls to the system, `kills` in all, a fresh run for every `chain` of
+/// them.
 pub fn killed(whole: &Whole, kills: u32, chain: u32) {
     let words = [whole.words, &["--resume"]].concat();
     let mut rng = measuring::test_rng(8);
-    let mut resumed = 0;
+    let (mut resumed, mut ended_before) = (0, 0);
     for first in (0..kills).step_by(chain as usize) {
         let folder = folder(whole.text);
+        let out = folder.path().join("out");
+        fs::create_dir(&out).expect("folder");
         for _ in first..kills.min(first + chain) {
-            let mut child = start(folder.path(), &words);
-            thread::sleep(whole.takes.mul_f64(uniform(&mut rng)));
-            child.kill().expect("still ours");
-            child.wait().expect("ends");
+            let call = 1 + (uniform(&mut rng) * MOST_CALLS) as u64;
+            let command = measure(folder.path(), &words);
+            let output = failing().signalled(command, &out, Signal::KILL.as_raw(), call).output();
+            ended_before += u32::from(output.expect("runs").status.code() == Some(0));
         }
         let output = run(folder.path(), &words);
         resumed += u32::from(exits(&output, 0).contains("goes on from"));
         let ended = digests(folder.path());
         assert!(ended == *whole.files, "after kill {first}: {ended:?}\nnot {:?}", whole.files);
     }
-    assert!(resumed > 0, "no run went on from what was kept");
+    println!("{kills} kills: {ended_before} after its end, {resumed} runs resumed from what was kept");
+    assert!(resumed > 0 && 2 * ended_before <= kills);
 }

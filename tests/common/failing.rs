@@ -65,7 +65,21 @@ impl Failing {
         command
     }
 
-    /// Calls that failed since the last run began.
+    /// `command`, whose `fsync` of files below a folder waits while the file `flag` is there.
+    pub fn waiting_while(&self, command: Command, below: &Path, flag: &Path) -> Command {
+        let mut command = self.preloaded(command, below);
+        command.env("FAILING_WAITS", flag);
+        command
+    }
+
+    /// `command`, which sends itself a signal after the call of this number.
+    pub fn signalled(&self, command: Command, below: &Path, signal: i32, call: u64) -> Command {
+        let mut command = self.preloaded(command, below);
+        command.env("FAILING_SIGNAL", signal.to_string()).env("FAILING_FIRST", call.to_string());
+        command
+    }
+
+    /// Calls that failed or wait since the last run began.
     pub fn failed(&self) -> Vec<String> {
         let text = fs::read_to_string(self.log()).unwrap_or_default();
         text.lines().map(str::to_string).collect()

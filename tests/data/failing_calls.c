@@ -4,7 +4,11 @@
  * FAILING_FIRST   the number, from 1, of the first call that fails
  * FAILING_LAST    that of the last one
  * FAILING_WHILE   or: every call fails that would put something on the disk while this file exists
- * FAILING_LOG     gets a line for every call that failed: its name, and the file
+ * FAILING_WAITS   or: fsync waits for as long as this file exists
+ * FAILING_SIGNAL  or: none fails, the process sends itself this signal after the first of them
+ * FAILING_CALL    and counted are those of this name alone
+ * FAILING_NAME    and on files whose path has this in it
+ * FAILING_LOG     gets a line for every call that failed or waits: its name, and the file
  *
  * Counted are opening for writing, write, writev, pwrite, fsync, fdatasync, ftruncate, rename and unlink. Where several
  * fail, unlink works: it needs no room.
@@ -14,6 +18,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -25,6 +30,7 @@
 #include <unistd.h>
 
 static atomic_long calls;
+static _Thread_local int signal_is_due;
 
 static long number(const char *name) {
     const char *text = getenv(name);
@@ -53,16 +59,46 @@ static int fails_at(const char *call, const char *path) {
     const char *flag = getenv("FAILING_WHILE");
     int removes = !strcmp(call, "unlink");
     if (!is_below(path)) return 0;
+    if (getenv("FAILING_WAITS")) return 0;
     if (flag) {
         if (removes || syscall(SYS_faccessat, AT_FDCWD, flag, F_OK)) return 0;
     } else {
         long first = number("FAILING_FIRST"), last = number("FAILING_LAST");
+        const char *name = getenv("FAILING_CALL"), *part = getenv("FAILING_NAME");
+        if ((name && strcmp(call, name)) || (part && !strstr(path, part))) return 0;
         long call_number = 1 + atomic_fetch_add(&calls, 1);
+        if (getenv("FAILING_SIGNAL")) {
+            signal_is_due = call_number == first;
+            return 0;
+        }
         if (call_number < first || call_number > last || (removes && last > first)) return 0;
     }
     note(call, path);
     errno = ENOSPC;
     return 1;
+}
+
+/* What a call returned, after the signal that is due. */
+static long after(long returned) {
+    int saved = errno;
+    if (signal_is_due) {
+        signal_is_due = 0;
+        kill(getpid(), (int)number("FAILING_SIGNAL"));
+    }
+    errno = saved;
+    return returned;
+}
+
+static void waits(int file) {
+    const char *flag = getenv("FAILING_WAITS");
+    char link[64], path[PATH_MAX];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    ssize_t length = flag ? readlink(link, path, sizeof path - 1) : -1;
+    if (length < 0) return;
+    path[length] = 0;
+    if (!is_below(path)) return;
+    note("fsync", path);
+    while (!syscall(SYS_faccessat, AT_FDCWD, flag, F_OK)) usleep(1000);
 }
 
 static int fails(const char *call, const char *path) {
@@ -101,7 +137,7 @@ static int fails_on(const char *call, int file) {
         va_start(more, flags); \
         mode_t mode = flags & O_CREAT ? va_arg(more, mode_t) : 0; \
         va_end(more); \
-        return (flags & O_ACCMODE) != O_RDONLY && fails("open", path) ? -1 : next(path, flags, mode); \
+        return (flags & O_ACCMODE) != O_RDONLY && fails("open", path) ? -1 : after(next(path, flags, mode)); \
     }
 
 OPEN(open)
@@ -109,40 +145,41 @@ OPEN(open64)
 
 ssize_t write(int file, const void *bytes, size_t count) {
     NEXT(ssize_t, "write", int, const void *, size_t);
-    return fails_on("write", file) ? -1 : next(file, bytes, count);
+    return fails_on("write", file) ? -1 : after(next(file, bytes, count));
 }
 
 ssize_t writev(int file, const struct iovec *parts, int count) {
     NEXT(ssize_t, "writev", int, const struct iovec *, int);
-    return fails_on("writev", file) ? -1 : next(file, parts, count);
+    return fails_on("writev", file) ? -1 : after(next(file, parts, count));
 }
 
 ssize_t pwrite64(int file, const void *bytes, size_t count, off64_t at) {
     NEXT(ssize_t, "pwrite64", int, const void *, size_t, off64_t);
-    return fails_on("pwrite", file) ? -1 : next(file, bytes, count, at);
+    return fails_on("pwrite", file) ? -1 : after(next(file, bytes, count, at));
 }
 
 int fsync(int file) {
     NEXT(int, "fsync", int);
-    return fails_on("fsync", file) ? -1 : next(file);
+    waits(file);
+    return fails_on("fsync", file) ? -1 : after(next(file));
 }
 
 int fdatasync(int file) {
     NEXT(int, "fdatasync", int);
-    return fails_on("fdatasync", file) ? -1 : next(file);
+    return fails_on("fdatasync", file) ? -1 : after(next(file));
 }
 
 int ftruncate64(int file, off64_t length) {
     NEXT(int, "ftruncate64", int, off64_t);
-    return fails_on("ftruncate", file) ? -1 : next(file, length);
+    return fails_on("ftruncate", file) ? -1 : after(next(file, length));
 }
 
 int rename(const char *from, const char *to) {
     NEXT(int, "rename", const char *, const char *);
-    return fails("rename", to) ? -1 : next(from, to);
+    return fails("rename", to) ? -1 : after(next(from, to));
 }
 
 int unlink(const char *path) {
     NEXT(int, "unlink", const char *);
-    return fails("unlink", path) ? -1 : next(path);
+    return fails("unlink", path) ? -1 : after(next(path));
 }
