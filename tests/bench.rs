@@ -6,9 +6,6 @@ use std::path::Path;
 use std::process::Output;
 
 use assert_cmd::Command;
-use gonio::campaign::{self, Campaign};
-use gonio::measure::{self, Patches};
-use gonio::stats;
 use serde_json::Value;
 
 const TINY: &str = "\
@@ -186,73 +183,29 @@ fn several_roughnesses_are_a_fault_and_short_ladders_a_mistake() {
     assert!(!short.path().join("out").exists());
 }
 
-/// Rays from above and starts on the facets are two estimates of one table over the same patches: the difference of
-/// their means stays within its noise.
-#[test]
-fn rays_from_above_measure_the_same_table() {
-    let text = TINY.replace("theta_i_deg = [40]", "theta_i_deg = [0, 40, 75]");
-    let campaign = campaign::parse(&text, "tiny", Path::new("")).expect("a campaign").campaign;
-    let plan = measure::plan(&campaign).expect("a plan");
-    let patches = Patches::held(&campaign).expect("patches");
-    let measured = |from_above: bool, seed: u64| {
-        let plan = measure::Plan { from_above, ..plan.clone() };
-        let campaign = Campaign { seed, ..campaign.clone() };
-        let (mut tables, _) = measure::measure(&campaign, &plan, &patches, &|_| {}).expect("a table");
-        tables.remove(0)
-    };
-    const RUNS: u64 = 8;
-    let runs = [false, true].map(|above| (0..RUNS).map(|seed| measured(above, seed)).collect::<Vec<_>>());
-    let (mut chi_square, mut dof) = (0.0, 0.0);
-    for at in 0..plan.stops * plan.bins {
-        let hits: u64 = runs.iter().flatten().map(|run| u64::from(run.table.hits[at])).sum();
-        // Means of at least 1000 arrivals are nearly normal.
-        if hits < 1000 * 2 * RUNS {
-            continue;
-        }
-        let of = |runs: &[measure::Measured]| {
-            stats::mean_and_se(runs.iter().map(|run| f64::from(run.table.colours[0].total[at])))
-        };
-        let [(a, a_se), (b, b_se)] = [of(&runs[0]), of(&runs[1])];
-        let (a_se, b_se) = (a_se.expect("8 runs"), b_se.expect("8 runs"));
-        // t^2 of 14 degrees of freedom has the mean 14/12.
-        chi_square += (a - b).powi(2) / (a_se * a_se + b_se * b_se) * 12.0 / 14.0;
-        dof += 1.0;
-    }
-    // The variance of t^2 is about 3; folded bins come in equal pairs, which doubles it, and neighbours share facets
-    // with one sign or the other: six standard deviations.
-    assert!(dof > 60.0 && chi_square < dof + 6.0 * (6.0f64 * dof).sqrt(), "{chi_square} of {dof}");
-    // No start is hidden from a beam that comes from the light, and every one goes on once.
-    for stop in runs[1].iter().flat_map(|run| &run.stops) {
-        assert_eq!(stop.hidden, 0);
-        stop.closure.iter().for_each(|light| assert!((light - 1.0).abs() < 1e-12, "{light}"));
-    }
-}
-
 #[test]
 fn two_ways_are_compared_at_an_equal_error() {
     let folder = folder(TINY);
-    let words = ["--against", "forward", "--replicates", "3"];
+    let words = ["--against", "rays", "--replicates", "3"];
     let output = bench(folder.path(), &[&words[..], &["--json"]].concat());
     exits(&output, 0);
     let answer: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let [planned, forward] = [0, 1].map(|way| &answer["ways"][way]);
-    assert_eq!((&planned["name"], &forward["name"]), (&"planned".into(), &"forward".into()));
+    let [planned, rays] = [0, 1].map(|way| &answer["ways"][way]);
+    assert_eq!((&planned["name"], &rays["name"]), (&"planned".into(), &"rays".into()));
     let number = |way: &Value, key: &str| way[key].as_f64().expect("a number");
-    for way in [planned, forward] {
+    for way in [planned, rays] {
         assert!(number(way, "cpu_s") > 0.0 && number(way, "noise") > 0.0);
         assert!(number(way, "error") > 0.0);
         let expected = number(way, "cpu_s") * (number(way, "noise") / 0.01).powi(2);
         assert!((number(way, "to_target_s") / expected - 1.0).abs() < 1e-12);
     }
-    let ratio = number(forward, "to_target_s") / number(planned, "to_target_s");
+    let ratio = number(rays, "to_target_s") / number(planned, "to_target_s");
     assert!((number(&answer, "ratio") / ratio - 1.0).abs() < 1e-12);
     // A ray for each start and one for each lit one that sends light up, either way.
-    assert!(number(forward, "rays") > 0.8 * number(planned, "rays"));
+    assert!(number(rays, "rays") > 0.8 * number(planned, "rays"));
     let output = bench(folder.path(), &words);
     exits(&output, 0);
-    assert!(
-        String::from_utf8_lossy(&output.stdout).contains("times as long by `forward` for the same error")
-    );
+    assert!(String::from_utf8_lossy(&output.stdout).contains("times as long by `rays` for the same error"));
     // What cannot be compared is said.
     for wrong in [
         &["--against", "hemisphere"][..],

@@ -194,7 +194,7 @@ fn results_are_the_same_bytes_for_any_number_of_threads() {
 
 #[test]
 fn patches_of_any_side_are_measured() {
-    // 33 is no power of two: neither lanes nor sweeps serve it.
+    // 33 is no power of two: no lanes serve it.
     let odd = SMALL.replace("cells = 32", "cells = 33");
     let hemisphere = "[sensor.hemisphere]\ntheta_r_bins = 6\nphi_r_bins = 12\n";
     let arm = "[sensor.arm]\ntheta_r_deg = [-40, 0, 40]\nphi_r_deg = [180]\naperture_deg = 2.0\n";

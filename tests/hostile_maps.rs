@@ -16,6 +16,8 @@ use rustix::process::Signal;
 
 #[path = "common/ended.rs"]
 mod ended;
+#[path = "common/failing.rs"]
+mod failing;
 #[path = "common/measuring.rs"]
 mod measuring;
 #[path = "common/outputs.rs"]

@@ -210,7 +210,6 @@ fn quickly_measured(text: &str) -> Measured {
 
 #[test]
 fn a_klems_table_is_written_as_its_own_patches() {
-    // Explicit heights: stops of one azimuth share their sweeps, though the stops are no product of two axes.
     let patches = "[surface]\nrealisations = 2\ncells = 64\n[surface.ggx]";
     let text = with_preset("name = \"klems_full\"", 1)
         .replace("[surface]\nrealisations = 2\n[surface.smith]", patches);

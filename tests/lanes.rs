@@ -171,13 +171,7 @@ fn paths_in_waves_are_paths() {
         let mut endings = Vec::new();
         paths.trace(
             &over,
-            &Wave {
-                starts: &starts,
-                of: &vec![0; starts.len()],
-                views: &[View { sample, wi }],
-                lit: false,
-                bounces,
-            },
+            &Wave { starts: &starts, of: &vec![0; starts.len()], views: &[View { sample, wi }], bounces },
             &mut visits,
             &mut endings,
         );
@@ -226,13 +220,7 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
         let mut endings = Vec::new();
         paths.trace(
             &over,
-            &Wave {
-                starts: &starts,
-                of: &vec![0; starts.len()],
-                views: &[View { sample, wi }],
-                lit: false,
-                bounces: 4,
-            },
+            &Wave { starts: &starts, of: &vec![0; starts.len()], views: &[View { sample, wi }], bounces: 4 },
             &mut visits,
             &mut endings,
         );

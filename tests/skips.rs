@@ -2,7 +2,7 @@
 //! errors where they differ.
 //!
 //! Further skips are held elsewhere: no primary rays in `fair_starts.rs`, patches shared by roughnesses and stops in
-//! `reproducibility.rs`, lanes against the f64 walk in `lanes.rs`, sweeps against rays start by start in `sweep.rs`.
+//! `reproducibility.rs`, lanes against the f64 walk in `lanes.rs`.
 
 #[path = "common/measuring.rs"]
 mod measuring;
@@ -13,13 +13,13 @@ use glam::DVec3;
 use gonio::campaign;
 use gonio::instrument::Region;
 use gonio::measure::cost::cpu_seconds;
-use gonio::measure::{self, Measured, Patches, Plan};
+use gonio::measure::{self, Measured, Patches, Plan, StartSampler};
 use gonio::rng;
 use gonio::sphere;
 use gonio::stats::{mean, mean_and_se, sidak, student_limit};
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::trace::{Facet, Image, Kernel, LaneField, LaneWalker, Outcome, Place, Sample, Walker, Waves};
-use measuring::{measured_one, measured_with, test_rng};
+use measuring::{measured_as, measured_one, measured_with, test_rng};
 
 const ISOTROPIC: &str = "alpha = 0.3";
 const ANISOTROPIC: &str = "alpha_x = 0.15\nalpha_y = 0.4";
@@ -103,18 +103,14 @@ fn median_error(measured: &Measured) -> f64 {
 #[test]
 fn starts_that_miss_every_aperture_change_no_byte() {
     let cases = [
-        (campaign(ISOTROPIC, RELATIVE, ARM, ""), true),
-        (campaign(ANISOTROPIC, ABSOLUTE, ARM, ""), true),
-        (campaign(ANISOTROPIC, ABSOLUTE, ARM, "[trace]\nvisibility = false"), false),
-        (campaign(ISOTROPIC, RELATIVE, ARM, "[optics]\nmaterial = \"gold\""), false),
+        campaign(ISOTROPIC, RELATIVE, ARM, ""),
+        campaign(ANISOTROPIC, ABSOLUTE, ARM, ""),
+        campaign(ANISOTROPIC, ABSOLUTE, ARM, "[trace]\nvisibility = false"),
+        campaign(ISOTROPIC, RELATIVE, ARM, "[optics]\nmaterial = \"gold\""),
     ];
-    for (text, sweeps) in &cases {
-        let measured = |apertures_only| {
-            measured_with(text, |plan| {
-                (plan.apertures_only, plan.indexed, plan.sweeps) = (apertures_only, false, *sweeps);
-            })
-        };
-        let (all, few) = (measured(false), measured(true));
+    for text in &cases {
+        let few = measured_as(text, |plan, campaign| plan.by_place(campaign));
+        let all = measured_as(text, |plan, campaign| plan.by_place(campaign)?.all_directions(campaign));
         assert!(same_bytes(&all, &few), "{text}");
         assert!(few.stops.iter().all(|stop| stop.outside > 0 && stop.closure.is_empty()));
         assert!(all.stops.iter().all(|stop| stop.outside == 0));
@@ -133,10 +129,8 @@ fn the_facet_index_changes_nothing_but_noise() {
         ("light cone", campaign(ISOTROPIC, cone, ARM, "")),
         ("no visibility", campaign(ISOTROPIC, RELATIVE, ARM, "[trace]\nvisibility = false")),
     ] {
-        let full = measured_with(&text, |plan| plan.indexed = false);
-        let sparse = measured_with(&text, |plan| {
-            assert!(plan.indexed, "the plan takes the index");
-        });
+        let full = measured_as(&text, |plan, campaign| plan.by_place(campaign));
+        let sparse = measured_with(&text, |plan| assert_eq!(plan.start_sampler.name(), "into_apertures"));
         agree(&format!("facet index, {what}"), &full, &sparse);
         starts_close(&sparse);
         // The same density of starts: counts of arrivals agree to the noise of some ten thousand and to the 3 % by
@@ -144,16 +138,6 @@ fn the_facet_index_changes_nothing_but_noise() {
         let arrivals = |m: &Measured| m.table.hits.iter().map(|&hits| f64::from(hits)).sum::<f64>();
         let ratio = arrivals(&sparse) / arrivals(&full);
         assert!((ratio - 1.0).abs() < 0.05, "{what}: {ratio}");
-    }
-}
-
-/// Starts and shadows from line sweeps, or from running sums and rays.
-#[test]
-fn a_swept_stop_agrees_with_rays() {
-    for (surface, light) in [(ISOTROPIC, RELATIVE), (ANISOTROPIC, ABSOLUTE)] {
-        let text = campaign(surface, light, HEMISPHERE, "");
-        let measured = |sweeps| measured_with(&text, |plan| (plan.by_slope, plan.sweeps) = (false, sweeps));
-        agree("sweep", &measured(true), &measured(false));
     }
 }
 
@@ -168,9 +152,8 @@ fn starts_by_slope_change_nothing_but_noise() {
         ("four orders", ANISOTROPIC, ABSOLUTE, "[trace]\nbounces = 4"),
     ] {
         let text = campaign(surface, light, HEMISPHERE, trace);
-        let by_slope =
-            measured_with(&text, |plan| assert!(plan.by_slope, "the plan takes the order of slopes"));
-        let by_place = measured_with(&text, |plan| plan.by_slope = false);
+        let by_slope = measured_with(&text, |plan| assert_eq!(plan.start_sampler, StartSampler::BySlope));
+        let by_place = measured_as(&text, |plan, campaign| plan.by_place(campaign));
         agree(&format!("by slope, {what}"), &by_slope, &by_place);
         starts_close(&by_slope);
     }
@@ -184,7 +167,7 @@ fn facets_are_sorted_where_the_starts_are_worth_it() {
         let parsed = campaign::parse(&text, "c.toml", std::path::Path::new("")).expect("no faults");
         let mut campaign = parsed.campaign;
         campaign.surface.cells = cells;
-        measure::plan(&campaign).expect("a plan").by_slope
+        measure::plan(&campaign).expect("a plan").start_sampler == StartSampler::BySlope
     };
     assert!(of(512) && !of(4096));
 }
@@ -354,17 +337,15 @@ fn gain_of_the_facet_index() {
         let bytes = gonio::surface::export::encode_exr(&field, 1.0, 1.0).expect("encoded");
         std::fs::write(path, bytes).expect("written");
     }
-    let run = |campaign: &campaign::Campaign, change: &dyn Fn(&mut Plan)| {
-        let mut plan = measure::plan(campaign).expect("a plan");
-        change(&mut plan);
+    let run = |campaign: &campaign::Campaign, plan: Plan| {
         let patches = Patches::from_folder(campaign, folder.path()).expect("patches");
         let (clock, cpu) = (Instant::now(), cpu_seconds());
         let (mut tables, cost) = measure::measure(campaign, &plan, &patches, &|_| ()).expect("measured");
         let table = tables.pop().expect("a table");
         println!(
-            "{} blocks, index {}: cpu {:.2} s, wall {:.2} s, {} rays, median error {:.5}",
+            "{} blocks, {}: cpu {:.2} s, wall {:.2} s, {} rays, median error {:.5}",
             plan.blocks,
-            plan.indexed,
+            plan.start_sampler.name(),
             cpu_seconds() - cpu,
             clock.elapsed().as_secs_f64(),
             cost.rays_traced,
@@ -373,11 +354,11 @@ fn gain_of_the_facet_index() {
         (cpu_seconds() - cpu, median_error(&table))
     };
     for blocks in [16, 153] {
-        let on = run(&scan, &|plan| plan.blocks = blocks);
-        let off =
-            run(&scan, &|plan| (plan.blocks, plan.indexed, plan.apertures_only) = (blocks, false, false));
-        let full = run(&hemisphere, &|plan| plan.blocks = blocks);
-        let load = run(&hemisphere, &|plan| plan.blocks = 1);
+        let planned = |campaign, blocks| Plan { blocks, ..measure::plan(campaign).expect("a plan") };
+        let on = run(&scan, planned(&scan, blocks));
+        let off = run(&scan, planned(&scan, blocks).all_directions(&scan).expect("an arm"));
+        let full = run(&hemisphere, planned(&hemisphere, blocks));
+        let load = run(&hemisphere, planned(&hemisphere, 1));
         println!(
             "{blocks} blocks: all rays / index {:.1}, hemisphere / index {:.1}, less loading {:.1}; errors {:.3}",
             off.0 / on.0,

@@ -1,4 +1,4 @@
-//! The same table by two ways: as planned, and without one of the plan's savings or as other programs do it.
+//! The same table by two ways: as planned, and without one of the plan's savings.
 //!
 //! Both ways measure the same patches under the same azimuths into the same bins, several times with draws of their
 //! own (replicates), alternately. The squared error of a bin is a/n + p^2: n starts, p the patches' own spread, which
@@ -12,7 +12,7 @@ use serde::Serialize;
 use super::run::seed_of;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
-use crate::measure::{self, Measured, Patches, Plan};
+use crate::measure::{self, Measured, Patches, Plan, StartSampler};
 use crate::stats;
 
 /// Bins below this share of their stop's peak do not count, as in `stop.relative_error`.
@@ -24,11 +24,7 @@ const TARGET: f64 = 0.01;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Other {
-    /// Starts where rays from above come down.
-    Forward,
-    /// Starts along the lines of sweeps, which say as well what the light sees.
-    Sweeps,
-    /// Starts in equal steps from place to place, and a ray towards the light for each.
+    /// Surface samples in equal steps from place to place.
     Rays,
     /// All starts of the hemisphere, also where only some apertures are asked for.
     Hemisphere,
@@ -36,30 +32,20 @@ pub enum Other {
 
 impl Other {
     /// All of them.
-    pub const ALL: [Other; 4] = [Other::Forward, Other::Sweeps, Other::Rays, Other::Hemisphere];
+    pub const ALL: [Other; 2] = [Other::Rays, Other::Hemisphere];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        ["forward", "sweeps", "rays", "hemisphere"][self as usize]
+        ["rays", "hemisphere"][self as usize]
     }
 
     /// The plan of this way; `None` where it would be the plan itself, or cannot be.
     fn plan(self, plan: &Plan, campaign: &Campaign) -> Option<Plan> {
-        let mut other = plan.clone();
-        let heights = campaign.surface.kind.is_random_heights() && campaign.trace.visibility;
         match self {
-            Other::Forward => (other.from_above, other.by_slope) = (true, false),
-            Other::Sweeps => other.by_slope = false,
-            Other::Rays => (other.sweeps, other.by_slope) = (false, false),
-            Other::Hemisphere => (other.apertures_only, other.indexed, other.by_slope) = (false, false, true),
+            Other::Rays if plan.start_sampler == StartSampler::BySlope => plan.by_place(campaign),
+            Other::Rays => None,
+            Other::Hemisphere => plan.all_directions(campaign),
         }
-        let differs = match self {
-            Other::Forward => campaign.surface.cells.is_power_of_two(),
-            Other::Sweeps => plan.sweeps && plan.by_slope,
-            Other::Rays => !plan.indexed,
-            Other::Hemisphere => plan.apertures_only,
-        };
-        (heights && differs).then_some(other)
     }
 }
 
@@ -133,7 +119,7 @@ struct Bin {
 /// called with the starts of every finished block.
 ///
 /// Errors: `Usage` with fewer than two replicates, and where `other` is no other way to measure this campaign.
-/// Held by: `noise_is_what_replicates_show`, and `rays_from_above_measure_the_same_table` in `tests/bench.rs`.
+/// Held by: `noise_is_what_replicates_show`.
 pub fn against(
     campaign: &Campaign,
     other: Other,
@@ -187,9 +173,9 @@ pub fn plans(campaign: &Campaign, other: Other, replicates: u32) -> Result<[Plan
     }
     let plan = measure::plan(campaign)?;
     let why = match other {
-        Other::Forward => "is for ggx and beckmann with visibility, cells a power of two",
-        Other::Sweeps => "is for hemispheres over ggx and beckmann with visibility",
-        Other::Rays => "is for hemispheres over ggx and beckmann",
+        Other::Rays => {
+            "is for hemispheres over ggx and beckmann with so many samples that they follow the slopes"
+        }
         Other::Hemisphere => "is for apertures (sensor.arm) over ggx and beckmann, one bounce",
     };
     let refused = || Error::Usage(format!("{}: --against {other} {why}", campaign.name));

@@ -16,9 +16,6 @@ pub mod plot;
 pub mod resolution;
 pub mod run;
 pub mod scale;
-pub mod scene;
-mod scene_file;
-mod scene_work;
 pub mod truth;
 
 pub use against::{Against, Other, against};
@@ -27,7 +24,6 @@ pub use ladder::{Ladders, Range, Varies, planned};
 pub use resolution::{Flatness, ResolutionRow, flatness, resolution};
 pub use run::{Bench, Ladder, Row, bench};
 pub use scale::{Scale, ScalePatch, ScaleRow, scale};
-pub use scene::{Scene, SceneRow, Workload};
 pub use truth::{Truth, TruthKind};
 
 /// The error measure by its name in tables, JSON and plot.

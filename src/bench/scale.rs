@@ -11,9 +11,7 @@ use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::measure::{self, CELLS_PER_START, Patches, cost};
 use crate::surface::Heightfield;
-use crate::trace::{
-    BLOCK, FacetIndex, Kernel, LaneField, LaneWalker, Layout, Starts, Together, Walker, Window,
-};
+use crate::trace::{BLOCK, FacetIndex, Kernel, LaneField, LaneWalker, Starts, Together, Walker, Window};
 
 /// One stop, or all of them, on a patch of one size.
 #[derive(Debug, Clone, Serialize)]
@@ -113,20 +111,18 @@ fn made(campaign: &Campaign) -> Result<(ScalePatch, Patches)> {
     Ok((patch, patches))
 }
 
-/// Bytes that the tracing of `field` may hold at most: its heights, the lanes' copy of them, and the largest of what
-/// only one way of starting needs (the sweeps' layout, the sums along the facets, the index by slope with the starts that
-/// are followed together).
+/// Bytes that the tracing of `field` may hold at most: its heights, the lanes' copy of them, and the larger of what only
+/// one sampler needs (the sums along the facets; the index by slope with the samples that are followed together).
 ///
 /// Held by: `tracing_takes_at_most_40_bytes_for_each_cell`.
 pub fn tracing_bytes(field: &Heightfield) -> usize {
     let in_lanes = |lanes: LaneField| LaneWalker::new(Walker::new(field), &lanes, Kernel::Scalar).bytes();
     let lanes = LaneField::new(field).map_or(0, in_lanes);
-    let layout = Layout::new(field).map_or(0, |layout| layout.bytes());
     let light = DVec3::new(0.1, 0.0, 1.0);
     let starts = Starts::new(field, Window::all(field), light).bytes();
     let together = field.cells_x() * field.cells_y() / CELLS_PER_START as usize * Together::BYTES;
     let index = FacetIndex::new(field).map_or(0, |index| index.bytes() + together);
-    size_of_val(field.heights()) + lanes + layout.max(starts).max(index)
+    size_of_val(field.heights()) + lanes + starts.max(index)
 }
 
 #[cfg(test)]

@@ -9,7 +9,6 @@ use super::against;
 use super::output::{Output, columns, duration, grouped, json_text, parsed_json, say, to_json, warn};
 use super::progress::Progress;
 use super::resolution_text;
-use super::scene::{self, SceneArguments};
 use super::targets;
 use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, Other, Range, Row, TruthKind, Varies, plot};
 use crate::campaign::{self, Campaign, Parsed, Resolution};
@@ -26,18 +25,14 @@ use crate::validate::model::Model;
     realisations: its b is free of the patches' spread. N: samples of a stop, all realisations.\n\
     With a [bench] table in the campaign it varies cells and correlation length instead.\n\
     --against measures the same patches, azimuths and bins --replicates times as planned and by\n\
-    another way: forward (rays from above instead of starts on facets), sweeps and rays (starts from\n\
-    place to place instead of slope to slope, and line sweeps or rays for what the light sees),\n\
-    hemisphere (all starts, not those alone that the apertures ask for). It writes no files.\n\n\
+    another way: rays (samples from place to place instead of slope to slope), hemisphere (light in\n\
+    all directions, not that into the apertures alone). It writes no files.\n\n\
     Example: gonio bench configs/bench.toml --from 2^12 --to 2^20"
 )]
 pub struct Arguments {
     /// The campaign, a TOML file with one roughness
-    #[arg(required_unless_present = "scene")]
-    campaign: Option<PathBuf>,
-    #[command(flatten)]
-    scene: SceneArguments,
-    /// Noise and time to an equal error by: forward, sweeps, rays, hemisphere
+    campaign: PathBuf,
+    /// Noise and time to an equal error by: rays, hemisphere
     #[arg(long, value_name = "WAY", value_parser = other, conflicts_with_all = LADDERS)]
     against: Option<Other>,
     /// The stops on a patch of each of these sizes: time and bytes for each cell
@@ -73,11 +68,11 @@ pub struct Arguments {
 }
 
 /// What belongs to ladders alone.
-const LADDERS: [&str; 7] = ["scene", "truth", "from", "to", "realisations_to", "output", "force"];
+const LADDERS: [&str; 6] = ["truth", "from", "to", "realisations_to", "output", "force"];
 
 fn other(text: &str) -> std::result::Result<Other, String> {
     let found = Other::ALL.into_iter().find(|other| other.name() == text);
-    found.ok_or_else(|| "one of forward, sweeps, rays, hemisphere".into())
+    found.ok_or_else(|| "one of rays, hemisphere".into())
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -96,14 +91,7 @@ fn count(text: &str) -> std::result::Result<u64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    match (&arguments.scene.scene, &arguments.campaign) {
-        (Some(folder), _) => scene::run(folder, &arguments.scene, arguments.json),
-        (None, Some(path)) => ladders(arguments, path),
-        (None, None) => Err(Error::Usage("a campaign or --scene DIR is needed".into())),
-    }
-}
-
-fn ladders(arguments: &Arguments, path: &Path) -> Result<u8> {
+    let path = &*arguments.campaign;
     let Parsed { campaign, notes, .. } = campaign::read(path)?;
     notes.iter().for_each(warn);
     one_roughness(&campaign, path)?;

@@ -31,7 +31,6 @@ mod recolour;
 mod report;
 mod resolution_text;
 mod results;
-mod scene;
 mod sheet;
 mod study;
 mod surface;

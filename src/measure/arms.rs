@@ -10,11 +10,10 @@ use crate::rng::{self, Purpose, StreamId};
 use crate::sphere;
 use crate::trace::Image;
 
-/// Steps of the additive sequences that spread the blocks of a realisation: the golden ratio for the azimuth, the
-/// root of 2 for the lines of a sweep, and the plastic number's for the light's cone (Roberts 2018, "The unreasonable
+/// Steps of the additive sequences that spread the blocks of a realisation: the golden ratio for the azimuth, and the
+/// plastic number's for the light's cone (Roberts 2018, "The unreasonable
 /// effectiveness of quasirandom sequences"). One hashed offset each keeps them unbiased.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
-const SILVER: f64 = 0.414_213_562_373_095_03;
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
 
 /// The arms of one block.
@@ -24,8 +23,6 @@ pub struct BlockArms {
     pub wi: DVec3,
     /// Horizontally towards it: stops of one azimuth have the same, whatever their polar angle.
     pub heading: DVec3,
-    /// Where the lines of a sweep lie between the grid's, [0, 1).
-    pub line: f64,
     /// Which mirror image of the patch lies on the stage.
     pub image: Image,
     /// (sin, cos) of the turn from the sample's frame to the frame that the bins' azimuth counts in.
@@ -45,7 +42,6 @@ impl BlockArms {
         let turn = spread(GOLDEN);
         let (u, v) = (spread(PLASTIC[0]), spread(PLASTIC[1]));
         let image = Image::nth(((spread(0.0) * plan.images as f64) as u64 + block) % plan.images);
-        let line = spread(SILVER);
         let (theta_i, phi_i) = plan.grid.stop_deg(stop);
         let phi_sample = if plan.averages_azimuth {
             360.0 * turn
@@ -60,7 +56,6 @@ impl BlockArms {
         BlockArms {
             wi,
             heading: sphere::direction_deg(90.0, phi_sample),
-            line,
             image,
             to_bins: sphere::sin_cos_deg(turn_to_bins),
             mirror: sphere::sin_cos_deg(2.0 * phi_in_bins),

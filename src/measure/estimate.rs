@@ -1,7 +1,8 @@
 //! What a run will need, before it begins: memory and time, from measured costs.
 
-use super::plan::{Plan, is_swept};
+use super::plan::Plan;
 use super::stage::CELLS_PER_START;
+use super::start_sampler::{StartSampler, aperture_fraction};
 use crate::campaign::{Alpha, Campaign, SurfaceKind};
 use crate::sphere;
 use crate::surface::import;
@@ -24,11 +25,9 @@ const NS_PER_MAP_CROSSING: f64 = 200.0;
 const MAP_CROSSINGS: f64 = 64.0;
 /// Reflection, bin and tally of a start.
 const NS_PER_START: f64 = 60.0;
-/// The search for the starts, without a sweep.
+/// The search for the starts.
 const NS_PER_FACET: f64 = 2.5;
-/// A sweep, by cell of the lines and their run-in: what stops share, and what each has for itself.
-const NS_PER_SWEPT_CELL: [f64; 2] = [6.9, 4.5];
-/// Lanes' copy, layout for sweeps and digest of a patch.
+/// Lanes' copy and digest of a patch.
 const NS_PER_MOUNTED_CELL: f64 = 30.0;
 /// The index of the facets; a start on a wanted facet, its rays included; the choice of a start by slope.
 const NS_PER_INDEXED_CELL: f64 = 25.0;
@@ -42,11 +41,9 @@ const SYNTHESIS: u128 = 45;
 const HEIGHTS: u128 = 8;
 /// f32 heights, and the table of their maxima.
 const LANES: u128 = 12;
-/// Heights by columns.
-const LAYOUT: u128 = 8;
 /// Two facets, and their bins while they are sorted.
 const INDEX: u128 = 12;
-/// Sums of turned areas, of a thread without a sweep.
+/// Sums of turned areas, of a thread.
 const SUMS: u128 = 2;
 /// Starts that a thread follows together.
 const STARTS: u128 = Together::BYTES as u128 / CELLS_PER_START as u128;
@@ -78,15 +75,13 @@ pub(super) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let threads = rayon::current_num_threads() as u128;
     let cells = plan.cells as u128;
     let lanes = if campaign.trace.visibility { LANES } else { 0 };
-    let sorted = plan.indexed || plan.by_slope;
-    let mounted = HEIGHTS + lanes + if sorted { INDEX } else { 0 };
-    let layout = if plan.sweeps && !sorted { LAYOUT } else { 0 };
+    let by_slope = plan.start_sampler == StartSampler::BySlope;
+    let mounted = HEIGHTS + lanes + if plan.start_sampler.is_indexed() { INDEX } else { 0 };
     let rounds = campaign.stop.relative_error.is_some() || campaign.stop.seconds.is_some();
     // Patches that are looked at again are all kept.
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
-    let surface =
-        kept * mounted + threads * synthesis.max(layout + SUMS).max(if plan.by_slope { STARTS } else { 0 });
+    let surface = kept * mounted + threads * synthesis.max(SUMS).max(if by_slope { STARTS } else { 0 });
     let bins = plan.bins as u128;
     // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
     // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.
@@ -144,7 +139,7 @@ pub(super) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
     if random && !matches!(campaign.surface.kind, SurfaceKind::Beckmann { .. }) {
         patch += NS_PER_SYNTHESISED_CELL;
     }
-    if plan.indexed || plan.by_slope {
+    if plan.start_sampler.is_indexed() {
         patch += NS_PER_INDEXED_CELL;
     }
     0.5e-9 * f64::from(plan.realisations) * (tracing + patch * cells)
@@ -152,17 +147,13 @@ pub(super) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
 
 /// All blocks of all stops on one patch, ns.
 fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
-    let heights = heights(campaign);
     let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
-    let swept =
-        |&stop: &usize| !plan.indexed && !plan.by_slope && is_swept(campaign, plan, stop, heights, alpha);
-    let together = (0..plan.stops).filter(swept).count() / plan.grid.azimuths();
-    let block = |stop: usize| block(campaign, plan, stop, alpha, swept(&stop).then_some(together.max(1)));
+    let block = |stop: usize| block(campaign, plan, stop, alpha);
     plan.blocks as f64 * plan.measured.iter().copied().map(block).sum::<f64>()
 }
 
-/// One block of a stop, which shares its sweep with others (`together`, itself included), ns.
-fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2, together: Option<usize>) -> f64 {
+/// One block of a stop, ns.
+fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2) -> f64 {
     let (cells, starts) = (plan.cells, BLOCK as f64);
     let further = 0.4 * f64::from(campaign.trace.bounces - 1).min(3.0);
     if matches!(campaign.surface.kind, SurfaceKind::Smith(_)) {
@@ -187,22 +178,15 @@ fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2, toge
     } else {
         (ray(run_in), ray(1.5 * (high - low) * alpha.max_element()))
     };
-    let asked_for = if plan.apertures_only {
-        super::plan::aperture_share(&plan.grid.regions(stop)).min(1.0)
-    } else {
-        1.0
-    };
-    if plan.indexed {
+    let asked_for =
+        if plan.apertures_only { aperture_fraction(&plan.grid.regions(stop)).min(1.0) } else { 1.0 };
+    if matches!(plan.start_sampler, StartSampler::IntoApertures(_)) {
         // Light falls into the apertures more often than their solid angle says.
         return starts * (4.0 * asked_for).min(1.0) * NS_PER_WANTED_START;
     }
     let path = starts * (NS_PER_START + asked_for * onwards * (1.0 + further));
-    match together {
-        Some(stops) => {
-            let [shared, own] = NS_PER_SWEPT_CELL;
-            path + (cells + cells.sqrt() * run_in) * (shared / stops as f64 + own)
-        }
-        None if plan.by_slope => path + starts * (to_light + NS_PER_START_BY_SLOPE),
-        None => path + starts * to_light + 2.0 * cells * NS_PER_FACET,
+    match plan.start_sampler {
+        StartSampler::BySlope => path + starts * (to_light + NS_PER_START_BY_SLOPE),
+        _ => path + starts * to_light + 2.0 * cells * NS_PER_FACET,
     }
 }

@@ -67,8 +67,6 @@ pub(super) struct Followed<'a> {
     turns: Vec<Turn>,
     /// The turn of the path at hand.
     at: usize,
-    /// Whether the starts are known to see the light.
-    lit: bool,
     /// Starts that were counted.
     counted: u64,
     /// When the blocks began.
@@ -80,12 +78,12 @@ pub(super) struct Followed<'a> {
 }
 
 impl<'a> Followed<'a> {
-    /// Followed of `stop`; `lit` where only starts that the light sees are followed.
-    pub fn new(context: &'a Context<'a>, stop: usize, lit: bool, tally: &'a mut Tally) -> Self {
+    /// Of an incidence, without blocks yet.
+    pub fn new(context: &'a Context<'a>, stop: usize, tally: &'a mut Tally) -> Self {
         let (rays, weights) = (Rays::default(), PathWeights::default());
         let begin = Instant::now();
         let (turns, given_up) = (Vec::new(), false);
-        Followed { context, stop, tally, turns, at: 0, lit, counted: 0, begin, given_up, rays, weights }
+        Followed { context, stop, tally, turns, at: 0, counted: 0, begin, given_up, rays, weights }
     }
 
     /// One block whose paths carry `flux` each.
@@ -93,10 +91,9 @@ impl<'a> Followed<'a> {
         context: &'a Context<'a>,
         (arms, stop): (BlockArms, usize),
         flux: f64,
-        lit: bool,
         tally: &'a mut Tally,
     ) -> Self {
-        let mut one = Followed::new(context, stop, lit, tally);
+        let mut one = Followed::new(context, stop, tally);
         one.take(arms, flux);
         one
     }
@@ -172,7 +169,7 @@ impl<'a> Followed<'a> {
         lights.clear();
         lights.resize_with(starts.len(), || Light::new(weighed));
         let bounces = self.context.campaign.trace.bounces;
-        let wave = Wave { starts, of: turns, views, lit: self.lit, bounces };
+        let wave = Wave { starts, of: turns, views, bounces };
         paths.trace(over, &wave, lights, endings);
         for (((start, &turn), &ending), light) in starts.iter().zip(&*turns).zip(&*endings).zip(&*lights) {
             self.at = usize::from(turn);
@@ -181,16 +178,6 @@ impl<'a> Followed<'a> {
         }
         starts.clear();
         turns.clear();
-    }
-
-    /// Counts a start that the light does not see.
-    pub fn hide(&mut self, sample: &Sample, start: &Place) {
-        if self.misses(sample, start) {
-            self.leave_out(1);
-        } else {
-            self.look(sample, start, Ending::Hidden);
-            self.end(Ending::Hidden, &Light::new(false));
-        }
     }
 
     /// Notes whether the light sees the facet of `start`, where facets of every slope are started on.
@@ -247,16 +234,10 @@ impl<'a> Followed<'a> {
         }
     }
 
-    /// Counts the rays that went ahead of the starts, and those of them that found none.
-    pub fn end_primaries(&mut self, rays: u64, lost: u64) {
-        self.rays.traced += rays;
-        self.tally.lost += lost;
-    }
-
     /// Counts a path.
     pub fn end(&mut self, ending: Ending, light: &Light) {
         self.counted += 1;
-        self.rays.count(&ending, self.context.campaign, self.lit);
+        self.rays.count(&ending, self.context.campaign);
         let units = self.turn().units;
         match ending {
             Ending::Out { wo, order } => self.arrive(wo, order, light, false),
@@ -325,15 +306,13 @@ struct Rays {
 }
 
 impl Rays {
-    fn count(&mut self, ending: &Ending, campaign: &Campaign, lit: bool) {
+    fn count(&mut self, ending: &Ending, campaign: &Campaign) {
         let bounces = u64::from(campaign.trace.bounces);
-        // The light's ray, which a sweep replaces, and one after each bounce.
-        let (light, swept) = if lit { (0, 1) } else { (1, 0) };
+        // The light's ray, and one after each bounce.
         let (traced, skipped) = match *ending {
-            Ending::Out { order, .. } => (light + u64::from(order), swept),
-            Ending::Cut { down } => (light + bounces - u64::from(down), swept + u64::from(down)),
-            Ending::LeftMap { order, .. } => (light + u64::from(order), swept),
-            Ending::Hidden | Ending::Lost => (light, swept),
+            Ending::Out { order, .. } | Ending::LeftMap { order, .. } => (1 + u64::from(order), 0),
+            Ending::Cut { down } => (1 + bounces - u64::from(down), u64::from(down)),
+            Ending::Hidden | Ending::Lost => (1, 0),
         };
         if campaign.trace.visibility {
             self.traced += traced;

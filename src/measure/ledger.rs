@@ -7,6 +7,7 @@ use super::cost::Cost;
 use super::heading::{Heading, unreadable};
 use super::plan::Plan;
 use super::rounds::Tables;
+use super::start_sampler::StartSampler;
 use crate::campaign::{self, Campaign};
 use crate::error::Error;
 use crate::files::sealed;
@@ -90,7 +91,7 @@ impl Ledger {
             starts: self.starts(plan),
             looked: self.tables.has_looked(campaign),
             blocks: plan.blocks,
-            by_slope: plan.by_slope,
+            by_slope: plan.start_sampler == StartSampler::BySlope,
             digests: self.digests.clone(),
             cost: self.cost.clone(),
         };
@@ -119,7 +120,7 @@ impl Kept {
         if band != plan.band {
             return Err("other stops at a time than those that were asked for".into());
         }
-        if by_slope != plan.by_slope {
+        if by_slope != (plan.start_sampler == StartSampler::BySlope) {
             return Err("so many samples start in another order on the facets than these did".into());
         }
         if blocks > plan.blocks || digests.len() > plan.realisations as usize {

@@ -1,27 +1,21 @@
 //! What a campaign needs, and what it skips: decided here, once, before anything is allocated.
 
-use glam::DVec2;
 use serde::Serialize;
 
 use super::bands::{self, Band};
 use super::estimate::{Memory, cells_and_relief, memory, seconds};
 use super::shards::Shard;
 use super::skips::{Skip, skips};
+use super::start_sampler::StartSampler;
 use super::weighing::Weighing;
 use crate::campaign::{Azimuth, Campaign, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files::memory::memory_limit;
-use crate::instrument::{Grid, GridKind, Region, grid_of};
+use crate::instrument::{Grid, GridKind, grid_of};
 use crate::sphere;
 use crate::surface::import::ABSURD_SDQ;
 use crate::trace::BLOCK;
 
-/// A sweep visits every cell: with more of them for each start, rays are faster.
-const MOST_CELLS_PER_START: f64 = 20.0;
-/// Starts of a stop on a patch for each of its cells from which on sorting the facets by slope pays.
-const FEWEST_STARTS_PER_CELL: f64 = 1.0 / 64.0;
-/// Apertures that cover more than this share of the hemisphere are not worth an index.
-const LARGEST_SHARE: f64 = 0.25;
 /// Largest sum of the flux that starts carry, of what falls on the patch in one block.
 const LARGEST_FLUX: f64 = (1u64 << 36) as f64;
 /// A run that would take longer is refused: 31 days.
@@ -67,23 +61,11 @@ pub struct Plan {
     pub total_samples: u64,
     /// Whether every block has an azimuth of its own.
     pub averages_azimuth: bool,
-    /// Whether line sweeps may replace the search for starts and the light's rays (`is_swept`); tests and benches
-    /// switch it off.
-    pub sweeps: bool,
-    /// Up to how many cells for each start of a block they do; benches raise it.
-    #[serde(skip)]
-    pub most_cells_per_start: f64,
     /// Whether only light towards the sensor's apertures counts: a facet that sends light elsewhere gets no ray, and
-    /// albedos are not known. Tests switch it off.
+    /// albedos are not known.
     pub apertures_only: bool,
-    /// Whether the facets that send light towards the apertures are found by an index of all facets by slope; tests
-    /// and benches switch it off.
-    pub indexed: bool,
-    /// Whether starts follow the facets in the order of their slopes; tests and benches switch it off.
-    pub by_slope: bool,
-    /// Whether starts are found by rays from above instead, for comparison: only `bench --against forward` says so.
-    #[serde(skip)]
-    pub from_above: bool,
+    /// How the surface samples of a block are chosen.
+    pub start_sampler: StartSampler,
     /// Mirror images of each patch that serve as further samples (1: none).
     pub images: u64,
     /// For each stop, whether mirrored arrivals count as well.
@@ -137,6 +119,7 @@ pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan
     let (cells, relief) = cells_and_relief(campaign);
     let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
+    let samples = blocks * BLOCK;
     let roughnesses = campaign.alphas().len();
     let random = campaign.surface.kind.is_random_heights();
     let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
@@ -145,9 +128,8 @@ pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan
     // The statistical surface does not know where a path goes before it has left.
     let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
     let apertures_only = grid.kind == GridKind::Arm && campaign.trace.bounces == 1 && explicit;
-    let total =
-        [measured.len() as u128, u128::from(realisations), u128::from(blocks * BLOCK), roughnesses as u128];
-    let indexed = apertures_only && random && few_apertures(&grid, &folded);
+    let total = [measured.len() as u128, u128::from(realisations), u128::from(samples), roughnesses as u128];
+    let start_sampler = StartSampler::decided(campaign, &grid, &folded, (samples, apertures_only));
     let mut plan = Plan {
         stops: grid.stops(),
         measured,
@@ -160,15 +142,11 @@ pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan
         realisations,
         blocks,
         block_starts: BLOCK,
-        samples: blocks * BLOCK,
+        samples,
         total_samples: saturated(total.iter().product()),
         averages_azimuth,
-        sweeps: random && campaign.trace.visibility,
-        most_cells_per_start: MOST_CELLS_PER_START,
         apertures_only,
-        indexed,
-        by_slope: random && !indexed && pays_by_slope(campaign, blocks * BLOCK),
-        from_above: false,
+        start_sampler,
         images,
         folded,
         colours: campaign.optics.colours(),
@@ -179,11 +157,42 @@ pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan
         estimated_s: 0.0,
         grid,
     };
-    plan.skipped = skips(campaign, &plan);
-    let memory = memory(campaign, &plan);
-    plan.memory_bytes = saturated(memory.whole(&plan));
-    plan.estimated_s = seconds(campaign, &plan).min(campaign.stop.seconds.unwrap_or(f64::INFINITY));
+    let memory = plan.estimate(campaign);
     Ok((plan, memory))
+}
+
+impl Plan {
+    /// Notes what is skipped, and what the run will take.
+    fn estimate(&mut self, campaign: &Campaign) -> Memory {
+        self.skipped = skips(campaign, self);
+        let memory = memory(campaign, self);
+        self.memory_bytes = saturated(memory.whole(self));
+        self.estimated_s = seconds(campaign, self).min(campaign.stop.seconds.unwrap_or(f64::INFINITY));
+        memory
+    }
+
+    /// The same measurement with surface samples row by row, to compare with; `None` where the plan has no other ones.
+    pub fn by_place(&self, campaign: &Campaign) -> Option<Plan> {
+        self.start_sampler
+            .is_indexed()
+            .then(|| self.with(campaign, StartSampler::ByPlace, self.apertures_only))
+    }
+
+    /// The same measurement with light in all directions followed, not that into apertures alone, to compare with;
+    /// `None` where the plan follows all of it.
+    pub fn all_directions(&self, campaign: &Campaign) -> Option<Plan> {
+        let sampler = match &self.start_sampler {
+            StartSampler::IntoApertures(_) => StartSampler::BySlope,
+            others => others.clone(),
+        };
+        self.apertures_only.then(|| self.with(campaign, sampler, false))
+    }
+
+    fn with(&self, campaign: &Campaign, start_sampler: StartSampler, apertures_only: bool) -> Plan {
+        let mut plan = Plan { start_sampler, apertures_only, ..self.clone() };
+        plan.estimate(campaign);
+        plan
+    }
 }
 
 /// The plan, if it fits the memory and the time.
@@ -271,61 +280,4 @@ pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
     };
     let folds = |stop: usize| campaign.is_isotropic() || along_an_axis(stop);
     (0..grid.stops()).map(|stop| campaign.trace.fold && symmetric && folds(stop)).collect()
-}
-
-/// Whether an index of the facets is worth its making: whether at every stop the apertures, mirrored ones included,
-/// cover little enough of the hemisphere.
-///
-/// Estimated break-even: see `LARGEST_SHARE`. Held by: `the_facet_index_changes_nothing_but_noise` in `tests/skips.rs`.
-fn few_apertures(grid: &Grid, folded: &[bool]) -> bool {
-    folded.iter().enumerate().all(|(stop, &folded)| {
-        let share = aperture_share(&grid.regions(stop));
-        share * if folded { 2.0 } else { 1.0 } <= LARGEST_SHARE
-    })
-}
-
-/// Whether sorting the facets of a patch by slope pays, for so many starts of a stop on it. A property of the stop alone:
-/// further stops and roughnesses, which share the sort, leave its bytes as they are.
-///
-/// The sort takes 25 ns a cell. A start takes 1.1 times as long by slope as along a sweep, and an equal error a quarter
-/// (alpha 0.05) to a half (alpha 0.8) of the starts, six stops from 0 to 75 degrees: some 350 ns are saved for each of
-/// them (`gonio bench configs/ggx_isotropic.toml --against sweeps`). That pays for a sort from 0.07 starts a cell on, which
-/// a campaign of five stops has where each has a 64th.
-/// Held by: `starts_by_slope_change_nothing_but_noise` in `tests/skips.rs`.
-fn pays_by_slope(campaign: &Campaign, starts: u64) -> bool {
-    starts as f64 >= FEWEST_STARTS_PER_CELL * f64::from(campaign.surface.cells).powi(2)
-}
-
-/// The share of the hemisphere's solid angle that apertures cover, overlaps counted as often as they are covered.
-pub(super) fn aperture_share(regions: &[Region]) -> f64 {
-    let of = |region: &Region| match region {
-        Region::Cap { half_angle, .. } => 2.0 * (0.5 * half_angle).sin().powi(2),
-        Region::Rectangle { .. } => 1.0,
-    };
-    regions.iter().map(of).sum()
-}
-
-/// Whether a stop's starts, and what the light sees of them, come from a line sweep over a patch of this height range
-/// instead of from rays. A property of the stop alone: further stops leave it as it is.
-///
-/// Measured break-even on one core, blocks of 65,536 on 2^20 cells: a sweep takes 6 ms a stop where six share it and
-/// 12 ms alone at 60 degrees; starts and rays 12 to 13 ms. Its time grows with the cells for each start, and with the
-/// run-in of range x alpha tan(theta) cells before each line.
-/// Held by: `tests/sweep.rs`, and `a_swept_stop_agrees_with_rays` in `tests/skips.rs`.
-pub fn is_swept(
-    campaign: &Campaign,
-    plan: &Plan,
-    stop: usize,
-    (low, high): (f64, f64),
-    alpha: DVec2,
-) -> bool {
-    let side = f64::from(campaign.surface.cells);
-    let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
-    let run_in = (high - low) * alpha.max_element() * sin / cos;
-    // An aperture gives every stop an azimuth of its own.
-    let shared = campaign.light.aperture_deg == 0.0;
-    plan.sweeps
-        && shared
-        && side * side <= plan.most_cells_per_start * plan.block_starts as f64
-        && run_in <= side
 }

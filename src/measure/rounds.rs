@@ -81,26 +81,25 @@ impl Tables {
     pub fn add(
         &mut self,
         (table, realisation): (usize, u64),
+        stop: usize,
         blocks: &[u64],
-        tallies: impl IntoIterator<Item = (usize, Tally)>,
+        tally: Tally,
         plan: &Plan,
     ) -> Result<(), Error> {
-        for (stop, tally) in tallies {
-            let (wanted, starts) = (blocks.len() as u64 * plan.block_starts, tally.starts());
-            if tally.lost > 0 || starts != wanted {
-                let lost = tally.lost;
-                return Err(Error::Internal(format!(
-                    "realisation {realisation}, stop {stop}, blocks {blocks:?}: {lost} rays lost, {starts} of {wanted} \
-                     starts counted"
-                )));
-            }
-            let sum = &mut self.tables[table].sums[realisation as usize][stop];
-            blocks.iter().for_each(|&block| sum.done.insert(block));
-            self.done += blocks.len() as u64;
-            match &mut sum.tally {
-                Some(before) => before.merge(&tally),
-                none => *none = Some(Box::new(tally)),
-            }
+        let (wanted, starts) = (blocks.len() as u64 * plan.block_starts, tally.starts());
+        if tally.lost > 0 || starts != wanted {
+            let lost = tally.lost;
+            return Err(Error::Internal(format!(
+                "realisation {realisation}, stop {stop}, blocks {blocks:?}: {lost} rays lost, {starts} of {wanted} starts \
+                 counted"
+            )));
+        }
+        let sum = &mut self.tables[table].sums[realisation as usize][stop];
+        blocks.iter().for_each(|&block| sum.done.insert(block));
+        self.done += blocks.len() as u64;
+        match &mut sum.tally {
+            Some(before) => before.merge(&tally),
+            none => *none = Some(Box::new(tally)),
         }
         Ok(())
     }

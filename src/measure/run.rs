@@ -16,7 +16,7 @@ use super::ledger::Ledger;
 use super::patches::{Patches, Specimen};
 use super::plan::Plan;
 use super::session::{Keeper, Session, locked};
-use super::stage::Mounted;
+use super::stage::PreparedPatch;
 use super::stopping;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -121,7 +121,7 @@ struct Run<'a> {
     context: &'a Context<'a>,
     patches: &'a Patches,
     /// Patches that are looked at again in a further round, by realisation.
-    mounted: BTreeMap<u64, Mounted>,
+    mounted: BTreeMap<u64, PreparedPatch>,
 }
 
 impl Run<'_> {
@@ -183,8 +183,8 @@ impl Run<'_> {
             self.context.note_digest(k, digest)?;
         }
         let cpu = cpu_seconds();
-        let mount = |made: Specimen| Mounted::new(made, self.context.campaign, self.context.plan);
-        let mounted: Vec<Mounted> = made.into_par_iter().map(mount).collect();
+        let mount = |made: Specimen| PreparedPatch::new(made, self.context.campaign, self.context.plan);
+        let mounted: Vec<PreparedPatch> = made.into_par_iter().map(mount).collect();
         self.mounted.extend(realisations.iter().copied().zip(mounted));
         let (wall_s, cpu_s) = (clock.elapsed().as_secs_f64(), cpu_seconds() - cpu);
         locked(&self.context.clocks).made_patches(wall_s, cpu_s);

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::plan::{Plan, aperture_share};
+use super::plan::Plan;
+use super::start_sampler::{StartSampler, aperture_fraction};
 use crate::campaign::{Campaign, Optics, SurfaceKind};
 use crate::instrument::GridKind;
 
@@ -49,23 +50,12 @@ fn of_rays(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, S
         );
         return;
     }
-    if plan.by_slope {
+    if plan.start_sampler == StartSampler::BySlope {
         skip(
             "samples that fall together by chance",
             "starts go in equal steps from facet to facet of like slope: they send light into the same bin, which gets \
              its share of them",
             "half (alpha 0.8) to 4 of 5 (alpha 0.05) of the time for the same error (measured)".into(),
-        );
-    } else if plan.sweeps && !plan.indexed {
-        let saves = if plan.stops > 1 {
-            "one ray of two at order 1, and half of the time where six stops share an azimuth (measured)"
-        } else {
-            "one ray of two at order 1"
-        };
-        skip(
-            "the light's rays and the search for starts",
-            "a running maximum along the light's direction says what it sees; stops of one azimuth share the lines",
-            saves.into(),
         );
     }
     skip(
@@ -85,13 +75,13 @@ fn of_apertures(plan: &Plan, skip: &mut impl FnMut(&str, &str, String)) {
     if plan.grid.kind != GridKind::Arm || !plan.apertures_only {
         return;
     }
-    let share = 100.0 * aperture_share(&plan.grid.regions(0));
+    let share = 100.0 * aperture_fraction(&plan.grid.regions(0));
     skip(
         "both rays of starts that send light into no aperture",
         "a facet and the light fix where it goes; albedos and energy laws are then not available",
         format!("the rays of most starts: the apertures cover {share:.2} % of the hemisphere"),
     );
-    if plan.indexed {
+    if matches!(plan.start_sampler, StartSampler::IntoApertures(_)) {
         skip(
             "starts on facets that send light into no aperture",
             "an index of the facets by slope finds the others: same density of starts, same flux each",

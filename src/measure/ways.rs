@@ -1,5 +1,4 @@
-//! The ways to start a block: by a line sweep, along all facets with a ray for each, on the wanted facets alone, from
-//! a law without heights, or, for comparison, by rays from above.
+//! The blocks of one incidence on one patch: surface samples as the plan's sampler chooses them, followed and tallied.
 
 use glam::DVec3;
 
@@ -7,45 +6,42 @@ use super::arms::{BlockArms, starts_stream};
 use super::followed::{Followed, with_waves};
 use super::optics::Light;
 use super::run::Context;
-use super::stage::{Group, Heights, Stage, Way};
+use super::stage::{Heights, IntoApertures, PatchSampler};
 use super::tally::Tally;
 use crate::rng;
-use crate::trace::{BySlope, FromAbove, Place, Selection, SmithWalk, Starts, Sweep, Together, View};
+use crate::trace::{BySlope, FacetIndex, Place, Selection, SmithWalk, Starts, Together, View};
+
+/// The address of some blocks, and the surface that they are measured on.
+pub(super) struct Work<'a> {
+    pub sampler: &'a PatchSampler<'a>,
+    pub stop: usize,
+    pub realisation: u64,
+    pub blocks: &'a [u64],
+}
 
 impl Context<'_> {
-    /// The blocks of starts of every stop of a group.
-    pub(super) fn blocks(&self, work: &Work, tallies: &mut [Tally]) {
-        match work.stage {
-            Stage::Heights(heights) if work.group.way == Way::BySlope => {
-                self.blocks_by_slope(work, heights, &mut tallies[0]);
+    /// Adds blocks of samples to the tally of their incidence.
+    pub(super) fn blocks(&self, work: &Work, tally: &mut Tally) {
+        let each = |block: &mut dyn FnMut(u64)| work.blocks.iter().for_each(|&number| block(number));
+        match work.sampler {
+            PatchSampler::Law(walk) => each(&mut |block| self.block_by_law(work, block, walk, tally)),
+            PatchSampler::ByPlace(heights) => {
+                each(&mut |block| self.block_by_place(work, block, heights, tally));
             }
-            _ => work.blocks.iter().for_each(|&block| self.block(work, block, tallies)),
+            PatchSampler::BySlope(heights, index) => self.blocks_by_slope(work, heights, index, tally),
+            PatchSampler::IntoApertures(into) => {
+                each(&mut |block| self.block_into_apertures(work, block, into, tally));
+            }
         }
-        let starts = self.plan.block_starts * (work.group.stops.len() * work.blocks.len()) as u64;
-        (self.session.progress)(starts);
-    }
-
-    /// One block of starts of every stop of a group.
-    fn block(&self, work: &Work, block: u64, tallies: &mut [Tally]) {
-        match work.stage {
-            Stage::Heights(heights) => match work.group.way {
-                Way::Sweep => self.swept_block(work, block, heights, tallies),
-                Way::Rays => self.ray_block(work, block, heights, &mut tallies[0]),
-                Way::Index(share) => self.indexed_block(work, block, (heights, share), &mut tallies[0]),
-                Way::Above => self.block_from_above(work, block, heights, &mut tallies[0]),
-                Way::BySlope => unreachable!("blocks by slope are followed together"),
-            },
-            Stage::Statistical(walk) => self.walked_block(work, block, walk, &mut tallies[0]),
-        }
+        (self.session.progress)(self.plan.block_starts * work.blocks.len() as u64);
     }
 
     /// Paths through a law.
-    fn walked_block(&self, work: &Work, block: u64, walk: &SmithWalk, tally: &mut Tally) {
-        let stop = work.group.stops[0];
-        let arms = self.arms(work, block, stop);
-        let mut rng = rng::stream(self.starts_stream(work, block, stop));
+    fn block_by_law(&self, work: &Work, block: u64, walk: &SmithWalk, tally: &mut Tally) {
+        let arms = self.arms(work, block);
+        let mut rng = rng::stream(self.starts_stream(work, block));
         let flux = 1.0 / self.plan.block_starts as f64;
-        let mut followed = Followed::one(self, (arms, stop), flux, false, tally);
+        let mut followed = Followed::one(self, (arms, work.stop), flux, tally);
         for _ in 0..self.plan.block_starts {
             if followed.is_given_up() {
                 return;
@@ -56,16 +52,16 @@ impl Context<'_> {
         }
     }
 
-    /// Starts on the facets, and a ray towards the light for each.
-    fn ray_block(&self, work: &Work, block: u64, heights: &Heights, tally: &mut Tally) {
-        let (plan, stop) = (self.plan, work.group.stops[0]);
-        let arms = self.arms(work, block, stop);
-        let mut rng = rng::stream(self.starts_stream(work, block, stop));
+    /// Samples along all facets, row by row.
+    fn block_by_place(&self, work: &Work, block: u64, heights: &Heights, tally: &mut Tally) {
+        let plan = self.plan;
+        let arms = self.arms(work, block);
+        let mut rng = rng::stream(self.starts_stream(work, block));
         let sample = heights.sample(&arms);
         let light = sample.to_field(arms.wi);
         let starts = Starts::new(&heights.patch.field, heights.patch.window, light);
         let flux = starts.share(plan.block_starts);
-        let mut followed = Followed::one(self, (arms, stop), flux, false, tally);
+        let mut followed = Followed::one(self, (arms, work.stop), flux, tally);
         if flux == 0.0 {
             // A part of an open map may lean away from the light with every facet: nothing falls on it.
             return followed.all_turned_away(plan.block_starts);
@@ -75,18 +71,15 @@ impl Context<'_> {
         });
     }
 
-    /// Starts on the facets in the order of their slopes, and a ray towards the light for each: blocks together.
-    fn blocks_by_slope(&self, work: &Work, heights: &Heights, tally: &mut Tally) {
-        let Some(index) = heights.index else {
-            unreachable!("only stages with an index are walked by slope")
-        };
-        let (field, count, stop) = (&heights.patch.field, self.plan.block_starts, work.group.stops[0]);
-        let mut followed = Followed::new(self, stop, false, tally);
+    /// Samples along all facets in the order of their slopes: blocks together.
+    fn blocks_by_slope(&self, work: &Work, heights: &Heights, index: &FacetIndex, tally: &mut Tally) {
+        let (field, count) = (&heights.patch.field, self.plan.block_starts);
+        let mut followed = Followed::new(self, work.stop, tally);
         let (mut views, mut together) = (Vec::new(), Together::default());
         for &block in work.blocks {
-            let arms = self.arms(work, block, stop);
+            let arms = self.arms(work, block);
             let sample = heights.sample(&arms);
-            let mut stream = rng::stream(self.starts_stream(work, block, stop));
+            let mut stream = rng::stream(self.starts_stream(work, block));
             let starts = BySlope::new(index, field, sample.to_field(arms.wi), &mut stream);
             followed.take(arms, starts.share(count));
             together.add(&starts, count, stream);
@@ -95,14 +88,12 @@ impl Context<'_> {
         follow_all(&mut followed, heights, &views, |visit| together.each(index, field, visit));
     }
 
-    /// Starts on the facets alone that can send light into an aperture; the rest of the block is counted without
-    /// being made.
-    fn indexed_block(&self, work: &Work, block: u64, (heights, share): (&Heights, f64), tally: &mut Tally) {
-        let (Some(index), Some((axes, half_angle))) = (heights.index, self.sensor.cones()) else {
-            unreachable!("only stages with an index are sparse, and only arms have one");
-        };
-        let (plan, stop) = (self.plan, work.group.stops[0]);
-        let arms = self.arms(work, block, stop);
+    /// Samples on the facets alone that can send light into an aperture; the rest of the block is counted without being
+    /// made.
+    fn block_into_apertures(&self, work: &Work, block: u64, into: &IntoApertures, tally: &mut Tally) {
+        let IntoApertures { heights, index, apertures, flux_fractions } = into;
+        let (plan, stop, fraction) = (self.plan, work.stop, flux_fractions[work.stop]);
+        let arms = self.arms(work, block);
         let sample = heights.sample(&arms);
         let light = sample.to_field(arms.wi);
         // Most apertures of a scan in the plane of incidence are their own mirror images.
@@ -110,82 +101,28 @@ impl Context<'_> {
             let image = arms.mirrored(axis);
             (plan.folded[stop] && image.distance(axis) > f64::EPSILON).then_some(image)
         };
-        let axes = axes.flat_map(|axis| std::iter::once(axis).chain(mirrored(axis)));
+        let axes = apertures.axes.iter().flat_map(|&axis| std::iter::once(axis).chain(mirrored(axis)));
         let axes = axes.map(|axis| arms.from_bins(axis));
-        let selection = Selection::new(index, sample, arms.wi, axes, half_angle);
-        let step = share * light.z * heights.patch.window.cells() as f64;
+        let selection = Selection::new(index, sample, arms.wi, axes, apertures.half_angle);
+        let step = fraction * light.z * heights.patch.window.cells() as f64;
         if selection.total() > step * plan.block_starts as f64 {
             // Nearly everything is wanted. Decided by the arms alone: no bias.
-            return self.ray_block(work, block, heights, tally);
+            return self.block_by_place(work, block, heights, tally);
         }
-        let mut rng = rng::stream(self.starts_stream(work, block, stop));
-        let mut followed = Followed::one(self, (arms, stop), share, false, tally);
+        let mut rng = rng::stream(self.starts_stream(work, block));
+        let mut followed = Followed::one(self, (arms, stop), fraction, tally);
         follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |visit| {
             selection.each(step, &mut rng, |start| visit(0, start));
         });
         followed.leave_out_up_to(plan.block_starts);
     }
 
-    /// Starts along the lines of a sweep, which says as well which of them the light sees.
-    fn swept_block(&self, work: &Work, block: u64, heights: &Heights, tallies: &mut [Tally]) {
-        let (Some(over), Some(layout)) = (&heights.lanes, &heights.layout) else {
-            unreachable!("only fields with both are swept");
-        };
-        let (plan, stops) = (self.plan, &work.group.stops);
-        let arms: Vec<BlockArms> = stops.iter().map(|&stop| self.arms(work, block, stop)).collect();
-        let sample = heights.sample(&arms[0]);
-        let lights: Vec<_> = arms.iter().map(|arms| sample.to_field(arms.wi)).collect();
-        let heading = sample.to_field(arms[0].heading).truncate();
-        let sweep = Sweep::new(layout, heading, &lights, arms[0].line);
-        let offset = |&stop: &usize| rng::uniform(&mut rng::stream(self.starts_stream(work, block, stop)));
-        let offsets: Vec<f64> = stops.iter().map(offset).collect();
-        let of_stop = |(k, tally): (usize, _)| {
-            let flux = sweep.share(k, plan.block_starts);
-            Followed::one(self, (arms[k], stops[k]), flux, true, tally)
-        };
-        let mut followed: Vec<Followed> = tallies.iter_mut().enumerate().map(of_stop).collect();
-        let views: Vec<View> = arms.iter().map(|arms| View { sample, wi: arms.wi }).collect();
-        with_waves(stops.len(), |waves| {
-            sweep.each(plan.block_starts, &offsets, |k, start, lit| {
-                if lit {
-                    followed[k].follow_later(&views[k..=k], over, (0, start), &mut waves[k]);
-                } else {
-                    followed[k].hide(&sample, &start);
-                }
-            });
-            for ((followed, wave), view) in followed.iter_mut().zip(waves).zip(views.chunks(1)) {
-                followed.follow_wave(view, over, wave);
-            }
-        });
+    fn arms(&self, work: &Work, block: u64) -> BlockArms {
+        BlockArms::new(self.campaign, self.plan, work.stop, work.realisation, block)
     }
 
-    /// Starts where rays from above come down: all that it takes is done by rays, and the light sees every start.
-    fn block_from_above(&self, work: &Work, block: u64, heights: &Heights, tally: &mut Tally) {
-        let Some(over) = heights.lanes else { unreachable!("only fields with lanes are compared") };
-        let (plan, stop) = (self.plan, work.group.stops[0]);
-        let arms = self.arms(work, block, stop);
-        let mut rng = rng::stream(self.starts_stream(work, block, stop));
-        let sample = heights.sample(&arms);
-        let beam = FromAbove::new(over, sample.to_field(arms.wi));
-        let flux = 1.0 / plan.block_starts as f64;
-        let mut followed = Followed::one(self, (arms, stop), flux, true, tally);
-        let views = [View { sample, wi: arms.wi }];
-        let (rays, lost) = with_waves(1, |waves| {
-            let sent = beam.each(plan.block_starts, &mut rng, |start| {
-                followed.follow_later(&views, &over, (0, start), &mut waves[0]);
-            });
-            followed.follow_wave(&views, &over, &mut waves[0]);
-            sent
-        });
-        followed.end_primaries(rays, lost);
-    }
-
-    fn arms(&self, work: &Work, block: u64, stop: usize) -> BlockArms {
-        BlockArms::new(self.campaign, self.plan, stop, work.realisation, block)
-    }
-
-    fn starts_stream(&self, work: &Work, block: u64, stop: usize) -> rng::StreamId {
-        starts_stream(self.campaign, self.plan, stop, work.realisation, block)
+    fn starts_stream(&self, work: &Work, block: u64) -> rng::StreamId {
+        starts_stream(self.campaign, self.plan, work.stop, work.realisation, block)
     }
 }
 
@@ -203,12 +140,4 @@ fn follow_all(
         }),
         None => each(&mut |turn, start| blocks.follow(&views[turn].sample, turn, start)),
     }
-}
-
-/// The address of some blocks, and the surface that they are measured on.
-pub(super) struct Work<'a> {
-    pub stage: &'a Stage<'a>,
-    pub group: &'a Group,
-    pub realisation: u64,
-    pub blocks: &'a [u64],
 }

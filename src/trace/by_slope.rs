@@ -10,6 +10,7 @@ use rand_pcg::Pcg64Dxsm;
 
 use super::facet_index::{FacetIndex, Slopes};
 use super::starts::point_in;
+use super::steps::SystematicSteps;
 use super::walk::{Facet, Place};
 use crate::rng;
 use crate::surface::Heightfield;
@@ -106,18 +107,13 @@ impl<'a> BySlope<'a> {
 
     /// The facets of `count` starts, by slope.
     fn facets(&self, count: u64, rng: &mut Pcg64Dxsm) -> Vec<u32> {
-        let step = self.total() / count as f64;
-        let offset = rng::uniform(rng);
+        let mut steps = SystematicSteps::new(count, self.total() / count as f64, rng::uniform(rng));
         let mut facets = Vec::with_capacity(count as usize);
         let mut begin = 0.0;
         for (k, bin) in self.bins.iter().enumerate() {
             // Rounding may leave a step beyond the sum: it belongs to the last bin.
             let last = k + 1 == self.bins.len();
-            while (facets.len() as u64) < count {
-                let position = (facets.len() as f64 + offset) * step;
-                if position >= bin.end && !last {
-                    break;
-                }
+            while let Some(position) = steps.take(if last { f64::INFINITY } else { bin.end }) {
                 facets.push(self.facet(bin, (position - begin) / (bin.end - begin), rng));
             }
             begin = bin.end;

@@ -2,7 +2,6 @@
 
 pub mod by_slope;
 pub mod facet_index;
-pub mod from_above;
 pub mod image;
 mod lane_cell;
 pub mod lane_field;
@@ -17,7 +16,7 @@ pub mod peaks;
 pub mod selection;
 pub mod smith_walk;
 pub mod starts;
-pub mod sweep;
+mod steps;
 mod vectors;
 pub mod walk;
 pub mod wave_paths;
@@ -26,7 +25,6 @@ mod way;
 
 pub use by_slope::{BySlope, Together};
 pub use facet_index::FacetIndex;
-pub use from_above::FromAbove;
 pub use image::Image;
 pub use lane_field::LaneField;
 pub use lane_kernel::{Answers, Fate, LONGEST, LaneHit};
@@ -37,7 +35,6 @@ pub use peaks::Peaks;
 pub use selection::Selection;
 pub use smith_walk::{SmithWalk, WalkLaw};
 pub use starts::{BLOCK, Starts, Window};
-pub use sweep::{Layout, Sweep};
 pub use walk::{Facet, Outcome, Place, Walker};
 pub use wave_paths::{PathWaves, View, Wave};
 pub use waves::{LaneWalker, Waves};

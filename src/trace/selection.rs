@@ -11,6 +11,7 @@ use rand_pcg::Pcg64Dxsm;
 use super::facet_index::{FacetIndex, Slopes};
 use super::path::Sample;
 use super::starts::point_in;
+use super::steps::SystematicSteps;
 use super::walk::{Facet, Place};
 use crate::rng;
 
@@ -88,17 +89,12 @@ impl<'a> Selection<'a> {
     /// light: what lies beyond a facet's own area in its slot is passed over. So the density of starts is 1/step on
     /// every facet, exactly, and no facet without a start is looked at.
     pub fn each(&self, step: f64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) {
-        let offset = rng::uniform(rng);
-        let (mut next, mut begin) = (0u64, 0.0);
+        let mut steps = SystematicSteps::new(u64::MAX, step, rng::uniform(rng));
+        let mut begin = 0.0;
         let mut candidates = Vec::with_capacity(TOGETHER);
         for slots in &self.slots {
             let last = self.index.count(slots.bin) - 1;
-            loop {
-                let position = (next as f64 + offset) * step;
-                if position >= slots.end {
-                    break;
-                }
-                next += 1;
+            while let Some(position) = steps.take(slots.end) {
                 let slot = ((position - begin) / slots.length) as usize;
                 let within = position - begin - slot as f64 * slots.length;
                 candidates.push((self.index.facet(slots.bin, slot.min(last)), within));

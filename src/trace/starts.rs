@@ -6,6 +6,7 @@
 use glam::DVec3;
 use rand_pcg::Pcg64Dxsm;
 
+use super::steps::SystematicSteps;
 use super::walk::{Facet, Place};
 use crate::rng;
 use crate::surface::Heightfield;
@@ -87,27 +88,25 @@ impl<'a> Starts<'a> {
 
     /// Calls `visit` with `count` start points of equal flux, in the order of the facets.
     pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) {
-        let step = self.total() / count as f64;
-        let offset = rng::uniform(rng);
-        let mut due = Due { next: 0, count, step, offset };
+        let mut steps = SystematicSteps::new(count, self.total() / count as f64, rng::uniform(rng));
         let mut start = |facet: Facet| {
             let (u, v) = point_in(facet.upper, rng);
             visit(Place::on(self.field, facet, u, v));
         };
         for (group, ends) in self.before.windows(2).enumerate() {
-            if due.before(ends[1]) {
+            if steps.is_before(ends[1]) {
                 let facets = self.facets(group);
-                while let Some(position) = due.take(ends[1]) {
+                while let Some(position) = steps.take(ends[1]) {
                     start(facets.at(position - ends[0]));
                 }
             }
         }
         // Rounding may leave a step beyond the sum: it belongs to the last facet.
-        if due.next < count
+        if !steps.is_over()
             && let Some(group) = self.before.windows(2).rposition(|ends| ends[0] < ends[1])
         {
             let last = self.facets(group).at(f64::INFINITY);
-            while due.take(f64::INFINITY).is_some() {
+            while steps.take(f64::INFINITY).is_some() {
                 start(last);
             }
         }
@@ -153,33 +152,6 @@ impl Facets {
             index = areas.iter().rposition(|&area| area > 0.0).unwrap_or(0);
         }
         Facet { x: self.first + index / 2, y: self.y, upper: index % 2 == 1 }
-    }
-}
-
-/// The systematic steps still to come.
-struct Due {
-    next: u64,
-    count: u64,
-    step: f64,
-    offset: f64,
-}
-
-impl Due {
-    /// Whether a step lies before `sum`.
-    fn before(&self, sum: f64) -> bool {
-        self.next < self.count && self.position() < sum
-    }
-
-    /// Takes the next step if it lies before `sum`, and says where it is.
-    fn take(&mut self, sum: f64) -> Option<f64> {
-        let position = self.position();
-        let taken = self.before(sum).then_some(position);
-        self.next += u64::from(taken.is_some());
-        taken
-    }
-
-    fn position(&self) -> f64 {
-        (self.next as f64 + self.offset) * self.step
     }
 }
 

@@ -33,8 +33,6 @@ pub struct Wave<'a> {
     pub of: &'a [u16],
     /// The views.
     pub views: &'a [View<'a>],
-    /// Whether it is known that the light sees every start.
-    pub lit: bool,
     /// Highest order.
     pub bounces: u32,
 }
@@ -98,10 +96,6 @@ impl PathWaves {
         };
         let starts = wave.starts.iter().enumerate().map(at_start);
         self.now.clear();
-        if wave.lit {
-            self.now.extend(starts);
-            return;
-        }
         let ray = |k: usize| {
             let View { sample, wi } = wave.view(k);
             (&wave.starts[k], sample.to_field(*wi))

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use gonio::campaign;
+use gonio::campaign::{self, Campaign};
 use gonio::measure::{self, Measured, Patches, Plan};
 use gonio::rng::{self, Purpose, StreamId};
 use gonio::surface::Heightfield;
@@ -23,10 +23,19 @@ pub fn measured_in(folder: &Path, text: &str) -> Vec<Measured> {
 
 /// The table of a campaign with one roughness and without files, measured after `change` of its plan.
 pub fn measured_with(text: &str, change: impl FnOnce(&mut Plan)) -> Measured {
+    measured_as(text, |plan, _| {
+        let mut plan = plan.clone();
+        change(&mut plan);
+        Some(plan)
+    })
+}
+
+/// The same, measured by another plan.
+pub fn measured_as(text: &str, other: impl FnOnce(&Plan, &Campaign) -> Option<Plan>) -> Measured {
     let parsed =
         campaign::parse(text, "c.toml", Path::new("")).unwrap_or_else(|e| panic!("refused: {e}\n{text}"));
-    let mut plan = measure::plan(&parsed.campaign).expect("it fits the memory");
-    change(&mut plan);
+    let plan = measure::plan(&parsed.campaign).expect("it fits the memory");
+    let plan = other(&plan, &parsed.campaign).expect("another plan");
     let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
     let (mut tables, _) =
         measure::measure(&parsed.campaign, &plan, &patches, &|_| ()).expect("no ray is lost");

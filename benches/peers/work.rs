@@ -1,10 +1,10 @@
 //! The workloads of a scene: batches of rays through the lanes, and the same rays through the f64 walk.
 
 use glam::DVec3;
+use gonio::surface::heightfield::Corners;
+use gonio::trace::{Fate, LaneWalker, Outcome, Place, Walker, Waves};
 
 use super::scene::{Workload, start_of};
-use crate::surface::heightfield::Corners;
-use crate::trace::{Fate, LaneWalker, Outcome, Place, Walker, Waves};
 
 /// Rays in a batch.
 const BATCH: usize = 4096;
@@ -15,7 +15,7 @@ const BINS: (usize, usize) = (32, 128);
 
 /// What a workload found.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Tracing {
+pub struct Tracing {
     /// Rays traced.
     pub rays: u64,
     /// Samples that escape.
@@ -58,7 +58,7 @@ impl Tracing {
 type Ray = (Place, DVec3);
 
 /// Traces a workload in the lanes.
-pub(super) fn trace(work: Workload, over: &LaneWalker, rays: &[[f32; 6]]) -> Tracing {
+pub fn trace(work: Workload, over: &LaneWalker, rays: &[[f32; 6]]) -> Tracing {
     let mut found = Tracing::of(work, rays.len());
     let mut waves = Waves::default();
     let mut now: Vec<Ray> = Vec::new();
@@ -103,7 +103,7 @@ pub(super) fn trace(work: Workload, over: &LaneWalker, rays: &[[f32; 6]]) -> Tra
 }
 
 /// Traces a workload ray by ray in f64.
-pub(super) fn trace_by_walk(work: Workload, walker: &Walker, rays: &[[f32; 6]]) -> Tracing {
+pub fn trace_by_walk(work: Workload, walker: &Walker, rays: &[[f32; 6]]) -> Tracing {
     let mut found = Tracing::of(work, rays.len());
     let field = walker.field();
     for ray in rays {

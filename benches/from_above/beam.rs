@@ -1,13 +1,10 @@
 //! Starts as other programs find them: a beam falls on the whole patch, and what its rays meet first is where paths
-//! start. Kept to compare the starts on facets with (`gonio bench --against forward`); a measurement never uses it.
+//! start.
 
 use glam::DVec3;
+use gonio::rng;
+use gonio::trace::{Facet, LONGEST, LaneWalker, Outcome, Place, Waves};
 use rand_pcg::Pcg64Dxsm;
-
-use super::lane_kernel::LONGEST;
-use super::walk::{Facet, Outcome, Place};
-use super::waves::{LaneWalker, Waves};
-use crate::rng;
 
 /// Rays that are followed together.
 const WAVE: usize = 4096;
@@ -34,13 +31,11 @@ impl<'a> FromAbove<'a> {
     /// Calls `visit` with the first meeting points of `count` rays, row by row. The plan of the patch is cut into equal
     /// rows and these into equal parts, with a uniform point in each part: less noise than points anywhere.
     ///
-    /// A beam from the zenith needs no rays: what it meets stands straight below. Returns the rays that were followed,
-    /// and those without an answer.
-    /// Held by: `tests/lanes.rs`.
-    pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) -> (u64, u64) {
+    /// A beam from the zenith needs no rays: what it meets stands straight below. Returns the rays without an answer.
+    pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) -> u64 {
         let mut wave: Vec<Place> = Vec::with_capacity(WAVE);
         let mut waves = Waves::default();
-        let (mut rays, mut lost) = (0, 0);
+        let mut lost = 0;
         let rows = (count as f64).sqrt().floor().max(1.0) as u64;
         for row in 0..rows {
             let (begin, end) = (row * count / rows, (row + 1) * count / rows);
@@ -55,14 +50,11 @@ impl<'a> FromAbove<'a> {
                 }
                 wave.push(start);
                 if wave.len() == WAVE {
-                    rays += WAVE as u64;
                     lost += self.follow(&mut waves, &mut wave, &mut visit);
                 }
             }
         }
-        rays += wave.len() as u64;
-        lost += self.follow(&mut waves, &mut wave, &mut visit);
-        (rays, lost)
+        lost + self.follow(&mut waves, &mut wave, &mut visit)
     }
 
     /// The start of the ray that comes down to the highest height at (x, y), shares of the patch's sides.

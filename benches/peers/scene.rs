@@ -1,20 +1,14 @@
-//! The ray kernels on a given scene: heights and rays from files, rates by processor time.
-//!
-//! Enters: the folder of `hf_N.npy`, `w0_N.npy`, `w1_N.npy`, `w2_N.npy` (f32; rays as ox oy oz dx dy dz, lengths in
-//! cells). Leaves: for each workload the rate, the share of rays that escape, and the share that the f64 walk answers
-//! otherwise. Rays are traced in the files' order, in batches, by one thread.
+//! A scene: heights and rays from files, rates by processor time.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
+use gonio::surface::Heightfield;
+use gonio::trace::{Facet, Kernel, LaneField, LaneWalker, Place, Walker};
 use rustix::time::{ClockId, clock_gettime};
 
-use super::scene_file;
-use super::scene_work::{self, Tracing};
-use crate::error::{Error, Result};
-use crate::surface::Heightfield;
-use crate::trace::{Facet, Kernel, LaneField, LaneWalker, Place, Walker};
+use super::array;
+use super::work::{self, Tracing};
 
 /// What is traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,12 +38,6 @@ impl Workload {
     }
 }
 
-impl fmt::Display for Workload {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
-    }
-}
-
 /// A scene to trace.
 pub struct Scene {
     folder: PathBuf,
@@ -59,7 +47,7 @@ pub struct Scene {
 
 /// One line of the result.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SceneRow {
+pub struct Row {
     /// What was traced.
     pub work: Workload,
     /// Rays in the file.
@@ -75,7 +63,7 @@ pub struct SceneRow {
     pub differs: f64,
 }
 
-impl SceneRow {
+impl Row {
     /// Millions of rays per processor second, median of the repetitions.
     pub fn rate(&self) -> f64 {
         self.samples as f64 * self.rays_per_sample / self.median_seconds() * 1e-6
@@ -94,38 +82,34 @@ impl SceneRow {
 
 impl Scene {
     /// Reads the heights of the scene of `cells` x `cells` in `folder`.
-    ///
-    /// Errors: `Io`, `Format` (with the file's name) where a file is missing, short or of another shape; `Refused`
-    /// where the lanes cannot hold the field.
-    pub fn read(folder: &Path, cells: usize) -> Result<Self> {
+    pub fn read(folder: &Path, cells: usize) -> Result<Self, String> {
         let path = folder.join(format!("hf_{cells}.npy"));
-        let heights = scene_file::read(&path, &[Some(cells), Some(cells)])?;
+        let heights = array::read(&path, &[Some(cells), Some(cells)])?;
         let field = Heightfield::new(cells, cells, true, heights.into_iter().map(f64::from).collect());
         Ok(Scene { folder: folder.to_path_buf(), cells, field })
     }
 
     /// Traces one workload `repetitions` times, after one that is dropped.
-    pub fn run(&self, work: Workload, kernel: Kernel, repetitions: usize) -> Result<SceneRow> {
+    pub fn run(&self, work: Workload, kernel: Kernel, repetitions: usize) -> Result<Row, String> {
         let path = self.folder.join(format!("{}_{}.npy", work.file(), self.cells));
-        let values = scene_file::read(&path, &[None, Some(6)])?;
+        let values = array::read(&path, &[None, Some(6)])?;
         let rays: Vec<[f32; 6]> = values.as_chunks().0.to_vec();
-        let lanes = LaneField::new(&self.field).ok_or_else(|| {
-            Error::Refused(format!("{} cells a side: the lanes take powers of two from 8", self.cells))
-        })?;
+        let lanes = LaneField::new(&self.field)
+            .ok_or_else(|| format!("{} cells a side: the lanes take powers of two from 8", self.cells))?;
         let walker = Walker::new(&self.field);
         let over = LaneWalker::new(walker, &lanes, kernel);
         let mut seconds = Vec::new();
         let mut found = Tracing::default();
         for repetition in 0..=repetitions {
             let before = thread_seconds();
-            found = scene_work::trace(work, &over, &rays);
+            found = work::trace(work, &over, &rays);
             if repetition > 0 {
                 seconds.push(thread_seconds() - before);
             }
         }
         seconds.sort_by(f64::total_cmp);
-        let reference = scene_work::trace_by_walk(work, &walker, &rays);
-        Ok(SceneRow {
+        let reference = work::trace_by_walk(work, &walker, &rays);
+        Ok(Row {
             work,
             samples: rays.len(),
             rays_per_sample: found.rays as f64 / rays.len() as f64,
@@ -144,7 +128,7 @@ fn thread_seconds() -> f64 {
 
 /// A ray of the scene as the walk takes it: start and direction.
 #[inline]
-pub(super) fn start_of(field: &Heightfield, ray: &[f32; 6]) -> (Place, DVec3) {
+pub fn start_of(field: &Heightfield, ray: &[f32; 6]) -> (Place, DVec3) {
     let ((x, u), (y, v)) = (cell_of(ray[0]), cell_of(ray[1]));
     // Sides are powers of two: a mask wraps negative cells too.
     let facet = Facet {
