@@ -114,7 +114,7 @@ fn single_scattering_misses_three_tenths_of_a_rough_mirror() {
     let rough = FURNACES[0].stops[0].beyond_order_1();
     let (missed, se) = (rough.0.expect("all light is seen"), rough.1.expect("several realisations"));
     // Smith's single-bounce albedo at alpha 0.5, theta 0 is 0.68785 (tests/data/reference_albedo.csv). A real surface
-    // differs from it by no more than its flux-weighted discrepancy, 0.009 at this angle (README), and by noise.
+    // differs from it by no more than its flux-weighted discrepancy, 0.009 at this angle (docs/physics.md), and by noise.
     assert!((missed - (1.0 - 0.687_848_515_11)).abs() < 0.009 + 4.0 * se, "{missed} +- {se}");
 }
 

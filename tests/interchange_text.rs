@@ -105,7 +105,7 @@ fn zemax_tables_stand_about_the_mirror_direction() {
     let line =
         |k: usize| text.lines().skip_while(|line| !line.starts_with("DataBegin")).nth(k).expect("there");
     // Behind DataBegin: TIS and 37 lines for each incidence. TIS of that of 25 degrees: GGX 0.3, separable, between
-    // 0.86 and 0.89 (0.88244 and 0.87344 measured at 0 and 30 degrees; README).
+    // 0.86 and 0.89 (0.88244 and 0.87344 measured at 0 and 30 degrees; docs/guide.md).
     let back = zemax::read(text.as_bytes()).expect("readable");
     let place = back.light.iter().position(|&light| light == 25.0).expect("a stop");
     let tis: f64 = line(1 + place * 38).strip_prefix("TIS ").expect("TIS").parse().expect("a number");

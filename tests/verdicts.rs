@@ -80,7 +80,7 @@ fn a_right_table_passes_and_a_wrong_label_fails() {
         assert_eq!(ruling(&verdict, "model"), Ruling::Failed, "{wrong}");
         assert!(!verdict.ok && verdict.verdict.starts_with("failed: "), "{}", verdict.verdict);
     }
-    // At alpha 0.8 and 75 degrees separable masking is a fifth of the flux away (README).
+    // At alpha 0.8 and 75 degrees separable masking is a fifth of the flux away (docs/physics.md).
     let of = |heights: &str| {
         let surface = format!("[surface.smith]\nndf = \"ggx\"\nheights = \"{heights}\"\nalpha = 0.8");
         smith(&surface, "theta_i_deg = [75]", "")

@@ -243,7 +243,7 @@ fn limits((empty, all): (usize, usize), gaps: usize, summary: &Value) -> Vec<Str
         "Geometric optics: facets are flat mirrors, without diffraction or interference.".into(),
         "Values are means over bins, not values at their centres; compare them with means.".into(),
         "Error bars come from the spread of independent realisations; they do not hold what the surface's grid does \
-         to the steepest slopes (README, limits of validity)."
+         to the steepest slopes (docs/physics.md, limits of validity)."
             .into(),
         format!("{empty} of {all} bins had no arrival: value 0, error the BRDF of 1.5 arrivals."),
     ];
