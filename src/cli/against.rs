@@ -7,6 +7,7 @@ use super::progress::Progress;
 use crate::bench::{self, Against, Other, Scale, scale};
 use crate::campaign::Campaign;
 use crate::error::Result;
+use crate::instrument::angle_decimals;
 
 /// Measures a campaign as planned and by another way.
 pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -> Result<u8> {
@@ -53,11 +54,13 @@ pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -
 
 fn stops(found: &Against, other: Other) -> Vec<String> {
     let headings = ["theta_i", "phi_i", "bins", "noise", &format!("by {other}"), "variance ratio"];
+    let of_theta = angle_decimals(2, found.stops.iter().map(|stop| stop.theta_i_deg));
+    let of_phi = angle_decimals(2, found.stops.iter().map(|stop| stop.phi_i_deg));
     let row = |stop: &bench::against::StopNoise| {
         let [plan, other] = stop.noise;
         vec![
-            format!("{:.2}", stop.theta_i_deg),
-            format!("{:.2}", stop.phi_i_deg),
+            format!("{:.of_theta$}", stop.theta_i_deg),
+            format!("{:.of_phi$}", stop.phi_i_deg),
             stop.bins.to_string(),
             format!("{plan:.5}"),
             format!("{other:.5}"),

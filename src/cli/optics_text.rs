@@ -1,6 +1,7 @@
 //! What a measurement says of its material: albedos of each order, and what Schlick's formula costs.
 
-use super::output::{StopAngles, angle_decimals, columns};
+use super::output::columns;
+use crate::instrument::{StopAngles, angle_decimals};
 use crate::measure::{Measured, Plan, StopResult};
 use crate::stats;
 use crate::validate::schlick_error::{ColourError, SchlickError, StopError};
@@ -59,8 +60,8 @@ pub fn schlick_lines(error: &SchlickError) -> Vec<String> {
         lines.push(format!("(the {MOST_COLOURS} of {} colours that differ most)", error.colours.len()));
     }
     if !error.stops.is_empty() {
-        let of_theta = angle_decimals(error.stops.iter().map(|stop| stop.theta_i_deg));
-        let of_phi = angle_decimals(error.stops.iter().map(|stop| stop.phi_i_deg));
+        let of_theta = angle_decimals(2, error.stops.iter().map(|stop| stop.theta_i_deg));
+        let of_phi = angle_decimals(2, error.stops.iter().map(|stop| stop.phi_i_deg));
         let row = |stop: &StopError| {
             vec![
                 format!("{:.of_theta$}", stop.theta_i_deg),

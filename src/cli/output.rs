@@ -9,7 +9,6 @@ use serde_json::Value;
 
 use crate::error::{Error, Result, is_unseen, seen_in_json};
 use crate::files::{self, memory};
-use crate::instrument::Grid;
 use crate::text_decoding::decode_text;
 use crate::validate::Verdict;
 
@@ -208,41 +207,6 @@ pub fn with_error(mean: f64, se: Option<f64>) -> String {
     }
 }
 
-/// The decimals that a list of angles is printed with: two, and more where different ones would look the same or one
-/// below 90 would read 90.
-pub fn angle_decimals(angles: impl IntoIterator<Item = f64>) -> usize {
-    let mut angles: Vec<f64> = angles.into_iter().chain([90.0]).collect();
-    angles.sort_by(f64::total_cmp);
-    angles.dedup();
-    let text = |angle: f64, decimals: usize| format!("{angle:.decimals$}");
-    let differ =
-        |decimals: &usize| angles.windows(2).all(|pair| text(pair[0], *decimals) != text(pair[1], *decimals));
-    // 17 digits tell any two numbers between 10 and 100 apart.
-    (2..15).find(differ).unwrap_or(15)
-}
-
-/// The angles of a stop as text, with decimals for all stops of a grid.
-pub struct StopAngles<'a> {
-    grid: &'a Grid,
-    decimals: [usize; 2],
-}
-
-impl<'a> StopAngles<'a> {
-    /// The stops of `grid`.
-    pub fn of(grid: &'a Grid) -> Self {
-        let stops = || (0..grid.stops()).map(|stop| grid.stop_deg(stop));
-        let decimals =
-            [angle_decimals(stops().map(|stop| stop.0)), angle_decimals(stops().map(|stop| stop.1))];
-        StopAngles { grid, decimals }
-    }
-
-    /// theta_i and phi_i.
-    pub fn texts(&self, stop: usize) -> [String; 2] {
-        let ((theta, phi), [of_theta, of_phi]) = (self.grid.stop_deg(stop), self.decimals);
-        [format!("{theta:.of_theta$}"), format!("{phi:.of_phi$}")]
-    }
-}
-
 /// A number, or `n/a`.
 pub fn or_na(value: Option<f64>, decimals: usize) -> String {
     value.map_or("n/a".into(), |value| format!("{value:.decimals$}"))
@@ -290,16 +254,6 @@ mod tests {
         assert_eq!(with_error(0.5, Some(12.0)), "0 +- 12");
         assert_eq!(with_error(1.0, Some(0.0)), "1.00000 +- 0");
         assert_eq!(with_error(1.0, None), "1.00000 +- n/a");
-    }
-
-    #[test]
-    fn angles_that_differ_look_different() {
-        assert_eq!(angle_decimals([0.0, 30.0, 60.0]), 2);
-        assert_eq!(angle_decimals([90.0, 100.0 / 3.0]), 2);
-        assert_eq!(angle_decimals([89.99, 89.999]), 3);
-        assert_eq!(angle_decimals([89.99999]), 5);
-        assert_eq!(angle_decimals([90f64.next_down()]), 14);
-        assert_eq!(angle_decimals([45.0, 45f64.next_up()]), 14);
     }
 
     #[test]

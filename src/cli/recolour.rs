@@ -6,12 +6,13 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::export::check_output;
-use super::output::{Output, angle_decimals, columns, say, with_error};
+use super::output::{Output, columns, say, with_error};
 use super::table_file;
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
 use crate::files::{self, NewFile};
 use crate::instrument::GridKind;
+use crate::instrument::angle_decimals;
 use crate::stats;
 use crate::table::recolour::recolour;
 use crate::table::{BrdfTable, RealisationPart, Realisations, realisations, store};
@@ -80,8 +81,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         return Ok(0);
     }
     let decimals = [
-        angle_decimals(rows.iter().map(|row| row.stop_deg.0)),
-        angle_decimals(rows.iter().map(|row| row.stop_deg.1)),
+        angle_decimals(2, rows.iter().map(|row| row.stop_deg.0)),
+        angle_decimals(2, rows.iter().map(|row| row.stop_deg.1)),
     ];
     let texts: Vec<Vec<String>> = rows.iter().map(|row| row.text(decimals)).collect();
     out.lines(columns(&["theta_i", "phi_i", "albedo single", "albedo total"], &texts))?;

@@ -4,11 +4,12 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::optics_text;
-use super::output::{self, Output, StopAngles, duration, grouped, with_error};
+use super::output::{self, Output, duration, grouped, with_error};
 use super::sheet::Sheet;
 use super::targets::Target;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
+use crate::instrument::StopAngles;
 use crate::measure::{Cost, Disk, Measured, Plan, StopResult, StoppedBy};
 use crate::report::specimen::Shown;
 use crate::report::{Scene, terminal};

@@ -13,8 +13,8 @@ use super::plots::{self, shown_stops, shown_sweeps, spread};
 use super::polar::polar;
 use super::specimen::Specimen;
 use crate::campaign::{Optics, SurfaceKind};
-use crate::instrument::Grid;
 use crate::instrument::grid::GridKind;
+use crate::instrument::{Grid, angle_decimals};
 
 /// Rows of the tables of stops before the middle is left out.
 const MOST_ROWS: usize = 48;
@@ -52,7 +52,9 @@ fn judgement(judgement: &Value) -> String {
 fn measured(page: &Page) -> String {
     let grid = &page.scene.table.grid;
     let surface = page.campaign.map_or("A table without a campaign".into(), surface);
-    let angles: Vec<String> = page.scene.rounds().iter().map(|round| degrees(round.angle_deg)).collect();
+    let rounds = page.scene.rounds();
+    let decimals = angle_decimals(0, rounds.iter().map(|round| round.angle_deg)).max(3);
+    let angles: Vec<String> = rounds.iter().map(|round| shortened(round.angle_deg, decimals)).collect();
     let angles = match angles.len() {
         0..=12 => angles.join(", "),
         count => format!("{count} angles from {} to {}", angles[0], angles[count - 1]),
@@ -74,10 +76,10 @@ fn measured(page: &Page) -> String {
     format!("{surface}; light at theta_i {angles} degrees{azimuths}; {sensor}{optics}.")
 }
 
-/// An angle with no more digits than it needs.
-fn degrees(angle: f64) -> String {
-    let text = format!("{angle:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
+/// An angle of up to so many decimals, without zeros at their end.
+fn shortened(angle: f64, decimals: usize) -> String {
+    let text = format!("{angle:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
 /// Where the sensor looks, in words.
@@ -156,6 +158,17 @@ fn cell(value: &Value, key: &str, decimals: usize) -> String {
     format!("<td data-key=\"{key}\">{text}</td>")
 }
 
+/// The light's angles at each of these stops; the azimuth where there are several.
+fn angle_cells<'a>(page: &Page, stops: &'a [Value]) -> impl Fn(usize) -> String + use<'a> {
+    let keys: &[&str] =
+        if page.scene.has_azimuths() { &["theta_i_deg", "phi_i_deg"] } else { &["theta_i_deg"] };
+    let decimals = |key: &&str| angle_decimals(1, stops.iter().filter_map(|stop| stop[*key].as_f64()));
+    let decimals: Vec<usize> = keys.iter().map(decimals).collect();
+    move |index| {
+        keys.iter().zip(&decimals).map(|(key, &decimals)| cell(&stops[index], key, decimals)).collect()
+    }
+}
+
 fn comparisons(page: &Page) -> String {
     let Some(all) = page.summary["comparisons"].as_array().filter(|all| !all.is_empty()) else {
         return "<p>No model speaks of this surface: nothing to compare with.</p>".into();
@@ -164,18 +177,17 @@ fn comparisons(page: &Page) -> String {
     let maskings = all.iter().filter_map(|c| c["masking"].as_str());
     let heads: String =
         maskings.map(|name| format!("<th>{}</th>", escaped(&name.replace('_', "-")))).collect();
-    let stops = all[0]["stops"].as_array().map_or(0, Vec::len);
+    let stops = all[0]["stops"].as_array().map_or(&[][..], Vec::as_slice);
+    let angles = angle_cells(page, stops);
     let distance = |value: &Value| {
         if value["l1_model"].is_null() { cell(value, "l1", 4) } else { cell(value, "l1_model", 4) }
     };
     let row = |stop: usize| {
         let here = |c: &Value| c["stops"][stop].clone();
-        let azimuth = if several { cell(&here(&all[0]), "phi_i_deg", 1) } else { String::new() };
         let cells: String = all.iter().map(|c| distance(&here(c))).collect();
-        let first = here(&all[0]);
-        format!("<tr>{}{azimuth}{}{cells}</tr>", cell(&first, "theta_i_deg", 1), cell(&first, "l1_noise", 4))
+        format!("<tr>{}{}{cells}</tr>", angles(stop), cell(&here(&all[0]), "l1_noise", 4))
     };
-    let rows: String = spread(stops, MOST_ROWS).into_iter().map(row).collect();
+    let rows: String = spread(stops.len(), MOST_ROWS).into_iter().map(row).collect();
     let mean: String = all.iter().map(distance).collect();
     let azimuth = if several { ["<th>phi_i</th>", "<td></td>"] } else { ["", ""] };
     let model = escaped(&all[0]["model"].as_str().unwrap_or("model").replace('_', " "));
@@ -184,7 +196,7 @@ fn comparisons(page: &Page) -> String {
          masking, with the noise taken off.{}</p>\n<div class=\"scroll\"><table id=\"comparisons\"><thead><tr>\
          <th>theta_i</th>{}<th>noise</th>{heads}</tr></thead>\n<tbody>{rows}</tbody>\n<tfoot><tr><td>mean</td>{}{}{mean}\
          </tr></tfoot></table></div>\n",
-        left_out(stops),
+        left_out(stops.len()),
         azimuth[0],
         azimuth[1],
         cell(&all[0], "l1_noise", 4)
@@ -215,11 +227,11 @@ fn albedos(page: &Page) -> String {
     }
     let heads: String =
         shown.iter().map(|key| format!("<th>{}</th>", heading(key, shown[0] == "albedo_total"))).collect();
+    let angles = angle_cells(page, stops);
     let row = |index: usize| {
         let stop = &stops[index];
-        let azimuth = if several { cell(stop, "phi_i_deg", 1) } else { String::new() };
         let cells: String = shown.iter().map(|key| cell(stop, key, 5)).collect();
-        format!("<tr>{}{azimuth}{cells}</tr>", cell(stop, "theta_i_deg", 1))
+        format!("<tr>{}{cells}</tr>", angles(index))
     };
     let rows: String = spread(stops.len(), MOST_ROWS).into_iter().map(row).collect();
     let azimuth = if several { "<th>phi_i</th>" } else { "" };
