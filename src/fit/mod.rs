@@ -98,7 +98,9 @@ fn first_pass(data: &Data) -> Vec<usize> {
 /// The fits to some stops, and the narrowest lobe that the nodes have to resolve.
 fn started(data: &Data, laws: &[Law], guess: &Pilot, stops: &[usize]) -> (Vec<Fitted>, f64) {
     let mut alpha = (guess.log_alpha - guess.stretch[0].hypot(guess.stretch[1])).exp();
-    for round in 1.. {
+    let mut round = 0;
+    loop {
+        round += 1;
         let layout = Layout::new(data, stops, alpha);
         let fits = laws.par_iter().map(|&law| {
             let problem = Problem::new(data, &layout, law);
@@ -116,7 +118,6 @@ fn started(data: &Data, laws: &[Law], guess: &Pilot, stops: &[usize]) -> (Vec<Fi
         }
         alpha = narrowest;
     }
-    unreachable!("the last layout returns")
 }
 
 fn fitted(problem: &Problem, state: solve::State, converged: bool, stops: usize) -> Fitted {
