@@ -2,10 +2,11 @@
 
 use super::lost_light;
 use super::plan::Plan;
-use super::record::StopRecord;
+use super::record::TallyFlux;
 use super::rounds::Finished;
 use super::slopes::{self, SlopeClass};
 use super::stopping::{Look, Progress, StoppedBy};
+use super::tally::Tally;
 use super::weighing::Colour;
 use crate::campaign::{self, Campaign, Optics};
 use crate::stats;
@@ -66,21 +67,22 @@ pub struct Measured {
 pub(super) fn assemble(
     campaign: &Campaign,
     plan: &Plan,
-    Finished { alpha, records, stops: ends }: Finished,
+    finished: &Finished,
     patch_digest: &str,
 ) -> Vec<Measured> {
-    let campaign = alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
+    let flux = finished.flux();
+    let campaign = finished.alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
     let sizes: Vec<Vec<f64>> = (0..plan.stops)
         .map(|stop| plan.grid.regions(stop).iter().map(|region| region.projected_solid_angle()).collect())
         .collect();
-    let hits = total_hits(plan, &records);
-    let empty = empty_bin_errors(plan, &records, &sizes);
-    let source = Source { plan, records: &records, sizes: &sizes };
+    let hits = total_hits(plan, &flux);
+    let empty = empty_bin_errors(plan, &flux, &sizes);
+    let source = Source { plan, flux: &flux, sizes: &sizes };
     let of_material = |(material, optics): (usize, &Optics)| {
         let campaign = campaign.with_optics(optics);
         let colours = plan.weighing.colours(material);
         let parts: Vec<RealisationPart> =
-            records.iter().map(|stops| source.realisation(stops, &colours)).collect();
+            flux.iter().map(|stops| source.realisation(stops, &colours)).collect();
         let wavelengths = optics.wavelengths_nm();
         let channels = |(place, &colour): (usize, &Colour)| {
             let measured = ColourChannels::of_realisations(&parts, place, &hits, &empty);
@@ -102,11 +104,11 @@ pub(super) fn assemble(
             patch_digest: patch_digest.to_string(),
             colours: colours.iter().enumerate().map(channels).collect(),
             hits: hits.clone(),
-            schlick: source.schlick(&records),
+            schlick: source.schlick(&flux),
         }
         .with_albedo_errors(&parts);
         let result = |(stop, end)| stop_result(&source, stop, &colours, end);
-        let stops = ends.iter().enumerate().map(result).collect();
+        let stops = finished.stops.iter().enumerate().map(result).collect();
         Measured { campaign, table, realisations: Realisations { parts }, stops }
     };
     campaign.optics.each().into_iter().enumerate().map(of_material).collect()
@@ -115,23 +117,23 @@ pub(super) fn assemble(
 /// What tables are made of: [realisation][stop], and the bins' projected solid angles, [stop][bin].
 pub(super) struct Source<'a> {
     pub plan: &'a Plan,
-    pub records: &'a [Vec<StopRecord>],
+    pub flux: &'a [Vec<TallyFlux<'a>>],
     sizes: &'a [Vec<f64>],
 }
 
 impl Source<'_> {
     /// BRDF values of one realisation: flux over projected solid angle.
-    fn realisation(&self, stops: &[StopRecord], colours: &[Colour]) -> RealisationPart {
+    fn realisation(&self, stops: &[TallyFlux], colours: &[Colour]) -> RealisationPart {
         let mut part = RealisationPart {
             total: vec![Vec::new(); colours.len()],
             single: vec![Vec::new(); colours.len()],
             schlick: self.schlick(std::slice::from_ref(&stops)),
         };
-        for (record, sizes) in stops.iter().zip(self.sizes) {
+        for (flux, sizes) in stops.iter().zip(self.sizes) {
             for (bin, size) in sizes.iter().enumerate() {
                 for (place, &colour) in colours.iter().enumerate() {
-                    let single = record.single_flux(colour, bin) / size;
-                    let multiple = record.multiple_flux(&self.plan.weighing, colour, bin) / size;
+                    let single = flux.single(colour, bin) / size;
+                    let multiple = flux.multiple(&self.plan.weighing, colour, bin) / size;
                     part.single[place].push(single as f32);
                     part.total[place].push((single + multiple) as f32);
                 }
@@ -141,28 +143,29 @@ impl Source<'_> {
     }
 
     /// Mean over some realisations of a flux, as a BRDF in every bin.
-    pub fn brdf(
+    pub fn brdf<'b>(
         &self,
-        records: &[impl AsRef<[StopRecord]>],
-        flux: impl Fn(&StopRecord, usize) -> f64,
+        realisations: &[impl AsRef<[TallyFlux<'b>]>],
+        flux: impl Fn(&TallyFlux<'b>, usize) -> f64,
     ) -> Vec<f32> {
-        let count = records.len() as f64;
+        let count = realisations.len() as f64;
         entries(self.plan, |stop, bin| {
-            let sum: f64 = records.iter().map(|stops| flux(&stops.as_ref()[stop], bin)).sum();
+            let sum: f64 = realisations.iter().map(|stops| flux(&stops.as_ref()[stop], bin)).sum();
             (sum / count / self.sizes[stop][bin]) as f32
         })
     }
 
     /// The sums of Schlick's formula over some realisations, where they serve any F0.
-    fn schlick(&self, records: &[impl AsRef<[StopRecord]>]) -> Option<SchlickSums> {
+    fn schlick<'b>(&self, realisations: &[impl AsRef<[TallyFlux<'b>]>]) -> Option<SchlickSums> {
         let weighing = &self.plan.weighing;
         let group = |group: usize| {
             let sums = weighing.group(group);
-            sums.map(|sum| self.brdf(records, |record, bin| record.multiple[sum][bin])).collect()
+            sums.map(|sum| self.brdf(realisations, |flux, bin| flux.of(flux.tally.multiple[sum][bin])))
+                .collect()
         };
         weighing.serves_any_f0().then(|| SchlickSums {
-            unit: self.brdf(records, |record, bin| record.single[bin]),
-            first: self.brdf(records, |record, bin| record.first[0][bin]),
+            unit: self.brdf(realisations, |flux, bin| flux.of(flux.tally.single[bin])),
+            first: self.brdf(realisations, |flux, bin| flux.of(flux.tally.first[0][bin])),
             further: (0..weighing.groups()).map(group).collect(),
         })
     }
@@ -171,29 +174,30 @@ impl Source<'_> {
     fn orders(&self, colour: Colour) -> Vec<Vec<f32>> {
         let weighing = &self.plan.weighing;
         let groups = if weighing.by_order() { weighing.groups() } else { 0 };
-        let order =
-            |group| self.brdf(self.records, |record, bin| record.group_flux(weighing, group, colour, bin));
+        let order = |group| self.brdf(self.flux, |flux, bin| flux.group(weighing, group, colour, bin));
         (0..groups).map(order).collect()
     }
 }
 
-fn total_hits(plan: &Plan, records: &[Vec<StopRecord>]) -> Vec<u32> {
-    let of = |stop: usize, bin: usize| records.iter().map(|stops| stops[stop].hits[bin]).sum::<u64>();
+fn total_hits(plan: &Plan, flux: &[Vec<TallyFlux>]) -> Vec<u32> {
+    let of = |stop: usize, bin: usize| flux.iter().map(|stops| stops[stop].tally.hits[bin]).sum::<u64>();
     entries(plan, |stop, bin| u32::try_from(of(stop, bin)).unwrap_or(u32::MAX))
 }
 
 /// The BRDF of 1.5 hits: what an empty bin's error bar says.
-fn empty_bin_errors(plan: &Plan, records: &[Vec<StopRecord>], sizes: &[Vec<f64>]) -> Vec<f32> {
+fn empty_bin_errors(plan: &Plan, flux: &[Vec<TallyFlux>], sizes: &[Vec<f64>]) -> Vec<f32> {
     let share = |stop: usize| {
-        let counted: (u64, f64) = records
+        let counted: (u64, f64) = flux
             .iter()
             .flat_map(|stops| {
-                let StopRecord { orders, outside, left_map, .. } = &stops[stop];
-                orders.iter().map(|order| (order.count, order.unit)).chain([*outside, *left_map])
+                let Tally { orders, outside, left_map, .. } = stops[stop].tally;
+                let orders = orders.iter().map(|order| (order.count, order.flux));
+                let fates = [outside, left_map].map(|fate| (fate.count, fate.flux));
+                orders.chain(fates).map(|(count, units)| (count, stops[stop].of(units)))
             })
             .fold((0, 0.0), |(count, flux), more| (count + more.0, flux + more.1));
         let fold = if plan.folded[stop] { 0.5 } else { 1.0 };
-        if counted.0 == 0 { 1.0 } else { fold * counted.1 / counted.0 as f64 / records.len() as f64 }
+        if counted.0 == 0 { 1.0 } else { fold * counted.1 / counted.0 as f64 / flux.len() as f64 }
     };
     let shares: Vec<f64> = (0..plan.stops).map(share).collect();
     entries(plan, |stop, bin| (HITS_OF_AN_EMPTY_BIN * shares[stop] / sizes[stop][bin]) as f32)
@@ -208,32 +212,35 @@ fn entries<T>(plan: &Plan, of: impl Fn(usize, usize) -> T) -> Vec<T> {
 
 fn stop_result(source: &Source, stop: usize, colours: &[Colour], end: &Progress) -> StopResult {
     let plan = source.plan;
-    let records: Vec<&StopRecord> = source.records.iter().map(|stops| &stops[stop]).collect();
-    let orders = records[0].orders.len();
+    let realisations: Vec<TallyFlux> = source.flux.iter().map(|stops| stops[stop]).collect();
+    let tallies: Vec<&Tally> = realisations.iter().map(|flux| flux.tally).collect();
+    let orders = tallies[0].orders.len();
     // The light beyond the apertures is not known.
-    let whole = if plan.apertures_only { &[] } else { &records[..] };
+    let whole = if plan.apertures_only { &[] } else { &realisations[..] };
     let of_order = |k: usize| {
-        let albedo = |record: &&StopRecord| {
-            stats::mean(&colours.iter().map(|&colour| record.orders[k].flux(colour)).collect::<Vec<_>>())
+        let albedo = |flux: &TallyFlux| {
+            stats::mean(&colours.iter().map(|&colour| flux.order(k, colour)).collect::<Vec<_>>())
         };
         whole.iter().map(albedo).collect()
     };
-    let closure = |record: &&StopRecord| record.orders.iter().map(|o| o.unit).sum::<f64>() + record.cut.1;
+    let closure = |flux: &TallyFlux| {
+        (0..orders).map(|order| flux.order(order, Colour::Unit)).sum::<f64>() + flux.truncated()
+    };
     StopResult {
         albedo_by_order: (0..orders).map(of_order).collect(),
         closure: whole.iter().map(closure).collect(),
         perfect: colours == [Colour::Unit],
-        orders: (0..orders).map(|k| records.iter().map(|record| record.orders[k].count).sum()).collect(),
-        cut: records.iter().map(|record| record.cut.0).sum(),
-        hidden: records.iter().map(|record| record.hidden).sum(),
-        left_map: records.iter().map(|record| record.left_map.0).sum(),
-        lost_light: lost_light::of_albedos(&records, colours),
-        outside: records.iter().map(|record| record.outside.0).sum(),
+        orders: (0..orders).map(|k| tallies.iter().map(|tally| tally.orders[k].count).sum()).collect(),
+        cut: tallies.iter().map(|tally| tally.cut.count).sum(),
+        hidden: tallies.iter().map(|tally| tally.hidden.count).sum(),
+        left_map: tallies.iter().map(|tally| tally.left_map.count).sum(),
+        lost_light: lost_light::of_albedos(&realisations, colours),
+        outside: tallies.iter().map(|tally| tally.outside.count).sum(),
         samples: end.blocks * plan.block_starts,
         stopped_by: end.by.unwrap_or(StoppedBy::Samples),
         relative_error: end.relative_error,
         realisations_needed: end.realisations_needed,
         looks: end.looks.clone(),
-        seen_by_slope: slopes::classes(&records.iter().map(|record| &record.seen).collect::<Vec<_>>()),
+        seen_by_slope: slopes::classes(&tallies),
     }
 }

@@ -7,7 +7,7 @@
 //! square (JCGM 100, 4.3.7); 95 % of it, 1.96 bound/sqrt(3), covers the bound.
 
 use super::assemble::Source;
-use super::record::StopRecord;
+use super::record::TallyFlux;
 use super::weighing::Colour;
 use crate::stats;
 use crate::table::ColourChannels;
@@ -15,13 +15,11 @@ use crate::table::ColourChannels;
 /// The channels of a colour with errors that cover the lost light, and with its bound.
 pub(super) fn covered(source: &Source, colour: Colour, channels: ColourChannels) -> ColourChannels {
     let weighing = &source.plan.weighing;
-    let left =
-        |record: &StopRecord, flux: &dyn Fn(&StopRecord) -> f64| record.left.as_deref().map_or(0.0, flux);
     let single =
-        source.brdf(source.records, |record, bin| left(record, &|left| left.single_flux(colour, bin)));
-    let total = source.brdf(source.records, |record, bin| {
-        left(record, &|left| {
-            left.single_flux(colour, bin) + left.multiple_flux(weighing, colour, bin) + left.cut.1
+        source.brdf(source.flux, |flux, bin| flux.left().map_or(0.0, |left| left.single(colour, bin)));
+    let total = source.brdf(source.flux, |flux, bin| {
+        flux.left().map_or(0.0, |left| {
+            left.single(colour, bin) + left.multiple(weighing, colour, bin) + left.truncated()
         })
     });
     ColourChannels {
@@ -46,14 +44,14 @@ pub fn with_bound(se: f64, bound: f64) -> f64 {
 }
 
 /// What lost light may have added to the albedos of order 1 and of all orders: mean of realisations and colours.
-pub(super) fn of_albedos(records: &[&StopRecord], colours: &[Colour]) -> [f64; 2] {
-    let of = |record: &&StopRecord, orders: usize, beyond: f64| {
-        let Some(left) = &record.left else { return 0.0 };
-        let flux = |&colour: &Colour| left.orders[..orders].iter().map(|o| o.flux(colour)).sum::<f64>();
-        stats::mean(&colours.iter().map(flux).collect::<Vec<_>>()) + beyond * left.cut.1
+pub(super) fn of_albedos(realisations: &[TallyFlux], colours: &[Colour]) -> [f64; 2] {
+    let of = |flux: &TallyFlux, orders: usize, beyond: f64| {
+        let Some(left) = flux.left() else { return 0.0 };
+        let flux = |&colour: &Colour| (0..orders).map(|order| left.order(order, colour)).sum::<f64>();
+        stats::mean(&colours.iter().map(flux).collect::<Vec<_>>()) + beyond * left.truncated()
     };
     let mean = |orders: usize, beyond: f64| {
-        stats::mean(&records.iter().map(|record| of(record, orders, beyond)).collect::<Vec<_>>())
+        stats::mean(&realisations.iter().map(|flux| of(flux, orders, beyond)).collect::<Vec<_>>())
     };
-    [mean(1, 0.0), mean(records[0].orders.len(), 1.0)]
+    [mean(1, 0.0), mean(realisations[0].tally.orders.len(), 1.0)]
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::blocks::Blocks;
 use super::plan::Plan;
-use super::record::StopRecord;
+use super::record::TallyFlux;
 use super::stopping::{self, Progress, StoppedBy, relative_error};
 use super::tally::Tally;
 use crate::campaign::{Alpha, Campaign};
@@ -49,7 +49,7 @@ struct Sum {
 pub(super) struct Finished {
     pub alpha: Option<Alpha>,
     /// [realisation][stop].
-    pub records: Vec<Vec<StopRecord>>,
+    sums: Vec<Vec<Sum>>,
     /// What ended each stop.
     pub stops: Vec<Progress>,
 }
@@ -247,22 +247,26 @@ impl Tables {
         sums.filter_map(|sum| sum.tally.as_ref()).map(|tally| 14 * tally.sums() + 512).sum()
     }
 
-    /// Every table. Flux is a share of what fell in the blocks that the stop had.
+    /// Every table.
     pub fn finished(self) -> Vec<Finished> {
-        let record = |sum: Sum| {
-            let blocks = sum.done.count() as f64;
-            sum.tally.map(|tally| StopRecord::new(&tally, blocks))
-        };
-        let finished = |table: Table| {
-            let of_realisation = |sums: Vec<Sum>| sums.into_iter().filter_map(record).collect();
-            let records = table.sums.into_iter().map(of_realisation).collect();
-            Finished { alpha: table.alpha, records, stops: table.stops }
-        };
+        let finished = |Table { alpha, sums, stops, .. }: Table| Finished { alpha, sums, stops };
         self.tables.into_iter().map(finished).collect()
     }
 }
 
+impl Finished {
+    /// The flux of every realisation and stop: \[realisation\]\[stop\].
+    pub fn flux(&self) -> Vec<Vec<TallyFlux<'_>>> {
+        self.sums.iter().map(|sums| sums.iter().filter_map(Sum::flux).collect()).collect()
+    }
+}
+
 impl Sum {
+    /// As a fraction of what fell on the patch; `None` before the first block.
+    fn flux(&self) -> Option<TallyFlux<'_>> {
+        self.tally.as_ref().map(|tally| TallyFlux::new(tally, self.done.count()))
+    }
+
     /// Whether this may have come about: every start of the finished blocks has its fate, and no sum is near its end.
     fn is_sound(&self, shape: &Tally, plan: &Plan, planned: u64) -> bool {
         let starts = self.done.is_sound(planned).then(|| self.done.count() * plan.block_starts);
@@ -286,13 +290,9 @@ impl Table {
     }
 
     fn relative_error(&self, plan: &Plan, stop: usize) -> Option<f64> {
-        let record = |sums: &Vec<Sum>| {
-            let Sum { done, tally } = &sums[stop];
-            tally.as_ref().map(|tally| StopRecord::new(tally, done.count() as f64))
-        };
-        let records: Vec<StopRecord> = self.sums.iter().filter_map(record).collect();
+        let flux: Vec<TallyFlux> = self.sums.iter().filter_map(|sums| sums[stop].flux()).collect();
         let regions = plan.grid.regions(stop);
         let sizes: Vec<f64> = regions.iter().map(|region| region.projected_solid_angle()).collect();
-        relative_error(&records, &sizes, &plan.weighing)
+        relative_error(&flux, &sizes, &plan.weighing)
     }
 }

@@ -113,7 +113,7 @@ pub fn tables(campaign: &Campaign, plan: &Plan, ledger: Ledger) -> (Vec<Measured
     let digests: Vec<u8> = digests.into_iter().flatten().flatten().collect();
     let patch_digest = if digests.is_empty() { String::new() } else { files::sha256_hex(&digests) };
     let finished = tables.finished().into_iter();
-    (finished.flat_map(|table| assemble(campaign, plan, table, &patch_digest)).collect(), cost)
+    (finished.flat_map(|table| assemble(campaign, plan, &table, &patch_digest)).collect(), cost)
 }
 
 /// A measurement under way.

@@ -53,18 +53,20 @@ impl SeenBySlope {
     pub fn is_sound(&self, starts: u64) -> bool {
         self.starts.iter().zip(&self.seen).all(|(here, seen)| here <= &starts && seen <= here)
     }
-
-    /// Those of a tally; none where paths leave an open map, of which nobody knows what the light would have met.
-    pub fn of(tally: &Tally) -> Self {
-        if tally.left_map.count > 0 { Self::default() } else { tally.seen.clone() }
-    }
 }
 
-/// The classes over all realisations of a stop; `None` where one of them has counted nothing: without visibility, where
-/// only some facets are started on, on a statistical surface, on a map that paths leave.
+/// The classes over the tallies of all realisations of a stop; `None` where one of them has counted nothing: without
+/// visibility, where only some facets are started on, on a statistical surface; and where paths leave an open map, of which
+/// nobody knows what the light would have met.
 ///
-/// Held by: `the_light_sees_a_groove_as_torrance_and_sparrow_say` (tests/exact_shapes.rs).
-pub fn classes(realisations: &[&SeenBySlope]) -> Option<Vec<SlopeClass>> {
+/// Held by: `the_light_sees_a_groove_as_torrance_and_sparrow_say`.
+pub(super) fn classes(tallies: &[&Tally]) -> Option<Vec<SlopeClass>> {
+    let left_map = tallies.iter().any(|tally| tally.left_map.count > 0);
+    let seen: Vec<&SeenBySlope> = tallies.iter().map(|tally| &tally.seen).collect();
+    if left_map { None } else { classes_of(&seen) }
+}
+
+fn classes_of(realisations: &[&SeenBySlope]) -> Option<Vec<SlopeClass>> {
     let counted = |counts: &&SeenBySlope| counts.starts.iter().any(|&starts| starts > 0);
     if !realisations.iter().all(counted) {
         return None;
@@ -94,7 +96,7 @@ mod tests {
         for (slope, seen) in [(-9.0, true), (0.25, true), (0.25, false), (0.249, true), (4.0, false)] {
             counts.count(slope, seen);
         }
-        let classes = classes(&[&counts, &counts]).expect("counted");
+        let classes = classes_of(&[&counts, &counts]).expect("counted");
         let of = |slope: [Option<f64>; 2]| {
             let class = classes.iter().find(|class| class.slope == slope).expect("a class");
             (class.starts, class.share, class.share_se)
@@ -104,6 +106,6 @@ mod tests {
         assert_eq!(of([Some(0.0), Some(0.25)]), (2, Some(1.0), Some(0.0)));
         assert_eq!(of([Some(4.0), None]), (2, Some(0.0), Some(0.0)));
         assert_eq!(of([Some(1.0), Some(1.5)]), (0, None, None));
-        assert!(super::classes(&[&counts, &SeenBySlope::default()]).is_none());
+        assert!(classes_of(&[&counts, &SeenBySlope::default()]).is_none());
     }
 }

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::record::StopRecord;
+use super::record::TallyFlux;
 use super::weighing::Weighing;
 use crate::campaign::Stop;
 use crate::stats;
@@ -55,12 +55,11 @@ pub fn is_looked_at(blocks: u64, planned: u64) -> bool {
 /// `sizes` are the bins' projected solid angles. Several materials count together: the pass ends when all have enough
 /// light.
 /// Held by: `the_relative_error_is_that_of_the_bright_bins`.
-pub fn relative_error(records: &[StopRecord], sizes: &[f64], weighing: &Weighing) -> Option<f64> {
+pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], weighing: &Weighing) -> Option<f64> {
     let mut errors = Vec::new();
     for colour in weighing.all_colours() {
         let of = |bin: usize, size: f64| {
-            let flux =
-                records.iter().map(|r| r.single_flux(colour, bin) + r.multiple_flux(weighing, colour, bin));
+            let flux = realisations.iter().map(|r| r.single(colour, bin) + r.multiple(weighing, colour, bin));
             let (mean, se) = stats::mean_and_se(flux);
             se.map(|se| (mean / size, se / size))
         };
@@ -144,7 +143,11 @@ pub fn of_run(stops: impl Iterator<Item = StoppedBy> + Clone) -> StoppedBy {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::campaign;
+    use crate::measure::tally::{Tally, to_units};
 
     #[test]
     fn rounds_end_after_1_2_4_8_blocks() {
@@ -157,6 +160,24 @@ mod tests {
         assert_eq!(ends(stop(Some(0.1), Some(9.0)), 4), [1, 2, 3, 4]);
         let all: Vec<_> = rounds(&stop(Some(0.1), None), 11).collect();
         assert!(all[0].start == 0 && all.windows(2).all(|w| w[0].end == w[1].start));
+    }
+
+    /// Two patches: bin means 0.5, 0.2 and 0.0015, of which the last is below 1 % of the peak; relative errors 0.1/0.5 and
+    /// 0, whose upper median is the first.
+    #[test]
+    fn the_relative_error_is_that_of_the_bright_bins() {
+        let text = "name = \"bright\"\nseed = 1\n[surface]\nrealisations = 2\n[surface.mirror]\n[light]\n\
+                    theta_i_deg = [0]\nphi_i_deg = [0]\n[sensor.hemisphere]\n[stop]\nsamples = 1\n";
+        let campaign = campaign::parse(text, "bright", Path::new("")).expect("a campaign").campaign;
+        let weighing = Weighing::of(&campaign);
+        let tally =
+            |flux: [f64; 3]| Tally { single: flux.map(to_units).to_vec(), ..Tally::new(3, &weighing) };
+        let tallies = [tally([0.4, 0.2, 0.001]), tally([0.6, 0.2, 0.002])];
+        let flux = tallies.each_ref().map(|tally| TallyFlux::new(tally, 1));
+        let error = relative_error(&flux, &[1.0; 3], &weighing).expect("two patches");
+        // A handful of roundings.
+        assert!((error - 0.2).abs() < 10.0 * f64::EPSILON, "{error}");
+        assert_eq!(relative_error(&flux[..1], &[1.0; 3], &weighing), None);
     }
 
     /// Looks at a stop of 16 patches after 1, 2, 4, ... blocks whose squared error is a/n + p2.
