@@ -46,7 +46,7 @@ pub use merge::Merge;
 pub use patches::{Patch, Patches, Specimen};
 pub use plan::{Plan, plan, plan_of, plan_within, stops};
 pub use run::{go_on, measure, tables};
-pub use session::Session;
+pub use session::{Ending, Session};
 pub use shards::{Shard, Shards};
 pub use skips::Skip;
 pub use stage::CELLS_PER_START;
