@@ -2,8 +2,8 @@
 //!
 //! A run that measures looks at a flag between its blocks, keeps what is finished and says how to go on. All other work
 //! looks at nothing: patches that are made, maps that are read, theory that is integrated. For that a thread of its own
-//! ends the process. Nothing is lost: a file is whole or not there at any time, and what a run has measured is kept before
-//! anything else is begun. The second signal ends the process at once.
+//! ends the process. A file is whole or not there at any time, and what a run has measured in more than a second is kept
+//! before anything else is begun. The second signal ends the process at once.
 
 use std::io::{self, Read};
 use std::os::unix::net::UnixStream;
@@ -133,7 +133,7 @@ fn leave(error: &Error) {
     }
 }
 
-/// Ends the process for a run that measures: `text` makes of its error what is to be said.
+/// Ends the process for a run that measures; the function makes of the run's error what is said.
 pub struct Leaving<F>(pub F);
 
 impl<F: Fn(Error) -> Error + Sync> Ending for Leaving<F> {
