@@ -41,6 +41,12 @@ pub fn write_atomically_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> i
     file.commit()
 }
 
+/// Removes whatever of this process is no whole file, for it ends now: other threads can make no file any more.
+pub fn abandon() {
+    claim::abandon();
+    lock::abandon();
+}
+
 /// Refuses what a rename would wrongly replace: folders, links, devices, pipes, files that nobody may write.
 fn check_target(path: &Path) -> io::Result<()> {
     match own_file::check_regular(path) {

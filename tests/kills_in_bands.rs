@@ -108,7 +108,9 @@ fn the_first_signal_says_how_to_go_on_and_the_bands_stay_as_they_were() {
     let (folder, output) = begun(Signal::INT);
     let said = exits(&output, 130);
     let last = said.lines().last().expect("a line");
-    assert!(last.starts_with("interrupted ") && last.contains(" band 2 of 3"), "{said}");
+    // The second band may not have begun yet: then the first one's results were not waited for.
+    let at = last.contains(" band 2 of 3") || last.starts_with("interrupted before its end; ");
+    assert!(last.starts_with("interrupted ") && at, "{said}");
     let again = format!("gonio measure small.toml -o out --memory-mb {} --threads 2 --resume", in_three()[3]);
     assert!(last.ends_with(&again), "{said}");
     // Not by mistake over what was measured.

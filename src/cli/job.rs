@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
+use super::ending::{self, Leaving};
 use super::kept::{self, Keeping, Unfinished};
 use super::measure::Arguments;
 use super::output::{Output, warn};
@@ -13,7 +13,7 @@ use super::results::{self, Results};
 use super::targets::Target;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
-use crate::measure::{self, BandRun, Disk, Ledger, Patches, Plan, Session};
+use crate::measure::{self, BandRun, Disk, Ending, Ledger, Patches, Plan, Session};
 use crate::report::specimen;
 use crate::validate::aperture::worst;
 
@@ -30,25 +30,30 @@ impl Job<'_> {
         let Job { campaign, .. } = self;
         let number = unfinished.number();
         let ledger = unfinished.ledger(campaign, plan)?;
-        let interrupted = kept::interruption()?;
         let patches = self.patches(plan, out)?;
         let progress = Progress::after(ledger.starts(plan), plan.total_samples, "samples");
         let add = |starts| progress.add(starts);
-        let session = self.session(&add, &interrupted, number)?;
+        let leaving = Leaving(|error| self.with_advice(error));
+        let session = self.session(&add, &leaving, number)?;
         let ended = measure::go_on(campaign, plan, &patches, ledger, &session);
         progress.finish();
-        let ledger = ended.map_err(|error| kept::with_advice(error, self.keeping, self.arguments))?;
+        let ledger = ended.map_err(|error| self.with_advice(error))?;
         Ok((ledger, patches))
     }
 
     fn session<'a>(
         &'a self,
         progress: &'a (dyn Fn(u64) + Sync),
-        interrupted: &'a AtomicBool,
+        ending: &'a dyn Ending,
         number: u64,
     ) -> Result<Session<'a>> {
         let (checkpoint, pace) = (Some((&self.keeping.checkpoint, number)), kept::pace()?);
-        Ok(Session { progress, note: &|text| warn(text), interrupted, checkpoint, pace })
+        let (interrupted, ending) = (ending::asked(), Some(ending));
+        Ok(Session { progress, note: &|text| warn(text), interrupted, checkpoint, pace, ending })
+    }
+
+    fn with_advice(&self, error: Error) -> Error {
+        kept::with_advice(error, self.keeping, self.arguments)
     }
 
     /// Measures all stops, and writes their tables.
@@ -77,18 +82,18 @@ impl Job<'_> {
         let files = (&keeping.bands, &keeping.checkpoint);
         let mut run = BandRun::new((campaign, plan), files, bands, found)?;
         first.iter().for_each(|path| kept::goes_on(path, run.starts(), plan));
-        let interrupted = kept::interruption()?;
         let patches = self.patches(plan, out)?.for_bands(campaign, arguments.memory())?;
         let progress = Progress::after(run.starts(), plan.total_samples, "samples");
         let add = |starts| progress.add(starts);
-        let session = self.session(&add, &interrupted, number)?;
+        let leaving = Leaving(|error| self.with_advice(error));
+        let session = self.session(&add, &leaving, number)?;
         let band = |stops: Range<usize>| {
             let is_last = stops.end == plan.stops;
             let measured = run.tables(stops, &patches, &session);
             if is_last || measured.is_err() {
                 progress.finish();
             }
-            measured.map_err(|error| kept::with_advice(error, keeping, arguments))
+            measured.map_err(|error| self.with_advice(error))
         };
         self.results(plan, open).write_all(band, |table| specimen::of_patches(&patches, &table.campaign), out)
     }

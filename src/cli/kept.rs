@@ -1,12 +1,7 @@
-//! A run that can be ended and gone on with: its checkpoint, and the signals that end it.
+//! A run that can be ended and gone on with: what it keeps, and what is said of that.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-use signal_hook::flag;
 
 use super::measure::Arguments;
 use super::output::{bytes, grouped, say, warn};
@@ -17,9 +12,6 @@ use crate::files;
 use crate::measure::{
     Band, BandFiles, Checkpoint, Disk, Finished, Found, Heading, Ledger, Pace, Plan, Shard,
 };
-
-/// What a process that is asked to end says to whom it was started by.
-const INTERRUPTED: i32 = 130;
 
 /// Where a run keeps what it has measured: the blocks under way and, of a run in bands, those that are finished.
 pub struct Keeping {
@@ -194,28 +186,6 @@ pub fn pace() -> Result<Pace> {
     }
 }
 
-/// A flag that the first SIGINT, SIGTERM or SIGHUP sets; the second ends the process at once. A SIGHUP that is ignored, as
-/// under `nohup`, stays so.
-pub fn interruption() -> Result<Arc<AtomicBool>> {
-    let asked = Arc::new(AtomicBool::new(false));
-    let hang_up = (!is_hang_up_ignored()).then_some(SIGHUP);
-    for signal in [SIGINT, SIGTERM].into_iter().chain(hang_up) {
-        // In this order: the flag is not set yet when the first signal is looked at.
-        flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&asked))
-            .and_then(|_| flag::register(signal, Arc::clone(&asked)))
-            .map_err(|e| Error::Internal(format!("signal {signal}: {e}")))?;
-    }
-    Ok(asked)
-}
-
-/// By the mask of ignored signals, where the system shows it.
-fn is_hang_up_ignored() -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    mask.is_some_and(|mask| mask >> (SIGHUP - 1) & 1 == 1)
-}
-
 /// An interruption with the command that goes on.
 pub fn with_advice(error: Error, keeping: &Keeping, arguments: &Arguments) -> Error {
     match error {
@@ -224,6 +194,14 @@ pub fn with_advice(error: Error, keeping: &Keeping, arguments: &Arguments) -> Er
         }
         Error::Interrupted(_) => Error::Interrupted("before anything was measured".into()),
         other => other,
+    }
+}
+
+/// What is said where a run is ended and does not measure just then.
+pub fn advice(keeping: &Keeping, again: &str) -> String {
+    match keeping.path() {
+        Ok(Some(_)) => format!("before its end; go on with: {again}"),
+        _ => "before its end; nothing is kept to go on from".into(),
     }
 }
 

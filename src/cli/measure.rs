@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::ending;
 use super::job::Job;
 use super::kept::{self, Keeping};
 use super::output::{self, Output, say, warn};
@@ -68,6 +69,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign));
     let _lock = Lock::take(&folder, &stem)?;
     let keeping = Keeping::of(&folder, &stem);
+    let (again, kept_there) = (arguments.again(), Keeping::of(&folder, &stem));
+    ending::advise(move || kept::advice(&kept_there, &again));
     let mut out = Output::default();
     match arguments.shard {
         Some(shard) => one_shard(arguments, campaign, shard, (&folder.join(stem), &keeping), &mut out)?,

@@ -16,6 +16,7 @@ mod bench;
 mod certificate_text;
 mod check;
 mod compare;
+mod ending;
 mod export;
 mod fit;
 mod import;
@@ -117,7 +118,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
     let exit_code = i32::from(Error::Refused(String::new()).exit_code());
     let always = Arc::new(AtomicBool::new(true));
     signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, exit_code, always).ok();
-    guarded(|| {
+    let ended = guarded(|| {
         let arguments = match Arguments::try_parse_from(words) {
             Ok(arguments) => arguments,
             Err(answer) => {
@@ -126,8 +127,11 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
                 return Ok(answer.exit_code().try_into().unwrap_or(2));
             }
         };
+        ending::listen()?;
         pool(arguments.verb.threads())?.install(|| arguments.verb.run())
-    })
+    });
+    ending::done();
+    ended
 }
 
 /// Workers by their number alone: the environment has no say.

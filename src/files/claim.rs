@@ -12,7 +12,7 @@ use std::hash::{BuildHasher, RandomState};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use super::own_file;
 
@@ -35,12 +35,16 @@ pub struct Claim {
 /// The claims of this process by folder; a folder stays in the list, so that it is looked through once.
 static CLAIMS: Mutex<Option<HashMap<PathBuf, Weak<Claim>>>> = Mutex::new(None);
 
+fn claims() -> MutexGuard<'static, Option<HashMap<PathBuf, Weak<Claim>>>> {
+    CLAIMS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl Claim {
     /// The process's claim on a folder. The first one removes what killed processes have left there.
     ///
     /// Held by: `what_a_dead_process_left_is_removed_and_nothing_else`, tests/files_under_failure.rs.
     pub fn on(folder: &Path) -> io::Result<Arc<Self>> {
-        let mut claims = CLAIMS.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut claims = claims();
         let claims = claims.get_or_insert_default();
         if let Some(claim) = claims.get(folder).and_then(Weak::upgrade) {
             return Ok(claim);
@@ -72,11 +76,37 @@ impl Claim {
         Ok(Claim { folder: folder.into(), token, next: AtomicU32::new(0), _file: file })
     }
 
-    /// A name of a file under way that nobody else has.
-    pub fn name(&self) -> PathBuf {
-        let number = self.next.fetch_add(1, Ordering::Relaxed);
+    /// Makes a file under way, of a name that nobody else has.
+    pub fn create_file(&self) -> io::Result<(PathBuf, File)> {
+        // Not while, nor after, `abandon` removes them.
+        let _claims = claims();
+        let path = self.name();
+        own_file::create_new(&path).map(|file| (path, file))
+    }
+
+    fn name(&self) -> PathBuf {
+        self.path(self.next.fetch_add(1, Ordering::Relaxed))
+    }
+
+    fn path(&self, number: u32) -> PathBuf {
         self.folder.join(format!("{PREFIX}{}-{number}.tmp", self.token))
     }
+}
+
+/// Removes the files under way and the claims of this process, which is about to end: who wants to make another one waits
+/// until then.
+///
+/// Held by: `tests/signals.rs`.
+pub fn abandon() {
+    let claims = claims();
+    for claim in claims.iter().flat_map(HashMap::values).filter_map(Weak::upgrade) {
+        // Most have been renamed long since.
+        for number in 0..claim.next.load(Ordering::Relaxed) {
+            fs::remove_file(claim.path(number)).ok();
+        }
+        fs::remove_file(claim_path(&claim.folder, &claim.token)).ok();
+    }
+    std::mem::forget(claims);
 }
 
 impl Drop for Claim {

@@ -3,6 +3,7 @@
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use super::own_file;
 use crate::error::{Error, Result};
@@ -15,8 +16,20 @@ const LONGEST: u64 = 100;
 /// A lock that is held. Given up, and its file removed, when it is dropped or its process ends in whatever way.
 #[derive(Debug)]
 pub struct Lock {
+    _held: Arc<Held>,
+}
+
+#[derive(Debug)]
+struct Held {
     path: PathBuf,
     file: File,
+}
+
+/// The locks of this process.
+static LOCKS: Mutex<Vec<Weak<Held>>> = Mutex::new(Vec::new());
+
+fn locks() -> MutexGuard<'static, Vec<Weak<Held>>> {
+    LOCKS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Lock {
@@ -28,6 +41,8 @@ impl Lock {
     pub fn take(folder: &Path, stem: &str) -> Result<Self> {
         let path = folder.join(format!(".{stem}.gonio-lock"));
         let failed = |e: io::Error| Error::io(&path, e);
+        // Not while, nor after, `abandon` removes their files.
+        let mut locks = locks();
         loop {
             let Some(mut file) = opened(&path).map_err(failed)? else { continue };
             match file.try_lock() {
@@ -52,18 +67,38 @@ impl Lock {
             // For the eye only: the lock is the system's.
             let pid = std::process::id();
             file.set_len(0).and_then(|()| file.rewind()).and_then(|()| writeln!(file, "{HEADER}{pid}")).ok();
-            return Ok(Lock { path, file });
+            let held = Arc::new(Held { path, file });
+            locks.retain(|lock| lock.strong_count() > 0);
+            locks.push(Arc::downgrade(&held));
+            return Ok(Lock { _held: held });
         }
     }
 }
 
-impl Drop for Lock {
-    fn drop(&mut self) {
-        // While it is still locked, so that nobody locks a file that is about to go.
+impl Held {
+    /// While it is still locked, so that nobody locks a file that is about to go.
+    fn remove_file(&self) {
         if is_at(&self.file, &self.path).unwrap_or(false) {
             fs::remove_file(&self.path).ok();
         }
     }
+}
+
+impl Drop for Held {
+    fn drop(&mut self) {
+        self.remove_file();
+    }
+}
+
+/// Removes the files of the locks of this process, which is about to end and gives them up by that.
+pub fn abandon() {
+    let locks = locks();
+    // Not dropped: they are held to the end.
+    locks.iter().filter_map(Weak::upgrade).for_each(|held| {
+        held.remove_file();
+        std::mem::forget(held);
+    });
+    std::mem::forget(locks);
 }
 
 /// The file that is there, or a new one; `None` where it went meanwhile.

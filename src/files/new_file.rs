@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::claim::Claim;
-use super::{check_target, clean_up, folder_of, own_file, sync_folder};
+use super::{check_target, clean_up, folder_of, sync_folder};
 use crate::error::{Error, Result};
 
 /// An open file under way in the folder of its place. Dropped before [`NewFile::commit`], it is
@@ -29,8 +29,8 @@ impl NewFile {
             check_target(place)?;
             place.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "has no name"))?;
             let claim = Claim::on(folder_of(place))?;
-            let temporary = claim.name();
-            let out = BufWriter::new(own_file::create_new(&temporary)?);
+            let (temporary, file) = claim.create_file()?;
+            let out = BufWriter::new(file);
             Ok(NewFile { place: place.into(), temporary, out, on_disk: false, done: false, _claim: claim })
         };
         open().map_err(|e| Error::io(place, e))

@@ -47,7 +47,7 @@ pub use merge::Merge;
 pub use patches::{Patch, Patches, Specimen};
 pub use plan::{Plan, plan, plan_of, plan_within, stops};
 pub use run::{go_on, measure, tables};
-pub use session::{Pace, Session};
+pub use session::{Ending, Pace, Session};
 pub use shards::{Shard, Shards};
 pub use skips::Skip;
 pub use stage::CELLS_PER_START;

@@ -15,7 +15,7 @@ use super::cost::{Clocks, Cost, cpu_seconds};
 use super::ledger::Ledger;
 use super::patches::{Patches, Specimen};
 use super::plan::Plan;
-use super::session::{Keeper, Session, locked};
+use super::session::{Keeper, Session, interrupted, locked};
 use super::stage::PreparedPatch;
 use super::stopping;
 use crate::campaign::Campaign;
@@ -92,8 +92,7 @@ pub fn go_on(
     measured?;
     if session.is_over() {
         kept?;
-        let of = plan.band.map_or(String::new(), |band| format!(" of band {band}"));
-        return Err(Error::Interrupted(format!("after {:.1} % of the samples{of}", ledger.percent(plan))));
+        return Err(interrupted(&ledger, plan));
     }
     // Whoever writes the tables next has the same full disk before him, and says so.
     Ok(ledger)

@@ -10,13 +10,15 @@ use super::cost::{Cost, cpu_seconds};
 use super::ledger::Ledger;
 use super::plan::Plan;
 use crate::campaign::Campaign;
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// Time after which a checkpoint is due in any case, where there is something new.
 const LONGEST: Duration = Duration::from_secs(60);
 /// In between, one is due after this share of the work, and when this many times as long as the last took has gone by.
 const WORK_PARTS: u64 = 100;
 const REST: u32 = 100;
+/// How long the work may take to end itself, once it is asked to: blocks are given up after less, patches take longer.
+const PATIENCE: Duration = Duration::from_millis(400);
 
 /// The content of a lock: a panic elsewhere ends the run by itself.
 pub(super) fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -51,6 +53,16 @@ impl Pace {
     }
 }
 
+/// Who ends the process for a run that does not do so in time.
+pub trait Ending: Sync {
+    /// From now on the run keeps its finished blocks itself: nobody else is to end the process.
+    fn hold(&self);
+    /// Ends the process with this error: all finished blocks are kept, and nothing else is worth being waited for.
+    fn leave(&self, error: Error);
+    /// The run is over, and whoever wants to may end the process.
+    fn release(&self);
+}
+
 /// What surrounds a run.
 pub struct Session<'a> {
     /// Called with the starts of every finished block.
@@ -63,6 +75,8 @@ pub struct Session<'a> {
     pub checkpoint: Option<(&'a Checkpoint, u64)>,
     /// How often.
     pub pace: Pace,
+    /// Who ends the process; without one the run ends by itself, in its own time.
+    pub ending: Option<&'a dyn Ending>,
 }
 
 /// Never set.
@@ -71,13 +85,26 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 impl<'a> Session<'a> {
     /// A run that is not kept and goes on to its end.
     pub fn plain(progress: &'a (dyn Fn(u64) + Sync)) -> Self {
-        Session { progress, note: &|_| (), interrupted: &NEVER, checkpoint: None, pace: Pace::Rare }
+        Session {
+            progress,
+            note: &|_| (),
+            interrupted: &NEVER,
+            checkpoint: None,
+            pace: Pace::Rare,
+            ending: None,
+        }
     }
 
     /// Whether the run is to end.
     pub fn is_over(&self) -> bool {
         self.interrupted.load(Ordering::Relaxed)
     }
+}
+
+/// What a run says that was ended, of all that it has measured.
+pub(super) fn interrupted(ledger: &Ledger, plan: &Plan) -> Error {
+    let of = plan.band.map_or(String::new(), |band| format!(" of band {band}"));
+    Error::Interrupted(format!("after {:.1} % of the samples{of}", ledger.percent(plan)))
 }
 
 /// Writes checkpoints while others measure.
@@ -102,15 +129,28 @@ struct Last {
 }
 
 impl Keeper<'_> {
+    /// As [`Self::keep`], in whose time nobody else ends the process.
+    pub fn run(&self, others: Receiver<()>) -> Result<()> {
+        let Some(checkpoint) = self.session.checkpoint else { return Ok(()) };
+        self.session.ending.iter().for_each(|ending| ending.hold());
+        let kept = self.keep(checkpoint, others);
+        self.session.ending.iter().for_each(|ending| ending.release());
+        kept
+    }
+
     /// Writes a checkpoint whenever one is due, until the other end of the channel is dropped; then one more of what is
     /// new, unless the run was short. Returns how that one went.
-    pub fn run(&self, others: Receiver<()>) -> Result<()> {
-        let Some((checkpoint, number)) = self.session.checkpoint else { return Ok(()) };
+    fn keep(&self, (checkpoint, number): (&Checkpoint, u64), others: Receiver<()>) -> Result<()> {
+        let mut asked = None;
         let (begin, begin_cpu_s, starts) = (Instant::now(), cpu_seconds(), self.starts());
         let mut last =
             Last { number, at: begin, cpu_s: begin_cpu_s, took: Duration::ZERO, starts, failed: false };
         while others.recv_timeout(self.session.pace.tick()) == Err(RecvTimeoutError::Timeout) {
-            if self.is_due(&last) {
+            if let Some(ending) = self.session.ending.filter(|_| self.session.is_over()) {
+                if asked.get_or_insert_with(Instant::now).elapsed() > PATIENCE {
+                    return self.leave(ending, checkpoint, &mut last);
+                }
+            } else if self.is_due(&last) {
                 match self.write(checkpoint, &mut last) {
                     Err(why) if !last.failed => {
                         (self.session.note)(format!(
@@ -123,8 +163,18 @@ impl Keeper<'_> {
             }
         }
         let worth_it = self.session.is_over() || cpu_seconds() - begin_cpu_s > self.session.pace.shortest_s();
-        let new = self.starts() > last.starts || last.failed;
-        if worth_it && new { self.write(checkpoint, &mut last) } else { Ok(()) }
+        if worth_it && self.is_new(&last) { self.write(checkpoint, &mut last) } else { Ok(()) }
+    }
+
+    /// Keeps what is finished, and ends the process in the middle of everything else.
+    fn leave(&self, ending: &dyn Ending, checkpoint: &Checkpoint, last: &mut Last) -> Result<()> {
+        let kept = if self.is_new(last) { self.write(checkpoint, last) } else { Ok(()) };
+        ending.leave(kept.err().unwrap_or_else(|| interrupted(&locked(self.ledger), self.plan)));
+        Ok(())
+    }
+
+    fn is_new(&self, last: &Last) -> bool {
+        self.starts() > last.starts || last.failed
     }
 
     fn is_due(&self, last: &Last) -> bool {

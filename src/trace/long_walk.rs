@@ -2,10 +2,12 @@
 //!
 //! A ray that climbs by a thousandth of a cell per edge crosses the field many times before it is above it, nearly
 //! always far over everything. Such a ray is taken over whole tiles of 4^L x 4^L cells at once wherever it stays above
-//! their highest corner by more than the walk's rounding; elsewhere it is followed cell by cell as in `walk`.
+//! their highest corner by more than the walk's rounding; elsewhere it is followed cell by cell as in `walk`, but along a
+//! corridor (`corridor`) over many passes round the field at once.
 
 use glam::DVec3;
 
+use super::corridor::Corridors;
 use super::peaks::Tiles;
 use super::walk::{Outcome, Place, Walker};
 use super::way::{Axis, Way};
@@ -45,12 +47,20 @@ pub(super) fn go_on(walker: &Walker, tiles: &impl Tiles, start: &Place, mut way:
     let begin = way.x.crossed + way.y.crossed;
     let rise = d.z * (round / (d.x.abs() + d.y.abs()));
     let mut level = 0;
+    let margin_at = |t: f64| unit * (1.0 + t * (d.x.abs() + d.y.abs()));
+    let mut corridors = Corridors::new(field, d);
     // After a jump, the axis across which the ray came into its cell: the walk goes on from that edge.
     let mut jumped = None;
     while way.x.crossed + way.y.crossed < limit {
+        if corridors.is_due() {
+            if let Some(across_x) = jumped.take() {
+                way.enter(field, across_x);
+            }
+            corridors.take(&mut way, field, limit, margin_at);
+        }
         let exit = exit(&way, field, level);
         let low = way.height(if d.z < 0.0 { exit.t } else { way.entry.t });
-        let margin = unit * (1.0 + exit.t * (d.x.abs() + d.y.abs()));
+        let margin = margin_at(exit.t);
         // One round later over the same heights, higher by more than rounding, or level for ever: nothing was in its
         // way, nothing will be.
         let been_round = way.x.crossed + way.y.crossed > begin + round;

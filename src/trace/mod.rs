@@ -1,6 +1,7 @@
 //! 4. Light on the surface: where paths start, what they hit, and where they leave.
 
 pub mod by_slope;
+mod corridor;
 pub mod facet_index;
 pub mod image;
 mod lane_cell;

@@ -11,6 +11,7 @@ use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
 
 /// One axis of the walk: where the next cell edge is.
+#[derive(Clone)]
 pub(super) struct Axis {
     pub forward: bool,
     speed: f64,
@@ -44,6 +45,11 @@ impl Axis {
         }
     }
 
+    /// Ray parameter of the last edge that was crossed, if one was.
+    fn last(&self) -> Option<f64> {
+        (self.crossed > 0.0).then(|| self.after(-1.0))
+    }
+
     /// About how many edges lie between the start and parameter `t`.
     pub fn edges_before(&self, t: f64) -> f64 {
         t * self.speed - self.first
@@ -73,7 +79,25 @@ pub(super) struct Crossing {
     clearance: f64,
 }
 
+/// How a ray leaves its cell, and what it clears there.
+pub(super) struct Outlook {
+    pub across_x: bool,
+    /// Along the edge, [0, 1].
+    pub place: f64,
+    /// Clearance on that edge.
+    pub exit: f64,
+    /// Clearance on the diagonal, infinite where that is not crossed.
+    pub diagonal: f64,
+}
+
+impl Outlook {
+    pub fn lowest(&self) -> f64 {
+        self.exit.min(self.diagonal)
+    }
+}
+
 /// A ray under way: the cell that it is in, and how it came in.
+#[derive(Clone)]
 pub(super) struct Way<'a> {
     start: &'a Place,
     pub d: DVec3,
@@ -161,6 +185,48 @@ impl<'a> Way<'a> {
             (local.y_edge(&corners, !self.y.forward, t), !self.y.forward)
         };
         self.own = false;
+    }
+
+    /// How the ray will leave its cell; `None` where it never does.
+    pub fn outlook(&self, field: &Heightfield) -> Option<Outlook> {
+        let (tx, ty) = (self.x.next(), self.y.next());
+        let across_x = tx < ty;
+        let t = if across_x { tx } else { ty };
+        if t == f64::INFINITY {
+            return None;
+        }
+        let (corners, local) = (field.corners(self.cell.0, self.cell.1), self.local());
+        let (u, v) = local.point(t);
+        let (place, forward, exit) = if across_x {
+            (v, self.x.forward, local.x_edge(&corners, self.x.forward, t))
+        } else {
+            (u, self.y.forward, local.y_edge(&corners, self.y.forward, t))
+        };
+        let diagonal = if self.upper == forward {
+            f64::INFINITY
+        } else {
+            local.diagonal(&corners, self.entry.t, t).clearance
+        };
+        Some(Outlook { across_x, place, exit: exit.clearance, diagonal })
+    }
+
+    /// The ray after so many more edges of each axis, whole fields of them, at the edge by which it came into its cell;
+    /// `None` where it crosses the edges before or after that one in another order.
+    pub fn further(&self, field: &Heightfield, edges_x: f64, edges_y: f64) -> Option<Self> {
+        let mut far = self.clone();
+        far.x.crossed += edges_x;
+        far.y.crossed += edges_y;
+        // Of two edges at once the one across y comes first.
+        let across_x = self.x.last() == Some(self.entry.t);
+        let t = if across_x { far.x.last() } else { far.y.last() }?;
+        let in_order = if across_x {
+            far.y.last().is_none_or(|last| last <= t) && t < far.y.next()
+        } else {
+            far.x.last().is_none_or(|last| last < t) && t <= far.x.next()
+        };
+        far.entry.t = t;
+        far.enter(field, across_x);
+        in_order.then_some(far)
     }
 
     /// The ray's height at `t`: grows or falls with `t`, whatever rounding says.
