@@ -35,6 +35,27 @@ fn findings_of_the_fuzzer_are_answered_in_one_line() {
     assert!(tried > 0 || !folder.exists());
 }
 
+/// The targets link the versions that the program links: what is fuzzed is what is shipped.
+#[test]
+fn the_lock_of_the_targets_names_the_programs_versions() {
+    let versions = |text: &str| -> Vec<(String, String)> {
+        let package = |block: &str| {
+            let value = |key: &str| Some(block.lines().find_map(|line| line.strip_prefix(key))?.to_string());
+            Some((value("name = ")?, value("version = ")?))
+        };
+        text.split("[[package]]").filter_map(package).collect()
+    };
+    let ours = versions(include_str!("../Cargo.lock"));
+    for package in versions(include_str!("../fuzz/Cargo.lock")) {
+        let known = ours.iter().any(|(name, _)| *name == package.0);
+        assert!(
+            !known || ours.contains(&package),
+            "{package:?} is no version of Cargo.lock: `cp Cargo.lock fuzz/ && cargo metadata --manifest-path \
+             fuzz/Cargo.toml > /dev/null` mends it"
+        );
+    }
+}
+
 /// What the target's reader says.
 fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
     let here = Path::new("fuzzed");
