@@ -1,5 +1,7 @@
 //! What every target asks of a reader: an answer or a reason, never a panic; a reason is one line for a terminal.
 
+pub mod traced;
+
 use std::path::Path;
 
 use gonio::error::Error;

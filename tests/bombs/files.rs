@@ -3,7 +3,7 @@
 mod makers;
 
 use makers::{
-    Maker, attributes, beside_a_table, exr, gaps, lights, map, npy, npz, overlapping, sparse, texts,
+    Maker, attributes, beside_a_table, exr, gaps, lights, map, needles, npy, npz, overlapping, sparse, texts,
 };
 
 /// A file, and the command line that reads it.
@@ -158,6 +158,7 @@ pub fn all(size: f64) -> Vec<Bomb> {
             }),
         ),
         ("map exr", check.into(), map("scan.exr", exr("scan.exr", [1 << 24, 16], mb(4.0)))),
+        ("map needles", check.into(), map("scan.npy", needles("scan.npy", root(1000.0)))),
         ("map line", check.into(), map("scan.txt", texts("scan.txt", vec![of("0 0 0 ", 300.0)]))),
         ("map points", check.into(), map("scan.xyz", texts("scan.xyz", vec![of("0 0 0\n", 300.0)]))),
         (

@@ -123,10 +123,18 @@ pub fn lights(side: u64) -> Maker {
     let mut bytes = tensors(&fields);
     bytes.resize(512, 0);
     (0..8 + 16 * side * side).for_each(|_| bytes.extend(1.0f32.to_le_bytes()));
-    for end in [1.5f32, std::f32::consts::TAU] {
-        (0..side).for_each(|k| bytes.extend((end * k as f32 / (side - 1) as f32).to_le_bytes()));
+    for [from, to] in [[0.0, 1.5f32], [-3.12, 3.12]] {
+        let angle = |k: u64| from + (to - from) * k as f32 / (side - 1) as f32;
+        (0..side).for_each(|k| bytes.extend(angle(k).to_le_bytes()));
     }
     sparse("b", bytes, 0)
+}
+
+/// A map of so many samples along a side, each of which is refined before it is measured: every second one is a needle.
+pub fn needles(name: &'static str, side: u64) -> Maker {
+    let samples = (0..side * side).map(|at| (at / side * at % 2) as u8 * 200);
+    let head = npy("|u1", &format!("({side}, {side})"));
+    sparse(name, head.into_iter().chain(samples).collect(), 0)
 }
 
 /// A list in which each of so many lights has a direction of its own: all other pairs are gaps, in every colour.
