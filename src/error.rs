@@ -87,6 +87,9 @@ pub enum Error {
     Internal(String),
 }
 
+/// How the reason of a reader ends that the memory is too small for (`files::memory::check`).
+pub const LACK_OF_MEMORY: &str = "MiB may be used (half of what is free); free memory, or split the file";
+
 impl Error {
     /// The process's exit code for this error. A campaign whose only faults are sizes is refused as too large.
     pub fn exit_code(&self) -> u8 {
@@ -106,9 +109,16 @@ impl Error {
         Error::Io { path: path.to_path_buf(), source }
     }
 
-    /// A wrong content of the file at `path`; whatever `what` quotes of it, it is one line.
+    /// A wrong content of the file at `path`; whatever `what` quotes of it, it is one line. Where the reader found that
+    /// the memory is too small for it, that is refused.
+    ///
+    /// Held by: tests/bombs.rs.
     pub fn format(path: &Path, what: impl AsRef<str>) -> Self {
-        Error::Format { path: path.to_path_buf(), what: one_line(what.as_ref()) }
+        let what = one_line(what.as_ref());
+        if what.ends_with(LACK_OF_MEMORY) {
+            return Error::Refused(format!("{}: {what}", path.display()));
+        }
+        Error::Format { path: path.to_path_buf(), what }
     }
 }
 

@@ -1,5 +1,7 @@
 //! What every target asks of a reader: an answer or a reason, never a panic; a reason is one line for a terminal.
 
+pub mod traced;
+
 use std::path::Path;
 
 use gonio::error::Error;
@@ -9,11 +11,11 @@ pub fn reason<T>(answer: Result<T, String>) {
     format(answer.map_err(|why| Error::format(path(), why)));
 }
 
-/// A verb's error about the file at hand: that of a wrong content.
+/// A verb's error about the file at hand: that of a wrong content, or of too little memory for it.
 pub fn format<T>(answer: Result<T, Error>) -> Option<T> {
     match answer {
         Ok(value) => Some(value),
-        Err(Error::Format { what, .. }) => {
+        Err(Error::Format { what, .. } | Error::Refused(what)) => {
             line(&what);
             None
         }

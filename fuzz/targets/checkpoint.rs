@@ -20,10 +20,12 @@ static CAMPAIGN: LazyLock<(Campaign, Plan)> = LazyLock::new(|| {
 fuzz_target!(|bytes: &[u8]| {
     let (campaign, plan) = &*CAMPAIGN;
     let sealed = sealed::seal(Checkpoint::KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()));
-    gonio_fuzz::reason(sealed.and_then(|sealed| Kept::from_bytes(Checkpoint::KIND, &sealed)).and_then(|kept| {
-        kept.heading.faults((campaign, None), "small.toml", "out").iter().for_each(|fault| {
-            gonio_fuzz::reason::<()>(Err(fault.to_string()));
-        });
-        kept.ledger(campaign, plan).map(drop)
-    }));
+    gonio_fuzz::reason(sealed.and_then(|sealed| Kept::from_bytes(Checkpoint::KIND, &sealed)).and_then(
+        |kept| {
+            kept.heading.faults((campaign, None), "small.toml", "out").iter().for_each(|fault| {
+                gonio_fuzz::reason::<()>(Err(fault.to_string()));
+            });
+            kept.ledger(campaign, plan).map(drop)
+        },
+    ));
 });

@@ -8,9 +8,7 @@ use gonio::error::Error;
 use libfuzzer_sys::fuzz_target;
 use tempfile::TempDir;
 
-const CAMPAIGN: &str = "name = \"n\"\nseed = 1\n[surface]\nrealisations = 2\ncells = 64\ncorrelation_cells = 8.0\n\
-    [surface.ggx]\nalpha = 0.2\n[light]\ntheta_i_deg = [0]\n[sensor.hemisphere]\ntheta_r_bins = 9\nphi_r_bins = 8\n\
-    [optics]\nfile = \"index.csv\"\nwavelength_nm = [550]\nfresnel = \"exact\"\n[stop]\nsamples = 65536\n";
+const CAMPAIGN: &str = include_str!("../src/index_file.toml");
 
 thread_local! {
     static FOLDER: RefCell<TempDir> = RefCell::new(tempfile::tempdir().expect("a folder"));

@@ -7,7 +7,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, LACK_OF_MEMORY, Result};
 
 /// Bytes where the system says nothing.
 const DEFAULT_LIMIT: u64 = 4 << 30;
@@ -28,7 +28,7 @@ pub fn check(needed: u64) -> std::result::Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "reading it takes up to {} MiB of memory, {} MiB may be used (half of what is free); free memory, or split the file",
+        "reading it takes up to {} MiB of memory, {} {LACK_OF_MEMORY}",
         needed.div_ceil(1 << 20),
         limit >> 20
     ))
@@ -124,6 +124,7 @@ mod tests {
         assert_eq!(check(0), Ok(()));
         let why = check(1 << 60).expect_err("an exbibyte");
         assert!(why.contains("1099511627776 MiB") && why.contains("may be used"), "{why}");
+        assert_eq!(Error::format(Path::new("f"), why).exit_code(), 4);
         assert!(room::<u64>(usize::MAX / 16).expect_err("too much").contains("do not fit"));
     }
 

@@ -16,6 +16,8 @@ pub const LONGEST_LINE: usize = 1 << 20;
 const SAMPLE: u64 = 300;
 /// Bytes that a value of a list comes to take, in the list and in the table.
 const VALUE: u64 = 24;
+/// Bytes that a pair of directions takes besides its values: its sample and its arrivals.
+const PAIR: u64 = 12;
 /// Bytes that a number of an XML file comes to take, and an element or a branch of a tree.
 const NUMBER: u64 = 12;
 const BRANCH: u64 = 100;
@@ -48,6 +50,11 @@ pub fn needed(format: Format, bytes: &[u8]) -> Reason<u64> {
 /// Of an EXR image.
 pub fn image(bytes: &[u8]) -> Reason<u64> {
     Ok(Blocks::open(Cursor::new(bytes))?.bytes())
+}
+
+/// Of a table that is made whatever the length of its file: of a list with gaps, or of a function on a grid.
+pub fn table(pairs: usize, colours: usize) -> u64 {
+    (pairs as u64).saturating_mul(PAIR + VALUE * colours as u64)
 }
 
 /// Of a text with a sample a line.

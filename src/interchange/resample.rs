@@ -3,7 +3,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Brdf, Colour, Reason, foreign_table, spectral_table};
+use super::{Brdf, Colour, Reason, needed, spectral_table};
+use crate::files::memory;
 use crate::instrument::{Grid, Region};
 use crate::sphere;
 use crate::table::{BrdfTable, ColourChannels};
@@ -72,7 +73,7 @@ pub fn mean(brdf: &dyn Brdf, wi: DVec3, region: &Region) -> Colour {
 
 /// The table of a BRDF on a grid, without error bars.
 pub fn resample(brdf: &dyn Brdf, grid: &Grid) -> Reason<BrdfTable> {
-    foreign_table(grid.clone(), totals(brdf, grid)?)
+    resample_spectrum([brdf].into_iter(), &[], grid)
 }
 
 /// The same of functions that have the colours of a table by threes, with the wavelengths of all.
@@ -83,7 +84,12 @@ pub fn resample_spectrum<'a>(
     wavelengths_nm: &[f64],
     grid: &Grid,
 ) -> Reason<BrdfTable> {
-    let total = parts.map(|part| totals(part, grid)).collect::<Reason<Vec<_>>>()?.concat();
+    let parts: Vec<&dyn Brdf> = parts.collect();
+    let (stops, bins) = (grid.stops(), grid.bins());
+    let pairs = stops.checked_mul(bins).filter(|&pairs| pairs <= MOST_VALUES);
+    let pairs = pairs.ok_or_else(|| format!("{stops} stops of {bins} bins are too many"))?;
+    memory::check(needed::table(pairs, parts.iter().map(|part| part.colours()).sum()))?;
+    let total = parts.into_iter().flat_map(|part| totals(part, grid)).collect();
     spectral_table(grid.clone(), total, wavelengths_nm)
 }
 
@@ -97,11 +103,9 @@ pub fn thirds(table: &BrdfTable) -> Vec<BrdfTable> {
     table.colours.chunks(3).map(part).collect()
 }
 
-fn totals(brdf: &dyn Brdf, grid: &Grid) -> Reason<Vec<Vec<f32>>> {
+fn totals(brdf: &dyn Brdf, grid: &Grid) -> Vec<Vec<f32>> {
     let (stops, bins) = (grid.stops(), grid.bins());
-    let values = stops.checked_mul(bins).filter(|&values| values <= MOST_VALUES);
-    let pixels = values.ok_or_else(|| format!("{stops} stops of {bins} bins are too many"))?;
-    let mut total = vec![Vec::with_capacity(pixels); brdf.colours()];
+    let mut total = vec![Vec::with_capacity(stops * bins); brdf.colours()];
     for stop in 0..stops {
         let wi = grid.wi(stop);
         let means: Vec<Colour> = grid.regions(stop).par_iter().map(|region| mean(brdf, wi, region)).collect();
@@ -109,7 +113,7 @@ fn totals(brdf: &dyn Brdf, grid: &Grid) -> Reason<Vec<Vec<f32>>> {
             total.extend(means.iter().map(|mean| mean[colour] as f32));
         }
     }
-    Ok(total)
+    total
 }
 
 /// The geometry of an imported table where the file has none of its own and no other is asked for: centred bins of

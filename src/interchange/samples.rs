@@ -4,14 +4,15 @@ use std::collections::HashMap;
 
 use super::named_columns::{Columns, Values};
 use super::read_back::{Listing, ReadBack, middles_deg, upper};
-use super::{Reason, spectral_table};
+use super::{Reason, needed, spectral_table};
+use crate::files::memory;
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
 
 /// The largest azimuth either way, degrees.
 const MOST_AZIMUTH: f64 = 3600.0;
-/// Pairs that a list does not have, at most: each takes the memory of a value.
+/// Pairs that a list does not have, at most. Each takes the memory of a value in every colour.
 const MOST_GAPS: usize = 1 << 22;
 
 /// The values for (theta_i, phi_i, theta_r, phi_r) in degrees, absolute azimuths.
@@ -133,6 +134,8 @@ impl<'a> Layout<'a> {
                 self.samples.len()
             ));
         }
+        // A few thousand lines may list millions of pairs, each with all colours: no length of a file says it before.
+        memory::check(needed::table(stop_count * bins, columns.colours()))?;
         let mut first: Vec<Option<&Sample>> = vec![None; stop_count * bins];
         for (sample, (stop, bin)) in self.samples.iter().zip(self.places) {
             match &mut first[stop * bins + bin] {

@@ -10,6 +10,7 @@
 use glam::DVec2;
 
 use super::Heightfield;
+use crate::files::memory;
 
 /// Cells beyond which nothing is refined unasked: the patch of 4096 x 4096 that other surfaces have at most by custom.
 pub const AUTO_CELLS: usize = 1 << 24;
@@ -19,6 +20,8 @@ pub const MOST_CELLS: usize = 1 << 28;
 pub const MOST_STEPS: usize = 64;
 /// How well the slopes under both cuts must agree (`Cuts::disagreement`).
 pub const AGREEMENT: f64 = 0.01;
+/// Bytes for each cell of the finer grid at most: its height, the splines of half as many, and the grid before it.
+const REFINING: u64 = 32;
 /// Slopes below which a map is a mirror whatever its cells do: single precision knows no smaller ones.
 const MIRROR: f64 = 1e-6;
 /// Samples by which a periodic line is continued on both sides: the spline's influence falls by 3.73 with each,
@@ -112,6 +115,7 @@ pub fn refine(field: Heightfield, alpha: DVec2, steps: Option<u32>) -> Result<Re
                 cells(steps)
             ));
         }
+        memory::check(REFINING * cells(steps) as u64)?;
         let fine = refined(&field, steps);
         let after = Cuts::of(&fine, alpha * steps as f64);
         return Ok(Refined { field: fine, steps, before, after });
@@ -119,6 +123,8 @@ pub fn refine(field: Heightfield, alpha: DVec2, steps: Option<u32>) -> Result<Re
     let (mut steps, mut after, mut fine) = (1, before, None);
     while !after.agree() && 2 * steps <= MOST_STEPS && cells(2 * steps) <= AUTO_CELLS {
         steps *= 2;
+        // Refused, not refined less: what is measured must not depend on the machine.
+        memory::check(REFINING * cells(steps) as u64)?;
         let next = fine.insert(refined(&field, steps));
         after = Cuts::of(next, alpha * steps as f64);
     }

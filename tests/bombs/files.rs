@@ -1,123 +1,17 @@
 //! Files that ask for far more memory than they are long, or are longer than memory.
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::Path;
+mod makers;
 
-use gonio::files::image::{self, Part, Samples};
-use zip::write::SimpleFileOptions;
+use makers::{
+    Maker, attributes, beside_a_table, exr, gaps, lights, map, needles, npy, npz, overlapping, sparse, texts,
+};
 
 /// A file, and the command line that reads it.
 pub struct Bomb {
     pub name: String,
     pub arguments: String,
     /// Puts it into a folder.
-    pub write: Box<dyn Fn(&Path)>,
-}
-
-/// A file `name` from pieces: text and how often it stands there.
-fn texts(name: &'static str, pieces: Vec<(String, u64)>) -> Box<dyn Fn(&Path)> {
-    Box::new(move |folder| {
-        let mut out = BufWriter::new(File::create(folder.join(name)).expect("created"));
-        for (text, times) in &pieces {
-            let block = text.repeat((1 << 16) / text.len().max(1) + 1);
-            let mut left = text.len() as u64 * times;
-            while left > 0 {
-                let size = left.min(block.len() as u64);
-                out.write_all(&block.as_bytes()[..size as usize]).expect("written");
-                left -= size;
-            }
-        }
-        out.flush().expect("written");
-    })
-}
-
-/// A file of these bytes that goes on with zeros, which take no space on the disk.
-fn sparse(name: &'static str, head: Vec<u8>, length: u64) -> Box<dyn Fn(&Path)> {
-    Box::new(move |folder| {
-        let mut file = File::create(folder.join(name)).expect("created");
-        file.write_all(&head).expect("written");
-        file.set_len(length.max(head.len() as u64)).expect("a sparse file");
-    })
-}
-
-/// The header of an NPY file.
-fn npy(kind: &str, shape: &str) -> Vec<u8> {
-    let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}\n");
-    let length = (header.len() as u16).to_le_bytes();
-    [b"\x93NUMPY\x01\x00", &length[..], header.as_bytes()].concat()
-}
-
-/// An archive of members of zeros behind a head.
-fn npz(members: Vec<(String, Vec<u8>, u64)>) -> Box<dyn Fn(&Path)> {
-    Box::new(move |folder| {
-        let mut zip = zip::ZipWriter::new(File::create(folder.join("b")).expect("created"));
-        for (name, head, zeros) in &members {
-            let deflated = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Deflated);
-            zip.start_file(name, deflated).expect("a member");
-            zip.write_all(head).expect("written");
-            let block = vec![0u8; 1 << 16];
-            for _ in 0..zeros.div_ceil(1 << 16) {
-                zip.write_all(&block).expect("written");
-            }
-        }
-        zip.finish().expect("finished");
-    })
-}
-
-/// An image whose windows are made so wide and high, followed by zeros.
-fn exr(name: &'static str, [width, height]: [u32; 2], length: u64) -> Box<dyn Fn(&Path)> {
-    let mut part = Part { width: 4, height: 4, ..Part::default() };
-    for channel in ["R", "G", "B", "height"] {
-        part.channels.insert(channel.into(), Samples::F32(vec![0.0; 16]));
-    }
-    let mut bytes = image::encode(vec![part]).expect("an image");
-    for window in ["dataWindow\0box2i\0", "displayWindow\0box2i\0"] {
-        let at = bytes.windows(window.len()).position(|here| here == window.as_bytes()).expect("there");
-        let corner = at + window.len() + 4 + 8;
-        bytes[corner..][..4].copy_from_slice(&(width - 1).to_le_bytes());
-        bytes[corner + 4..][..4].copy_from_slice(&(height - 1).to_le_bytes());
-    }
-    let count = b"chunkCount\0int\0";
-    if let Some(at) = bytes.windows(count.len()).position(|here| here == count) {
-        bytes[at + count.len() + 4..][..4].copy_from_slice(&height.div_ceil(16).to_le_bytes());
-    }
-    sparse(name, bytes, length)
-}
-
-/// The header of an image with so many attributes.
-fn attributes(count: u64) -> Box<dyn Fn(&Path)> {
-    let magic = [0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
-    let many = (0..count).flat_map(|k| [format!("{k:x}").as_bytes(), b"\0i\0\0\0\0\0"].concat());
-    sparse("b", magic.into_iter().chain(many).chain([0]).collect(), 0)
-}
-
-/// A tensor file whose fields are all the same bytes.
-fn overlapping(values: u64) -> Box<dyn Fn(&Path)> {
-    let mut head = b"tensor_file\0\x01\0".to_vec();
-    let fields = [("theta_i", 1), ("phi_i", 1), ("ndf", 2), ("sigma", 2), ("vndf", 4), ("rgb", 5)];
-    head.extend((fields.len() as u32).to_le_bytes());
-    for (name, axes) in fields {
-        head.extend((name.len() as u16).to_le_bytes());
-        head.extend(name.as_bytes());
-        head.extend((axes as u16).to_le_bytes());
-        head.push(10);
-        head.extend(512u64.to_le_bytes());
-        (0..axes).for_each(|axis| head.extend(if axis == 0 { values } else { 1 }.to_le_bytes()));
-    }
-    sparse("b", head, 512 + 4 * values)
-}
-
-const MAP: &str = "name = \"b\"\nseed = 1\n[surface.file]\npath = \"SCAN\"\npitch_x_um = 1\npitch_y_um = 1\nheight_unit_um = 1\n\
-    [light]\ntheta_i_deg = [0]\nphi_i_deg = [0]\n[sensor.hemisphere]\ntheta_r_bins = 18\nphi_r_bins = 36\n[stop]\n\
-    samples = 1000\n";
-
-/// The file of a height map, and the campaign that names it.
-fn map(name: &'static str, scan: Box<dyn Fn(&Path)>) -> Box<dyn Fn(&Path)> {
-    Box::new(move |folder| {
-        std::fs::write(folder.join("c.toml"), MAP.replace("SCAN", name)).expect("written");
-        scan(folder);
-    })
+    pub write: Maker,
 }
 
 const XML: &str = "<WindowElement><DataDefinition><IncidentDataStructure>";
@@ -130,24 +24,14 @@ const ASTM: &str = "VARS theta_i,phi_i,theta_s,phi_s,Y\n";
 const SSDD: &str =
     "VERSION 1.0\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE spherical_coordinate_system\n";
 
-fn xml(structure: &str, pieces: Vec<(String, u64)>) -> Box<dyn Fn(&Path)> {
+fn xml(structure: &str, pieces: Vec<(String, u64)>) -> Maker {
     let head = format!("{XML}{structure}</IncidentDataStructure>");
     let end = "</ScatteringData></WavelengthDataBlock></WavelengthData></WindowElement>";
     texts("b", [(head, 1)].into_iter().chain(pieces).chain([(end.to_string(), 1)]).collect())
 }
 
-/// What makes a bomb, with a small table beside it.
-fn beside_a_table(bomb: Box<dyn Fn(&Path)>) -> Box<dyn Fn(&Path)> {
-    Box::new(move |folder| {
-        let table = gonio::interchange::foreign_table(small_grid(), vec![vec![1.0; 8]]);
-        let path = folder.join("t.exr");
-        gonio::table::store::save(&path, &table.expect("a table")).expect("saved");
-        bomb(folder);
-    })
-}
-
 /// A bomb's name, the command that is to read it, and what makes it.
-type Made<'a> = (&'a str, String, Box<dyn Fn(&Path)>);
+type Made<'a> = (&'a str, String, Maker);
 
 /// All of them; `size` is their length as a share of the usual one.
 pub fn all(size: f64) -> Vec<Bomb> {
@@ -156,6 +40,7 @@ pub fn all(size: f64) -> Vec<Bomb> {
     let of = |text: &str, megabytes: f64| (text.to_string(), mb(megabytes) / text.len() as u64);
     let data = |bases: &str| once(&format!("</DataDefinition>{BLOCK}{bases}<ScatteringData>"));
     let side = ((size * 4e8).sqrt() as u64).max(8);
+    let root = |count: f64| (count * size.sqrt()) as u64;
     let import = |format: &str| format!("import b --from {format} -o t.exr");
     let check = "measure c.toml -o out";
     let array = |zeros: u64| (npy("<f4", &format!("(1, 1, 1, {})", zeros / 4)), zeros);
@@ -188,6 +73,8 @@ pub fn all(size: f64) -> Vec<Bomb> {
         ("csv empty lines", import("csv"), texts("b", vec![once(CSV), of("\n", 300.0)])),
         ("csv comments", import("csv"), texts("b", vec![of("#\n", 300.0)])),
         ("csv wide", import("csv"), texts("b", vec![once(&wide.to_string()), of("0\0,\0", 300.0)])),
+        ("csv gaps", import("csv"), gaps(root(2300.0), 1)),
+        ("csv gaps of colours", import("csv"), gaps(root(2048.0), 60)),
         ("astm line", import("astm"), texts("b", vec![once(ASTM), of("0,", 300.0)])),
         ("astm lines", import("astm"), texts("b", vec![once(ASTM), of("0,0,0,0,1\n", 300.0)])),
         ("ssdd line", import("ssdd"), texts("b", vec![once(SSDD), once("PARAM0_LIST "), of("0 ", 300.0)])),
@@ -250,6 +137,7 @@ pub fn all(size: f64) -> Vec<Bomb> {
         ("utia", import("utia"), sparse("b", vec![], mb(3000.0))),
         ("rgl", import("rgl"), sparse("b", b"tensor_file\0\x01\0".to_vec(), mb(900.0))),
         ("rgl overlap", import("rgl"), overlapping(mb(20.0))),
+        ("rgl lights", import("rgl"), lights(root(300.0))),
         (
             "map npy",
             check.into(),
@@ -270,6 +158,7 @@ pub fn all(size: f64) -> Vec<Bomb> {
             }),
         ),
         ("map exr", check.into(), map("scan.exr", exr("scan.exr", [1 << 24, 16], mb(4.0)))),
+        ("map needles", check.into(), map("scan.npy", needles("scan.npy", root(1000.0)))),
         ("map line", check.into(), map("scan.txt", texts("scan.txt", vec![of("0 0 0 ", 300.0)]))),
         ("map points", check.into(), map("scan.xyz", texts("scan.xyz", vec![of("0 0 0\n", 300.0)]))),
         (
@@ -302,15 +191,4 @@ pub fn all(size: f64) -> Vec<Bomb> {
         }),
     ];
     list.into_iter().map(|(name, arguments, write)| Bomb { name: name.into(), arguments, write }).collect()
-}
-
-fn small_grid() -> gonio::instrument::Grid {
-    gonio::instrument::Grid {
-        theta_i_deg: vec![0.0],
-        phi_i_deg: vec![0.0],
-        theta_r_edges_deg: vec![0.0, 45.0, 90.0],
-        phi_r_edges_deg: vec![0.0, 90.0, 180.0, 270.0, 360.0],
-        phi_r_relative: true,
-        ..gonio::instrument::Grid::default()
-    }
 }
