@@ -133,7 +133,7 @@ struct Bin {
 /// called with the starts of every finished block.
 ///
 /// Errors: `Usage` with fewer than two replicates, and where `other` is no other way to measure this campaign.
-/// Held by: `noise_is_what_replicates_show`, and `rays_from_above_measure_the_same_table` in `tests/bench.rs`.
+/// Held by: `noise_is_what_replicates_show`, and `rays_from_above_measure_the_same_table` in `tests/it/bench.rs`.
 pub fn against(
     campaign: &Campaign,
     other: Other,

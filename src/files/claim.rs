@@ -38,7 +38,7 @@ static CLAIMS: Mutex<Option<HashMap<PathBuf, Weak<Claim>>>> = Mutex::new(None);
 impl Claim {
     /// The process's claim on a folder. The first one removes what killed processes have left there.
     ///
-    /// Held by: `what_a_dead_process_left_is_removed_and_nothing_else`, tests/files_under_failure.rs.
+    /// Held by: `what_a_dead_process_left_is_removed_and_nothing_else`, tests/process/files_under_failure.rs.
     pub fn on(folder: &Path) -> io::Result<Arc<Self>> {
         let mut claims = CLAIMS.lock().unwrap_or_else(PoisonError::into_inner);
         let claims = claims.get_or_insert_default();

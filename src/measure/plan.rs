@@ -276,7 +276,7 @@ pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
 /// Whether an index of the facets is worth its making: whether at every stop the apertures, mirrored ones included,
 /// cover little enough of the hemisphere.
 ///
-/// Estimated break-even: see `LARGEST_SHARE`. Held by: `the_facet_index_changes_nothing_but_noise` in `tests/skips.rs`.
+/// Estimated break-even: see `LARGEST_SHARE`. Held by: `the_facet_index_changes_nothing_but_noise`.
 fn few_apertures(grid: &Grid, folded: &[bool]) -> bool {
     folded.iter().enumerate().all(|(stop, &folded)| {
         let share = aperture_share(&grid.regions(stop));
@@ -291,7 +291,7 @@ fn few_apertures(grid: &Grid, folded: &[bool]) -> bool {
 /// (alpha 0.05) to a half (alpha 0.8) of the starts, six stops from 0 to 75 degrees: some 350 ns are saved for each of
 /// them (`gonio bench configs/ggx_isotropic.toml --against sweeps`). That pays for a sort from 0.07 starts a cell on, which
 /// a campaign of five stops has where each has a 64th.
-/// Held by: `starts_by_slope_change_nothing_but_noise` in `tests/skips.rs`.
+/// Held by: `starts_by_slope_change_nothing_but_noise` in `tests/it/measure/skips.rs`.
 fn pays_by_slope(campaign: &Campaign, starts: u64) -> bool {
     starts as f64 >= FEWEST_STARTS_PER_CELL * f64::from(campaign.surface.cells).powi(2)
 }
@@ -311,7 +311,7 @@ pub(super) fn aperture_share(regions: &[Region]) -> f64 {
 /// Measured break-even on one core, blocks of 65,536 on 2^20 cells: a sweep takes 6 ms a stop where six share it and
 /// 12 ms alone at 60 degrees; starts and rays 12 to 13 ms. Its time grows with the cells for each start, and with the
 /// run-in of range x alpha tan(theta) cells before each line.
-/// Held by: `tests/sweep.rs`, and `a_swept_stop_agrees_with_rays` in `tests/skips.rs`.
+/// Held by: `tests/it/trace/sweep.rs`, and `a_swept_stop_agrees_with_rays` in `tests/it/measure/skips.rs`.
 pub fn is_swept(
     campaign: &Campaign,
     plan: &Plan,

@@ -63,7 +63,7 @@ impl SeenBySlope {
 /// The classes over all realisations of a stop; `None` where one of them has counted nothing: without visibility, where
 /// only some facets are started on, on a statistical surface, on a map that paths leave.
 ///
-/// Held by: `the_light_sees_a_groove_as_torrance_and_sparrow_say` (tests/exact_shapes.rs).
+/// Held by: `the_light_sees_a_groove_as_torrance_and_sparrow_say` (tests/it/measure/exact_shapes.rs).
 pub fn classes(realisations: &[&SeenBySlope]) -> Option<Vec<SlopeClass>> {
     let counted = |counts: &&SeenBySlope| counts.starts.iter().any(|&starts| starts > 0);
     if !realisations.iter().all(counted) {

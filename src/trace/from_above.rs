@@ -36,7 +36,7 @@ impl<'a> FromAbove<'a> {
     ///
     /// A beam from the zenith needs no rays: what it meets stands straight below. Returns the rays that were followed,
     /// and those without an answer.
-    /// Held by: `tests/lanes.rs`.
+    /// Held by: `tests/it/trace/lanes.rs`.
     pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) -> (u64, u64) {
         let mut wave: Vec<Place> = Vec::with_capacity(WAVE);
         let mut waves = Waves::default();

@@ -24,7 +24,7 @@ impl<'a> Sweep<'a> {
     ///
     /// - `lights`: canonical directions in field coordinates, z > 0, all over `heading`.
     /// - Over a uniform offset every point of the field is on a line with the same density.
-    /// - Held by: `tests/sweep.rs`.
+    /// - Held by: `tests/it/trace/sweep.rs`.
     pub fn new(layout: &'a Layout<'a>, heading: DVec2, lights: &[DVec3], offset: f64) -> Self {
         let along_x = heading.x.abs() > heading.y.abs();
         let (along, across) = if along_x { (heading.x, heading.y) } else { (heading.y, heading.x) };
