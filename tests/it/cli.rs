@@ -8,27 +8,9 @@ use gonio::table::realisations;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::support::campaign_text::SMALL;
 use crate::support::outputs::digests;
 use crate::support::program::{command, exits, folder, gonio, json, stderr, stdout};
-
-/// A campaign of a fraction of a second.
-const SMALL: &str = "\
-name = \"small\"
-seed = 5
-[surface]
-realisations = 4
-cells = 32
-correlation_cells = 4.0
-[surface.ggx]
-alpha = 0.3
-[light]
-theta_i_deg = [0, 50]
-[sensor.hemisphere]
-theta_r_bins = 6
-phi_r_bins = 12
-[stop]
-samples = 65_536
-";
 
 #[test]
 fn help_and_version_are_answers_and_no_arguments_are_a_mistake() {

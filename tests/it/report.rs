@@ -17,27 +17,13 @@ use gonio::validate::{Prediction, examine_against};
 use half::f16;
 use serde_json::{Value, json};
 
+use crate::support::campaign_text::SMALL;
 use crate::support::program::{done, exits, gonio};
 
-const SMALL: &str = "\
-name = \"small\"
-seed = 5
-[surface]
-realisations = 4
-cells = 32
-correlation_cells = 4.0
-[surface.ggx]
-alpha = 0.3
-[light]
-theta_i_deg = [0, 50]
-[sensor.hemisphere]
-theta_r_bins = 6
-phi_r_bins = 12
-[trace]
-bounces = 2
-[stop]
-samples = 65_536
-";
+/// Two orders of scattering.
+fn small() -> String {
+    SMALL.replace("[stop]", "[trace]\nbounces = 2\n[stop]")
+}
 
 fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
@@ -68,7 +54,7 @@ fn cells(page: &str, table: &str, key: &str) -> Vec<String> {
 fn the_page_follows_from_the_table_and_its_summary() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let at = |name: &str| folder.path().join(name);
-    fs::write(at("small.toml"), SMALL).expect("campaign");
+    fs::write(at("small.toml"), small()).expect("campaign");
     done(&gonio(folder.path(), &["measure", "small.toml", "-o", "one", "--threads", "1"]));
     let text = done(&gonio(folder.path(), &["measure", "small.toml", "-o", "two", "--threads", "2"]));
     let (one, two) = (read(&at("one/small.html")), read(&at("two/small.html")));
@@ -164,7 +150,7 @@ fn made(colours: usize, angles: usize, azimuths: usize, bins: [usize; 2]) -> Mad
         }
     };
     let optics = if colours == 3 { "[optics]\nmaterial = \"gold\"\n" } else { "" };
-    let text = format!("{SMALL}{optics}");
+    let text = format!("{}{optics}", small());
     let campaign = campaign::parse(&text, "c.toml", Path::new("")).expect("sound").campaign;
     let table = BrdfTable {
         grid,
@@ -396,7 +382,7 @@ fn patches_and_points_get_pictures_and_a_viewer() {
 fn a_run_that_looks_at_its_error_is_plotted_against_samples_with_its_masking() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let at = |name: &str| folder.path().join(name);
-    let text = SMALL.replace("samples = 65_536", "samples = 262_144\nrelative_error = 1e-4");
+    let text = small().replace("samples = 65_536", "samples = 262_144\nrelative_error = 1e-4");
     fs::write(at("small.toml"), text).expect("campaign");
     done(&gonio(folder.path(), &["measure", "small.toml", "-o", "out"]));
     let summary: Value = serde_json::from_str(&read(&at("out/small.json"))).expect("JSON");
@@ -423,7 +409,7 @@ fn a_run_that_looks_at_its_error_is_plotted_against_samples_with_its_masking() {
 fn the_answer_of_a_bench_is_plotted_as_it_is() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let at = |name: &str| folder.path().join(name);
-    fs::write(at("small.toml"), SMALL.replace("bounces = 2", "bounces = 1")).expect("campaign");
+    fs::write(at("small.toml"), small().replace("bounces = 2", "bounces = 1")).expect("campaign");
     done(&gonio(folder.path(), &["measure", "small.toml", "-o", "out"]));
     let rungs = [
         "bench",

@@ -10,7 +10,7 @@ use gonio::campaign;
 use gonio::measure;
 
 use crate::support::failing::Failing;
-use crate::support::outputs;
+use crate::support::outputs::{self, copied};
 use crate::support::program::{command, exits, gonio, stderr};
 
 const CAMPAIGN: &str = "\
@@ -45,15 +45,6 @@ struct Case<'a> {
     old: PathBuf,
     before: Files,
     after: Files,
-}
-
-fn copied(from: &Path, to: &Path) {
-    fs::remove_dir_all(to).ok();
-    fs::create_dir(to).expect("a folder");
-    for entry in fs::read_dir(from).expect("readable") {
-        let path = entry.expect("entry").path();
-        fs::copy(&path, to.join(path.file_name().expect("name"))).expect("copied");
-    }
 }
 
 impl<'a> Case<'a> {
@@ -144,8 +135,7 @@ fn every_call_of_a_measurement_may_fail() {
 fn every_call_of_a_run_in_bands_may_fail() {
     let Some(failing) = Failing::built() else { return };
     let folder = tempfile::tempdir().expect("temporary folder");
-    let text =
-        CAMPAIGN.replace("theta_r_bins = 6", "theta_r_bins = 36").replace("[0, 50]", "[0, 20, 40, 50, 60]");
+    let text = CAMPAIGN.replace("theta_r_bins = 6", "theta_r_bins = 36").replace("[0, 50]", "[0, 40, 60]");
     let text = text.replace("phi_r_bins = 12", "phi_r_bins = 72");
     fs::write(folder.path().join("small.toml"), &text).expect("campaign");
     let campaign = campaign::parse(text, "small", folder.path()).expect("sound").campaign;
@@ -177,7 +167,8 @@ fn every_call_of_the_other_commands_may_fail() {
         vec!["report", "TABLE", "-o", "out/small.md"],
         vec!["surface", "small.toml", "-o", "out", "--npy", "--seed", "SEED", "--force"],
     ];
-    for format in ["npy", "csv", "npz", "rgl", "tensor_tree", "astm", "exr_parts"] {
+    // The text formats of trees and patches are made whole before a file is opened, as RGL is: one way to write.
+    for format in ["npy", "csv", "npz", "rgl", "astm", "exr_parts"] {
         cases.push(vec!["export", "TABLE", "--to", format, "-o", "out/exported", "--force"]);
     }
     for words in &cases {

@@ -42,6 +42,25 @@ masking = \"direction_correlated\"
 l1_model = 0.04
 ";
 
+/// A campaign of a fraction of a second.
+pub const SMALL: &str = "\
+name = \"small\"
+seed = 5
+[surface]
+realisations = 4
+cells = 32
+correlation_cells = 4.0
+[surface.ggx]
+alpha = 0.3
+[light]
+theta_i_deg = [0, 50]
+[sensor.hemisphere]
+theta_r_bins = 6
+phi_r_bins = 12
+[stop]
+samples = 65_536
+";
+
 /// A measured height map.
 pub const FILE: &str =
     "[surface.file]\npath = \"scan.npy\"\npitch_x_um = 1\npitch_y_um = 1\nheight_unit_um = 1\n";

@@ -16,6 +16,16 @@ pub fn digests(folder: &Path) -> BTreeMap<String, String> {
         .collect()
 }
 
+/// Makes the folder `to` a copy of a folder of files.
+pub fn copied(from: &Path, to: &Path) {
+    fs::remove_dir_all(to).ok();
+    fs::create_dir(to).expect("a folder");
+    for entry in fs::read_dir(from).expect("readable") {
+        let path = entry.expect("entry").path();
+        fs::copy(&path, to.join(path.file_name().expect("name"))).expect("copied");
+    }
+}
+
 fn digest(path: &Path) -> String {
     let bytes = fs::read(path).expect("readable");
     match path.extension().and_then(|end| end.to_str()) {

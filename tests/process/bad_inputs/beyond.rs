@@ -3,11 +3,10 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::commands::{SMALL, measure};
+use super::commands::measure;
 use super::files::table_bytes;
 use super::row::{Row, command, refused, taken};
-
-use crate::support::campaign_text::{GOOD, with};
+use crate::support::campaign_text::{GOOD, SMALL, with};
 
 pub fn rows() -> Vec<Row> {
     [names(), texts(), special_files(), mixed_up()].into_iter().flatten().collect()

@@ -1,7 +1,6 @@
 //! The text of a campaign: what is no TOML, wrong keys, numbers and counts.
 
 use super::row::{Row, refused, taken};
-
 use crate::support::campaign_text::{ARM, GOOD, on, with, with_arm};
 
 const ALPHA: &str = "surface.ggx.alpha";

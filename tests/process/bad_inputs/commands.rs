@@ -3,25 +3,7 @@
 use std::fs;
 
 use super::row::{Row, command, refused};
-
-/// A campaign of a fraction of a second.
-pub const SMALL: &str = "\
-name = \"small\"
-seed = 5
-[surface]
-realisations = 4
-cells = 32
-correlation_cells = 4.0
-[surface.ggx]
-alpha = 0.3
-[light]
-theta_i_deg = [0, 50]
-[sensor.hemisphere]
-theta_r_bins = 6
-phi_r_bins = 12
-[stop]
-samples = 65_536
-";
+use crate::support::campaign_text::SMALL;
 
 pub fn rows() -> Vec<Row> {
     [campaigns(), folders(), surroundings(), words()].into_iter().flatten().collect()

@@ -8,10 +8,9 @@ use gonio::instrument::{Grid, GridKind};
 use gonio::interchange::{csv, foreign_table, merl};
 use gonio::table::{BrdfTable, store};
 
-use super::commands::SMALL;
 use super::row::{Row, command};
-
 use crate::support::arrays;
+use crate::support::campaign_text::SMALL;
 
 pub fn rows() -> Vec<Row> {
     [tables(), maps(), merl_files(), csv_files()].into_iter().flatten().collect()

@@ -1,7 +1,6 @@
 //! Materials, lengths and surfaces outside physics.
 
 use super::row::{Row, refused, taken};
-
 use crate::support::campaign_text::{FILE, on, with};
 
 const GOLD: &str = "material = \"gold\"";
