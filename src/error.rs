@@ -112,7 +112,7 @@ impl Error {
     /// A wrong content of the file at `path`; whatever `what` quotes of it, it is one line. Where the reader found that
     /// the memory is too small for it, that is refused.
     ///
-    /// Held by: tests/bombs.rs.
+    /// Held by: tests/process/bombs.rs.
     pub fn format(path: &Path, what: impl AsRef<str>) -> Self {
         let what = one_line(what.as_ref());
         if what.ends_with(LACK_OF_MEMORY) {
@@ -135,7 +135,7 @@ pub fn is_unseen(c: char) -> bool {
 /// JSON whose characters that are not seen, which stand in its texts alone, are written as its own escapes: the document is
 /// the same.
 ///
-/// Held by: `words_of_files_cannot_act_on_a_terminal` (src/cli/output.rs), tests/foreign_words.rs.
+/// Held by: `words_of_files_cannot_act_on_a_terminal` (src/cli/output.rs), tests/it/foreign_words.rs.
 pub fn seen_in_json(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
@@ -151,7 +151,7 @@ pub fn seen_in_json(json: &str) -> String {
 /// A foreign text, or a message that quotes one, as a part of one line: characters that are not seen ([`is_unseen`])
 /// become `?`, and the middle of a long one is left out.
 ///
-/// Held by: `findings_of_the_fuzzer_are_answered_in_one_line` (tests/fuzzed.rs).
+/// Held by: `findings_of_the_fuzzer_are_answered_in_one_line` (tests/it/fuzzed.rs).
 fn one_line(text: &str) -> String {
     const HEAD: usize = 360;
     const TAIL: usize = 120;

@@ -9,7 +9,7 @@ use gonio::files::sealed;
 use gonio::measure::{self, Checkpoint, Kept, Plan};
 use libfuzzer_sys::fuzz_target;
 
-/// The campaign that `tests/fuzzed.rs` writes seeds of.
+/// The campaign that `tests/it/fuzzed.rs` writes seeds of.
 static CAMPAIGN: LazyLock<(Campaign, Plan)> = LazyLock::new(|| {
     let text = include_str!("../../tests/data/checkpoint.toml");
     let campaign = campaign::parse(text, "small.toml", Path::new("")).expect("sound").campaign;

@@ -59,7 +59,7 @@ pub struct Scale {
 /// Measures every stop of `campaign` by itself and all together on one patch of each of `sides` cells, in ascending
 /// order. Errors: `Usage` for a surface that is not random heights; those of planning and measuring.
 ///
-/// Held by: `tests/bench.rs`.
+/// Held by: `tests/it/bench.rs`.
 pub fn scale(campaign: &Campaign, sides: &[u32], progress: &(dyn Fn(u64) + Sync)) -> Result<Scale> {
     if !campaign.surface.kind.is_random_heights() {
         let why = "--cells is for random surfaces (ggx, beckmann)";

@@ -68,7 +68,7 @@ impl RayBound {
     /// crosses one edge a cell, so the two add up to at most tan hypot(alpha_x, alpha_y) at the worst azimuth, and to
     /// alpha tan along an axis. `range`: of the highest patch; `alphas`: world slope per canonical slope, which are not
     /// repeated where they are those of a `map`.
-    /// Held by: `the_bound_on_cells_per_ray_is_printed` (tests/cli.rs).
+    /// Held by: `the_bound_on_cells_per_ray_is_printed` (tests/it/cli.rs).
     pub fn of(range: f64, alphas: &[[f64; 2]], map: bool, theta_i_deg: &[f64]) -> Vec<Self> {
         let steepest = theta_i_deg.iter().copied().fold(0.0, f64::max);
         let tan = steepest.to_radians().tan();

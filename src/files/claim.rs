@@ -42,7 +42,7 @@ fn claims() -> MutexGuard<'static, Option<HashMap<PathBuf, Weak<Claim>>>> {
 impl Claim {
     /// The process's claim on a folder. The first one removes what killed processes have left there.
     ///
-    /// Held by: `what_a_dead_process_left_is_removed_and_nothing_else`, tests/files_under_failure.rs.
+    /// Held by: `what_a_dead_process_left_is_removed_and_nothing_else`, tests/process/files_under_failure.rs.
     pub fn on(folder: &Path) -> io::Result<Arc<Self>> {
         let mut claims = claims();
         let claims = claims.get_or_insert_default();
@@ -96,7 +96,7 @@ impl Claim {
 /// Removes the files under way and the claims of this process, which is about to end: who wants to make another one waits
 /// until then.
 ///
-/// Held by: `tests/signals.rs`.
+/// Held by: `tests/process/signals.rs`.
 pub fn abandon() {
     let claims = claims();
     for claim in claims.iter().flat_map(HashMap::values).filter_map(Weak::upgrade) {

@@ -140,7 +140,7 @@ pub(super) fn text(text: &str) -> Text {
 /// The parts of a file, decoded block by block: in memory are the values and one block, never the file.
 ///
 /// Refused is what does not fit the memory that may be used.
-/// Held by: `exports_of_a_large_table_stay_below_twice_its_memory` (tests/interchange_arrays.rs), tests/bombs.rs.
+/// Held by: `exports_of_a_large_table_stay_below_twice_its_memory`, tests/process/bombs.rs.
 pub fn load(path: &Path) -> FileResult<Vec<Part>> {
     let file = super::open(path)?;
     let blocks = Blocks::open(BufReader::new(file)).map_err(|why| Error::format(path, why))?;

@@ -19,7 +19,7 @@ pub type Row<'a> = (usize, &'a str, usize);
 /// The bytes of a file with these parts, as [`super::image::encode`] makes them. Their channels name types only;
 /// `fill` puts the values of a row, four bytes each in the machine's order, into what it is given.
 ///
-/// Held by: `exr_parts_come_back_bit_for_bit` (tests/interchange_points.rs).
+/// Held by: `exr_parts_come_back_bit_for_bit` (tests/it/interchange/interchange_points.rs).
 pub fn encode(parts: &[Part], fill: impl Fn(Row, &mut [u8])) -> Result<Vec<u8>, String> {
     let headers = headers(parts)?;
     let names: Vec<Vec<&String>> = parts.iter().map(|part| part.channels.keys().collect()).collect();

@@ -37,7 +37,7 @@ impl Lock {
     /// not there.
     ///
     /// Errors: `Format` where another process holds it, or something else has the name; `Io`.
-    /// Held by: `a_lock_is_held_by_one_and_leaves_nothing`, and `tests/files_under_failure.rs`.
+    /// Held by: `a_lock_is_held_by_one_and_leaves_nothing`, and `tests/process/files_under_failure.rs`.
     pub fn take(folder: &Path, stem: &str) -> Result<Self> {
         let path = folder.join(format!(".{stem}.gonio-lock"));
         let failed = |e: io::Error| Error::io(&path, e);

@@ -15,7 +15,7 @@ const DEFAULT_LIMIT: u64 = 4 << 30;
 /// Half of the least of: available memory, address space left under `ulimit -v`, limit of the control group (as job
 /// schedulers and containers set it).
 ///
-/// Held by: row 93 of `tests/bad_inputs.rs`.
+/// Held by: the rows `little memory` of `tests/process/bad_inputs.rs`.
 pub fn memory_limit() -> u64 {
     let limits = [available(), address_space_left(), control_group()];
     limits.into_iter().flatten().min().map_or(DEFAULT_LIMIT, |bytes| bytes / 2)

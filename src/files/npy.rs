@@ -167,7 +167,7 @@ fn texts(data: &[u8], length: usize, big: bool) -> Result<Vec<String>, String> {
 
 /// Writes one text, which NumPy reads as `str` (`<U`), without an axis.
 ///
-/// Held by: `the_texts_of_an_npz_are_strings` (tests/interchange_arrays.rs).
+/// Held by: `the_texts_of_an_npz_are_strings` (tests/it/interchange/interchange_arrays.rs).
 pub fn encode_text(mut out: impl Write, text: &str) -> io::Result<()> {
     // NumPy makes no type of length 0.
     let points = text.chars().count().max(1);

@@ -85,7 +85,7 @@ impl<W: Write + Seek> RowWriter<W> {
 
     /// Completes the header with texts of the lengths that the outline gave them, and hands the file back.
     ///
-    /// Held by: `a_table_written_by_rows_has_the_bytes_of_one_written_at_once` (tests/large_tables.rs).
+    /// Held by: `a_table_written_by_rows_has_the_bytes_of_one_written_at_once` (tests/it/table/large_tables.rs).
     pub fn finish(mut self, completed: &Part) -> io::Result<W> {
         if self.taken != self.part.height {
             let why = format!("{} of {} rows were written", self.taken, self.part.height);

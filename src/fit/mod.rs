@@ -6,7 +6,7 @@
 //! too small, and the jackknife over realisations (Efron and Stein 1981) is the one to believe.
 //!
 //! An interval of 95 % holds what the model nearest to the *mean* table would give, in 95 of 100 campaigns (R = 4, 8,
-//! 16; tests/fit_errors.rs). How far that is from the roughness of the facets is the model's own affair: nothing for
+//! 16; tests/it/fit_errors.rs). How far that is from the roughness of the facets is the model's own affair: nothing for
 //! walks over statistical facets, up to half a hundredth for random patches, whose masking no model has.
 
 pub mod data;
@@ -62,7 +62,7 @@ pub(crate) struct Fitted {
 /// - Tables of many stops are fitted at some of them first; models that are four times as far off there as the best
 ///   one stay as they are.
 /// - Cost: about 10 evaluations of 16 nodes a bin for each parameter and fit.
-/// - Held by: tests/fit.rs.
+/// - Held by: tests/it/fit.rs.
 pub fn fit(data: &Data, laws: &[Law]) -> Fits {
     let guess = pilot(data);
     let stops: Vec<usize> = (0..data.grid.stops()).collect();

@@ -22,7 +22,7 @@ pub struct Pilot {
     pub stretch: [f64; 2],
 }
 
-/// The first guess. Held by: the fits of tests/fit.rs, which start there.
+/// The first guess. Held by: the fits of tests/it/fit.rs, which start there.
 pub fn pilot(data: &Data) -> Pilot {
     let slopes = slopes(data);
     let mut shape = [1.0, 0.0, 1.0];

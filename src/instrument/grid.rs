@@ -164,7 +164,7 @@ impl Grid {
     /// The same sensor at some of the stops, as a list; regions and directions of a stop stay what they are. Half
     /// vectors are no stops: their grid is `None`.
     ///
-    /// Held by: `bands_of_a_table_are_its_rows` (tests/large_tables.rs).
+    /// Held by: `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
     pub fn of_stops(&self, stops: impl IntoIterator<Item = usize>) -> Option<Grid> {
         let listed = |stop: usize| <[f64; 2]>::from(self.stop_deg(stop));
         let (theta_i_deg, phi_i_deg) = (Vec::new(), Vec::new());
@@ -179,7 +179,7 @@ impl Grid {
     /// The arms (wi, wo) of a half vector and a difference: unit vectors, either of which may lie below the horizon.
     ///
     /// wi = R_z(phi_h) R_y(theta_h) d, wo = 2 (wi.h) h - wi. Source: Rusinkiewicz 1998. Held by:
-    /// `arms_and_half_difference_angles_agree` (tests/interchange_merl.rs).
+    /// `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
     pub fn arms_of_half(&self, row: usize, column: usize) -> (DVec3, DVec3) {
         let (theta_h, phi_h) = self.stop_deg(row);
         let count = self.phi_d_deg.len();

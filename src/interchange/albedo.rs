@@ -114,7 +114,7 @@ impl AlbedoCurve {
     /// than `allowed` between the table's incidences.
     ///
     /// Held by: `an_export_that_makes_light_is_refused`, `an_export_with_another_albedo_is_refused_unless_allowed`
-    /// (tests/interchange_albedo.rs).
+    /// (tests/it/interchange/interchange_albedo.rs).
     pub fn check(&self, allowed: f64) -> Reason<()> {
         let most = |pick: fn(&AlbedoPoint) -> &Vec<f64>| {
             let of = |point| pick(point).iter().copied().fold(0.0, f64::max);

@@ -49,7 +49,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
 /// The table of points of a file. What a channel holds follows from its name; a negative polar angle is the far side of its
 /// plane; negative values become 0.
 ///
-/// Held by: `astm_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs).
+/// Held by: `astm_comes_back`, `damaged_texts_are_refused` (tests/it/interchange/interchange_text.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let text = decode_text_or_latin1(bytes)?;
     let mut found = Vec::new();

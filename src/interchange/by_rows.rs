@@ -17,7 +17,7 @@ use crate::table::{BrdfTable, TableRows};
 /// Writes an open table to `path`, whole or not at all, and reads it back; no band is larger than `bytes`.
 ///
 /// Errors: [`Error::Refused`] for formats that need the whole table; those of the table's file; [`Error::Io`].
-/// Held by: `a_table_exported_by_rows_is_the_file_of_the_whole` (tests/large_tables.rs).
+/// Held by: `a_table_exported_by_rows_is_the_file_of_the_whole` (tests/it/table/large_tables.rs).
 pub fn export_rows(rows: &mut TableRows, format: Format, path: &Path, bytes: u64) -> Result<Export> {
     let refused = |why: String| Error::Refused(format!("{}: {}: {why}", path.display(), format.name()));
     rows.verify()?;

@@ -84,7 +84,7 @@ fn failed(error: csv::Error) -> Fail {
 /// follows from its name. Columns stand between commas, semicolons or tabs; between the last two a comma is a decimal
 /// point. Lines that begin with # are left out; a negative polar angle is the far side of its plane.
 ///
-/// Held by: `csv_comes_back`, `damaged_lines_are_refused` (tests/interchange_arrays.rs).
+/// Held by: `csv_comes_back`, `damaged_lines_are_refused` (tests/it/interchange/interchange_arrays.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let text = decode_text_or_latin1(bytes)?;
     let mut lines = Lines::open(text.as_bytes())?;

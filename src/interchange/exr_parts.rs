@@ -112,7 +112,7 @@ pub fn read_back(file: impl BufRead + Seek, table: &BrdfTable) -> Reason<Option<
 
 /// The table in the bytes of a file.
 ///
-/// Held by: `exr_parts_come_back_bit_for_bit`, `damaged_parts_are_refused` (tests/interchange_points.rs).
+/// Held by: `exr_parts_come_back_bit_for_bit`, `damaged_parts_are_refused`.
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let mut parts = image::decode(bytes)?;
     let number = |part: &Part| part.number(STOP).filter(|&stop| stop >= 0.0 && stop.fract() == 0.0);

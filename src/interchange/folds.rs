@@ -34,7 +34,7 @@ impl Fold {
 
 /// The azimuths with their mirror images, increasing, where the campaign says that the surface has them; else as they are.
 ///
-/// Held by: `a_quarter_of_the_azimuths_is_unfolded`, `an_imported_quarter_is_refused` (tests/interchange_albedo.rs).
+/// Held by: `a_quarter_of_the_azimuths_is_unfolded`, `an_imported_quarter_is_refused`.
 pub(super) fn unfolded(phi_i: &[f64], table: &BrdfTable) -> (Vec<f64>, Vec<Fold>) {
     let mut all: Vec<(f64, Fold)> = phi_i.iter().copied().zip(Fold::none(phi_i.len())).collect();
     if let Some(axis) = mirror_axis(table) {

@@ -29,7 +29,7 @@ pub fn note(table: &BrdfTable) -> Option<String> {
 /// The totals of a table over all pairs of its polar angles and azimuths, and one sentence of what was filled in; the
 /// table itself where it has all of them. Refused: more to fill in than was measured, azimuths too far apart.
 ///
-/// Held by: tests/ragged_scans.rs.
+/// Held by: tests/it/interchange/ragged_scans.rs.
 pub fn filled(table: BrdfTable) -> Reason<(BrdfTable, Option<String>)> {
     let gaps = table.gaps();
     let whole = gaps == 0 && (table.grid.kind != GridKind::Points || bin_axes(&table.grid).is_ok());

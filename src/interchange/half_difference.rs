@@ -76,7 +76,7 @@ impl HalfDifference {
 
 /// theta_h, phi_h, theta_d, phi_d of a pair in degrees, phi_d in [0, 180).
 ///
-/// Held by: `arms_and_half_difference_angles_agree` (tests/interchange_merl.rs).
+/// Held by: `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
 pub fn angles_deg(wi: DVec3, wo: DVec3) -> [f64; 4] {
     let [theta_h, phi_h, theta_d, phi_d] = directed_angles_deg(wi, wo);
     [theta_h, phi_h, theta_d, phi_d % 180.0]

@@ -154,7 +154,7 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
 /// it, and are counted.
 ///
 /// Held by: `klems_patches_come_back`, `colours_of_radiance_files_come_back`, `damaged_xml_is_refused`,
-/// `negative_values_are_counted` (tests/interchange_radiance.rs).
+/// `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
 pub fn read_side(bytes: &[u8], side: Option<Side>) -> Reason<(BrdfTable, Vec<String>)> {
     let document = radiance_xml::read(bytes)?;
     let columns = match document.structure.as_str() {
@@ -233,7 +233,7 @@ fn matrix(data: &str, light: usize, sensor: usize) -> Reason<Matrix> {
 /// A matrix as a function: the value of the patches that hold the directions; on a border, the mean of both sides, as
 /// which side a rounding falls to is nobody's choice.
 ///
-/// Held by: `directions_on_a_border_take_both_sides` (tests/interchange_radiance.rs).
+/// Held by: `directions_on_a_border_take_both_sides` (tests/it/interchange/interchange_radiance.rs).
 pub struct Patchwise {
     light: Vec<Ring>,
     sensor: Vec<Ring>,

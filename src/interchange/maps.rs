@@ -38,7 +38,7 @@ pub fn load(folder: &Path) -> Result<Maps> {
 
 /// The maps in the bytes of `ax_ay.exr` and `ps.exr`, which must have one size.
 ///
-/// Held by: `a_texel_becomes_a_campaign`, `damaged_maps_are_refused` (tests/interchange_maps.rs).
+/// Held by: `a_texel_becomes_a_campaign`, `damaged_maps_are_refused` (tests/it/interchange/interchange_maps.rs).
 pub fn read(alpha: &[u8], f0: &[u8]) -> Reason<Maps> {
     let part = |name: &str, bytes: &[u8]| -> Reason<Part> {
         let parts = image::decode(bytes).map_err(|why| format!("{name}: {why}"))?;

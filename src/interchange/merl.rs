@@ -96,7 +96,7 @@ pub fn check(grid: &Grid) -> Reason<()> {
 /// Straight lines between values of a lobe lie above it nearly everywhere. Node values are therefore moved by two thirds
 /// of the gap in the middles of the neighbouring intervals of theta_h, the mean of a parabola: what is left has no mean,
 /// and two fifths of the L1. Held by:
-/// `of_a_table_that_holds_the_lobe_it_is_within_three_thousandths` (tests/interchange_merl.rs).
+/// `of_a_table_that_holds_the_lobe_it_is_within_three_thousandths` (tests/it/interchange/interchange_merl.rs).
 pub fn write(brdf: &dyn Brdf, sampling: Sampling) -> Vec<u8> {
     let mut cells: Vec<Colour> = (0..CELLS)
         .into_par_iter()
@@ -187,7 +187,7 @@ pub fn read(bytes: &[u8], sampling: Sampling) -> Reason<Merl> {
 /// The table of a file's own cells; invalid ones are gaps.
 ///
 /// Refused: another length, another size of the grid, values that are not finite. Held by:
-/// `damaged_files_are_refused`, `the_cells_of_a_file_are_a_table` (tests/interchange_merl.rs).
+/// `damaged_files_are_refused`, `the_cells_of_a_file_are_a_table` (tests/it/interchange/interchange_merl.rs).
 pub fn read_table(bytes: &[u8], sampling: Sampling) -> Reason<BrdfTable> {
     let side = |k: usize| bytes.get(4 * k..4 * k + 4).map(|b| i32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let sides = [side(0), side(1), side(2)];

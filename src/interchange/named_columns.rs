@@ -34,7 +34,7 @@ enum Name {
 
 /// The names of a table's colours as columns: `Y`; `R`, `G`, `B`; or wavelengths such as `550nm`.
 ///
-/// Held by: `spectral_tables_come_back_from_lists` (tests/interchange_text.rs).
+/// Held by: `spectral_tables_come_back_from_lists` (tests/it/interchange/interchange_text.rs).
 pub fn names_of(table: &BrdfTable) -> Vec<String> {
     let nm = table.colours.iter().map(|colour| colour.wavelength_nm);
     nm.zip(table.colour_names()).map(|(nm, name)| nm.map_or(name, |nm| format!("{nm}nm"))).collect()

@@ -1,7 +1,8 @@
 //! What a foreign file takes in memory while it is read, judged before anything is made of it.
 //!
 //! Enters: the bytes of a file. Leaves: the most bytes that its reader may come to need: from the sizes that a binary file
-//! claims, and from the lines and words that a text can hold. The numbers a word are measured with tests/bombs.rs.
+//! claims, and from the lines and words that a text can hold. The numbers a word are measured with
+//! tests/process/bombs.rs.
 
 use std::io::Cursor;
 
@@ -28,7 +29,7 @@ const COPIES: u64 = 10;
 
 /// The most bytes of memory that reading these bytes may take, besides themselves.
 ///
-/// Held by: tests/bombs.rs.
+/// Held by: tests/process/bombs.rs.
 pub fn needed(format: Format, bytes: &[u8]) -> Reason<u64> {
     let length = bytes.len() as u64;
     Ok(match format {

@@ -292,7 +292,7 @@ pub fn needed(bytes: &[u8]) -> Reason<u64> {
 
 /// The table of an archive. Needed are `brdf` and the axes (or `grid`); what is left out is "not available".
 ///
-/// Held by: `npz_comes_back_bit_for_bit`, `damaged_archives_are_refused` (tests/interchange_arrays.rs).
+/// Held by: `npz_comes_back_bit_for_bit`, `damaged_archives_are_refused` (tests/it/interchange/interchange_arrays.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     memory::check(needed(bytes)?)?;
     let mut members = Members::open(Cursor::new(bytes), bytes.len() as u64)?;

@@ -271,7 +271,7 @@ impl Document {
     /// taken for one without colour, as Radiance has it). Without a wanted side it is +z where the file has it.
     ///
     /// Held by: `a_missing_block_is_answered_with_those_that_are_there`, `the_wanted_side_is_read`
-    /// (tests/interchange_radiance.rs).
+    /// (tests/it/interchange/interchange_radiance.rs).
     pub fn reflection(&self, others: [&str; 2], side: Option<Side>) -> Reason<Reflection<'_>> {
         let find = |side: Side, wavelength: &str| {
             self.blocks

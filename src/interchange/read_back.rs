@@ -209,7 +209,7 @@ fn size_of(region: &Region) -> f64 {
 /// angles, not those of its unit vectors: the azimuth of an arm at the pole is kept, and so is a negative one. A
 /// negative polar angle is the far side of its plane.
 ///
-/// Held by: `an_arm_at_the_pole_keeps_its_azimuths` (tests/interchange_angles.rs).
+/// Held by: `an_arm_at_the_pole_keeps_its_azimuths` (tests/it/interchange/interchange_angles.rs).
 pub fn middles_deg(grid: &Grid, stop: usize) -> Vec<(f64, f64)> {
     let turn = if grid.phi_r_relative { grid.stop_deg(stop).1 } else { 0.0 };
     let listed = match grid.kind {

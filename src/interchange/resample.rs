@@ -78,7 +78,7 @@ pub fn resample(brdf: &dyn Brdf, grid: &Grid) -> Reason<BrdfTable> {
 
 /// The same of functions that have the colours of a table by threes, with the wavelengths of all.
 ///
-/// Held by: `a_spectrum_is_resampled_like_its_colours` (tests/interchange_ssdd.rs).
+/// Held by: `a_spectrum_is_resampled_like_its_colours` (tests/it/interchange/interchange_ssdd.rs).
 pub fn resample_spectrum<'a>(
     parts: impl Iterator<Item = &'a dyn Brdf>,
     wavelengths_nm: &[f64],

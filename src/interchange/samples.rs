@@ -77,7 +77,7 @@ impl Sample {
 /// A pair that is there twice, as a seam at 0 and 360 degrees, must agree. Where only azimuths from the light are the
 /// same at all stops, the table has those. Pairs that the list does not have are gaps ([`BrdfTable::is_gap`]).
 ///
-/// Held by: tests/interchange_angles.rs, tests/ragged_scans.rs.
+/// Held by: tests/it/interchange/interchange_angles.rs, tests/it/interchange/ragged_scans.rs.
 pub fn table(samples: &[Sample], columns: &Columns, isotropic: bool) -> Reason<BrdfTable> {
     if samples.is_empty() {
         return Err("no samples".into());
@@ -208,7 +208,7 @@ fn agree(a: &Sample, b: &Sample) -> Reason<()> {
 
 /// The table with its single azimuth of the light standing for all.
 ///
-/// Held by: `the_users_word_makes_a_single_azimuth_isotropic` (tests/interchange_angles.rs).
+/// Held by: `the_users_word_makes_a_single_azimuth_isotropic` (tests/it/interchange/interchange_angles.rs).
 pub fn one_azimuth(mut table: BrdfTable) -> Reason<BrdfTable> {
     let grid = &mut table.grid;
     if grid.is_isotropic() {

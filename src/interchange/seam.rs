@@ -13,7 +13,7 @@ use crate::table::BrdfTable;
 
 /// The table with each stop and each single direction once. Values of one direction that differ are a reason.
 ///
-/// Held by: `an_equal_seam_is_dropped_and_an_unequal_one_refused` (tests/interchange_angles.rs).
+/// Held by: `an_equal_seam_is_dropped_and_an_unequal_one_refused` (tests/it/interchange/interchange_angles.rs).
 pub fn dropped(table: BrdfTable) -> Reason<BrdfTable> {
     let grid = &table.grid;
     if grid.kind == GridKind::HalfDifference {

@@ -38,7 +38,7 @@ pub fn read(bytes: &[u8]) -> Reason<TensorTree> {
 /// Reads one side of a file, and says what is to be said of it; negative values become 0, as Radiance has it, and are
 /// counted.
 ///
-/// Held by: `negative_values_are_counted` (tests/interchange_radiance.rs).
+/// Held by: `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
 pub fn read_side(bytes: &[u8], side: Option<Side>) -> Reason<(TensorTree, Vec<String>)> {
     let document = radiance_xml::read(bytes)?;
     let rank = match document.structure.as_str() {

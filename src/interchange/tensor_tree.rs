@@ -154,7 +154,7 @@ fn joined(rank: usize, children: Vec<Tree>) -> Tree {
 /// The text of a file: rank 3 where the table is isotropic, else 4; of three colours Y, u' and v'.
 ///
 /// Held by: `tensor_trees_of_both_ranks_are_within_three_hundredths`, `colours_of_radiance_files_come_back`
-/// (tests/interchange_radiance.rs), and against Radiance in tests/interop.
+/// (tests/it/interchange/interchange_radiance.rs), and against Radiance in tests/interop.
 pub fn write(lookup: &Lookup) -> String {
     let rank = if lookup.is_isotropic() { 3 } else { 4 };
     let text = |tree: &Tree| {

@@ -75,7 +75,7 @@ const NAMES: [&str; 3] = ["R", "G", "B"];
 
 /// The table of points of a file, `.bin` or image. Negative values, which the database has where the light was too weak, become 0.
 ///
-/// Held by: `utia_comes_back_exactly`, `the_image_form_of_utia_comes_back`, `damaged_utia_files_are_refused` (tests/interchange_points.rs).
+/// Held by: `utia_comes_back_exactly`, `the_image_form_of_utia_comes_back`, `damaged_utia_files_are_refused`.
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     if exr_header::is_exr(bytes) {
         return read_image(bytes);

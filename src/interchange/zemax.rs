@@ -126,7 +126,7 @@ impl Zemax {
     ///
     /// A zero at a node on or below the horizon is no value: a straight line towards it would darken what is above. Along
     /// the radial the last value above is held.
-    /// Held by: `a_lambertian_file_of_few_radials_is_lambertian` (tests/interchange_zemax.rs).
+    /// Held by: `a_lambertian_file_of_few_radials_is_lambertian` (tests/it/interchange/interchange_zemax.rs).
     pub(super) fn value(
         &self,
         channels: &[Vec<f32>],

@@ -56,7 +56,7 @@ impl Zemax {
     /// Scales the values of each incidence such that they integrate to its albedo: bins that are wide beside the lobe leave
     /// the interpolant between them, not its integral, open. Says by how much at most, where that is much.
     ///
-    /// Held by: `the_values_of_a_file_integrate_to_its_tis` (tests/interchange_zemax.rs).
+    /// Held by: `the_values_of_a_file_integrate_to_its_tis` (tests/it/interchange/interchange_zemax.rs).
     pub fn hold_energy(&mut self, albedos: &[f64], integrals: &[f64]) -> Option<String> {
         let size = self.azimuths.len() * self.radials.len();
         let (mut count, mut most) = (0, 0.0f64);

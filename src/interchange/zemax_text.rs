@@ -57,7 +57,7 @@ struct Header {
 /// Reads a file; several rotations must go round. Returns what is to be said of its values, too.
 ///
 /// Held by: `keywords_are_read_in_any_case_and_a_closed_seam_is_dropped`, `azimuths_go_round` and others in
-/// tests/interchange_zemax.rs.
+/// tests/it/interchange/interchange_zemax.rs.
 pub fn parse(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
     let text = decode_text_or_latin1(bytes)?;
     let uncommented = text.lines().map(|line| line.split('#').next().unwrap_or_default());

@@ -48,8 +48,8 @@ struct Block {
 /// TIS is the table's own albedo where its bins have sizes, interpolated between stops, and else what the file's values
 /// integrate to.
 ///
-/// Held by: `tis_is_the_albedo_of_the_table`, `the_albedo_holds_between_incidences` (tests/interchange_zemax.rs),
-/// `zemax_tables_stand_about_the_mirror_direction` (tests/interchange_text.rs).
+/// Held by: `tis_is_the_albedo_of_the_table`, `the_albedo_holds_between_incidences`,
+/// `zemax_tables_stand_about_the_mirror_direction` (tests/it/interchange/interchange_text.rs).
 pub fn write(table: &BrdfTable, lookup: &Lookup) -> Reason<(String, Vec<String>)> {
     let isotropic = lookup.is_isotropic();
     // Rotations increase: azimuths fall, but for 0.

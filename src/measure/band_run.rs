@@ -73,7 +73,7 @@ impl<'a> BandRun<'a> {
     /// The tables of the band of these stops, and what it has cost. Its file is there afterwards, its checkpoint is not.
     ///
     /// Errors: as [`go_on`]; `Format`, which names a file that cannot be gone on from.
-    /// Held by: `a_run_in_bands_that_is_killed_ends_with_the_same_bytes` (tests/kills_in_bands.rs).
+    /// Held by: `a_run_in_bands_that_is_killed_ends_with_the_same_bytes` (tests/process/kills_in_bands.rs).
     pub fn tables(
         &mut self,
         stops: Range<usize>,

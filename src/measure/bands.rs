@@ -103,7 +103,7 @@ impl Plan {
 
     /// The plan of some of the stops: their figures are those that they have among all. `None` for half vectors.
     ///
-    /// Held by: `a_campaign_measured_in_bands_gives_the_same_bytes` (tests/large_tables.rs).
+    /// Held by: `a_campaign_measured_in_bands_gives_the_same_bytes` (tests/it/table/large_tables.rs).
     pub fn of_stops(&self, stops: &[usize]) -> Option<Plan> {
         let share = |total: u64| (u128::from(total) * stops.len() as u128 / self.stops.max(1) as u128) as u64;
         Some(Plan {

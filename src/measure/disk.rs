@@ -38,7 +38,7 @@ impl Disk {
     /// file (`SIZE_LIMIT` unasked).
     ///
     /// Values count as if they did not compress. Held by: `what_a_run_takes_on_the_disk_is_said_before`
-    /// (tests/full_disk.rs).
+    /// (tests/process/full_disk.rs).
     pub fn of(campaign: &Campaign, plan: &Plan, limit: u64) -> Self {
         let weighing = &plan.weighing;
         let sums = (weighing.first_sums() + weighing.multiple_sums()) as u128;

@@ -64,7 +64,7 @@ impl Merge {
     /// have another name.
     ///
     /// Errors: `Format`, which names a file with sums that no run has, or of a run that was not at its end.
-    /// Held by: `shards_merged_in_bands_have_the_bytes_of_one_run` (tests/shards.rs).
+    /// Held by: `shards_merged_in_bands_have_the_bytes_of_one_run` (tests/process/shards.rs).
     pub fn tables(&self, campaign: &Campaign, band: Range<usize>) -> Result<(Vec<Measured>, Cost)> {
         let cost = if band.start == 0 { self.shards.cost() } else { Cost::default() };
         let threads = rayon::current_num_threads();

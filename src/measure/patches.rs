@@ -146,7 +146,7 @@ impl Patches {
     /// heights, so the same tables. Every file must be there; each is read when its realisation is measured.
     ///
     /// Errors: `Usage` where the surface is not random; `Io` for the first file that is missing.
-    /// Held by: `patches_from_a_folder_give_the_same_bytes` in `tests/cli.rs`.
+    /// Held by: `patches_from_a_folder_give_the_same_bytes` in `tests/it/cli.rs`.
     pub fn from_folder(campaign: &Campaign, folder: &Path) -> Result<Self> {
         let surface = &campaign.surface;
         if !surface.kind.is_random_heights() {

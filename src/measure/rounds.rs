@@ -159,7 +159,7 @@ impl Tables {
     /// Goes on from a run of `planned` blocks, or of fewer realisations, towards the whole plan: as if every stop had
     /// only been looked at where this plan looks.
     ///
-    /// Held by: `more_samples_give_the_bytes_of_a_fresh_run` in `tests/kills_and_resume.rs`.
+    /// Held by: `more_samples_give_the_bytes_of_a_fresh_run` in `tests/process/kills_and_resume.rs`.
     pub fn extend(&mut self, campaign: &Campaign, plan: &Plan, planned: u64) {
         let realisations = plan.realisations as usize;
         let more_realisations = self.tables.iter().any(|table| table.sums.len() < realisations);

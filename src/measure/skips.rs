@@ -18,7 +18,7 @@ pub struct Skip {
     pub saves: String,
 }
 
-/// The list of what is skipped. `tests/skips.rs` holds each to its reason.
+/// The list of what is skipped. `tests/it/measure/skips.rs` holds each to its reason.
 pub(super) fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {
     let mut skipped = Vec::new();
     let mut skip = |what: &str, why: &str, saves: String| {

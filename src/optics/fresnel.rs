@@ -133,7 +133,7 @@ impl Fresnel {
 /// - `f0`: reflectance at normal incidence, [0, 1]. Returns [f0, 1].
 /// - Numerics: 1 - c from sin^2, the power by products; right to a few ulp also for f0 = 0 near normal incidence.
 /// - Source: Schlick 1994.
-/// - Held by: `every_reference_value_is_met` (tests/formula_values.rs).
+/// - Held by: `every_reference_value_is_met` (tests/it/formula_values.rs).
 pub fn f_schlick(angle: FacetAngle, f0: f64) -> f64 {
     f0 + (1.0 - f0) * fifth_power(angle.one_minus_cos())
 }

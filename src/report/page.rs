@@ -60,7 +60,7 @@ impl Page<'_> {
 /// The whole file.
 ///
 /// Nothing in it changes from run to run except what the summary says of its cost. Held by:
-/// `the_page_follows_from_the_table_and_its_summary` (tests/report.rs).
+/// `the_page_follows_from_the_table_and_its_summary` (tests/it/report.rs).
 pub fn page(page: &Page) -> String {
     let inlined = inline(&page.scene, page.campaign, page.masking_index());
     let table = inlined.as_ref().map_or(Value::Null, |inlined| inlined.data.clone());

@@ -182,7 +182,7 @@ impl StopResult {
     /// leaves later than after one bounce or is still on its way after the last order; with a material the share of the
     /// reflected light above order 1, where such orders are followed.
     ///
-    /// Held by: `single_scattering_misses_three_tenths_of_a_rough_mirror` (tests/energy.rs).
+    /// Held by: `single_scattering_misses_three_tenths_of_a_rough_mirror` (tests/it/measure/energy.rs).
     pub fn beyond_order_1(&self) -> (Option<f64>, Option<f64>) {
         let orders = &self.albedo_by_order;
         let of = |realisation: usize| {

@@ -102,7 +102,7 @@ fn kernel(data: &Data, median: f64, order: u32) -> Vec<[f64; 2]> {
 /// (1 + T^2/(R - 1))^(-(R - 2)/2). Source: Hotelling 1931.
 ///
 /// - `None` for fewer than four pairs. Pairs without scatter: 0 if they differ from 0, else 1.
-/// - Held by: `the_level_of_the_test_is_exact` and those of tests/study.rs.
+/// - Held by: `the_level_of_the_test_is_exact` and those of tests/it/study.rs.
 pub fn hotelling_p(pairs: &[[f64; 2]]) -> Option<f64> {
     let count = pairs.len() as f64;
     if pairs.len() < 4 {

@@ -66,7 +66,7 @@ pub struct Study {
 
 /// What the measured turn of a sample shows; `measured` comes from a campaign and plan of [`turned()`].
 ///
-/// Held by: `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/study.rs).
+/// Held by: `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/it/study.rs).
 pub fn examine(measured: &Measured) -> Study {
     let mut study = examine_isotropy(measured);
     let laws = laws(measured, study.dimensions == Some(4));
@@ -87,7 +87,7 @@ pub fn examine(measured: &Measured) -> Study {
 
 /// The same without the fit: index and test need no model.
 ///
-/// Held by: `an_isotropic_law_is_rejected_as_often_as_the_level_says` (tests/study.rs).
+/// Held by: `an_isotropic_law_is_rejected_as_often_as_the_level_says` (tests/it/study.rs).
 pub fn examine_isotropy(measured: &Measured) -> Study {
     let data = data_of(measured);
     let harmonics = harmonics::harmonics(&data, measured.campaign.surface.kind.is_random_heights());

@@ -18,7 +18,7 @@ const EVEN_DEG: f64 = 1e-6;
 /// patches. Mirror images and folding are off; averages over azimuth too.
 ///
 /// Errors: `Usage` where the campaign has several roughnesses or unevenly spaced azimuths; those of `plan`.
-/// Held by: `mirror_images_and_folding_are_off`, `uneven_turns_are_refused` (tests/study.rs).
+/// Held by: `mirror_images_and_folding_are_off`, `uneven_turns_are_refused` (tests/it/study.rs).
 pub fn turned(campaign: &Campaign) -> Result<(Campaign, Plan)> {
     let mut campaign = campaign.clone();
     if campaign.alphas().len() > 1 {

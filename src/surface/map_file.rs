@@ -53,7 +53,7 @@ impl MapFile {
 /// The most bytes of memory that reading these bytes may take, besides themselves: heights in f64, and a copy of them that
 /// is sorted for outliers.
 ///
-/// Held by: tests/bombs.rs.
+/// Held by: tests/process/bombs.rs.
 pub fn needed(bytes: &[u8]) -> Result<u64, String> {
     let length = bytes.len() as u64;
     Ok(if exr_header::is_exr(bytes) {

@@ -112,7 +112,7 @@ impl BrdfTable {
 
     /// The same table with the errors of its albedos, over the very values that realisations hold in their file.
     ///
-    /// Held by: `errors_of_albedos_do_not_change_with_a_missing_file` (tests/cli.rs).
+    /// Held by: `errors_of_albedos_do_not_change_with_a_missing_file` (tests/it/cli.rs).
     pub fn with_albedo_errors(mut self, parts: &[RealisationPart]) -> Self {
         if parts.len() < 2 {
             return self;

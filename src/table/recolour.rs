@@ -16,7 +16,7 @@ use crate::optics::parts;
 ///
 /// - Errors: the reason, where the table holds no sums for the orders that it has.
 /// - Numerics: within f32 rounding of the table traced with the material: 1e-6 for order 1, 1e-5 for up to 8 orders.
-/// - Held by: `a_recoloured_table_is_the_traced_one`, `orders_follow_from_their_parts` (tests/materials.rs).
+/// - Held by: `a_recoloured_table_is_the_traced_one`, `orders_follow_from_their_parts` (tests/it/measure/materials.rs).
 pub fn recolour(
     table: &BrdfTable,
     realisations: Option<&Realisations>,

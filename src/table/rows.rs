@@ -114,7 +114,7 @@ impl TableRows {
 
     /// The rows of some stops, in increasing order, as a table of these stops.
     ///
-    /// Held by: `bands_of_a_table_are_its_rows` (tests/large_tables.rs).
+    /// Held by: `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
     pub fn take(&mut self, stops: &[usize]) -> Result<BrdfTable> {
         let path = self.path.clone();
         self.rows_of(stops).map_err(|why| Error::format(&path, why))

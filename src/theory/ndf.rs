@@ -77,7 +77,7 @@ impl Ndf {
 /// - Returns 1/sr, >= 0, finite. The integral of D(h) h.z over the hemisphere is 1.
 /// - Numerics: a sum of squares, no division by the cosine, no tan.
 /// - Source: Walter et al. 2007, eq. 33 (isotropic); Heitz 2014, section on anisotropic distributions.
-/// - Held by: `all_laws_are_normalised`, `every_reference_value_is_met` (tests/formula_values.rs).
+/// - Held by: `all_laws_are_normalised`, `every_reference_value_is_met` (tests/it/formula_values.rs).
 pub fn ggx_d(h: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     debug_assert!(alpha_x > 0.0 && alpha_y > 0.0);
     if h.z < 0.0 {

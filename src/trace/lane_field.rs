@@ -88,14 +88,14 @@ impl LaneField {
 
     /// Whether anything stops each ray.
     ///
-    /// Held by: `tests/lanes.rs`, kernel against kernel and against the f64 walk.
+    /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
     pub fn any_hit(&self, kernel: Kernel, rays: &LaneRays, answers: &mut Answers) {
         kernel.run::<false>(self, rays, answers);
     }
 
     /// What each ray meets first.
     ///
-    /// Held by: `tests/lanes.rs`, kernel against kernel and against the f64 walk.
+    /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
     pub fn closest_hit(&self, kernel: Kernel, rays: &LaneRays, answers: &mut Answers) {
         kernel.run::<true>(self, rays, answers);
     }

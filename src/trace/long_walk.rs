@@ -24,7 +24,7 @@ struct Exit {
 
 /// Follows the ray from `start` along `d` to its end: bit for bit `Walker::walk`, of whose field `tiles` are.
 ///
-/// Held by: `tests/long_rays.rs`, ray by ray against `Walker::walk`.
+/// Held by: `tests/it/trace/long_rays.rs`, ray by ray against `Walker::walk`.
 pub(super) fn walk(walker: &Walker, tiles: &impl Tiles, start: &Place, d: DVec3) -> Outcome {
     let mut way = Way::new(walker, start, d);
     // The start's cell is left by the walk itself: the facet under the start is not tested.

@@ -100,7 +100,7 @@ impl<'a> Walker<'a> {
 
     /// Follows the ray from `start` along `d` (any length, field coordinates) to its end.
     ///
-    /// Held by: `tests/watertight.rs` against a loop over all facets.
+    /// Held by: `tests/it/trace/watertight.rs` against a loop over all facets.
     pub fn walk(&self, start: &Place, d: DVec3) -> Outcome {
         self.walk_counted(start, d, &mut 0)
     }

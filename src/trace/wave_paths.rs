@@ -65,7 +65,7 @@ impl PathWaves {
     /// `over` is a lane walker over the field of all views. Directions are f64; only the question of what a ray meets
     /// is f32's.
     ///
-    /// Held by: `tests/lanes.rs` against `Sample::trace`.
+    /// Held by: `tests/it/trace/lanes.rs` against `Sample::trace`.
     pub fn trace<B: Bounce>(
         &mut self,
         over: &LaneWalker,

@@ -34,7 +34,7 @@ impl<'a> LaneWalker<'a> {
 
     /// The f64 walk of a ray that is too long for the lanes: the answer of `Walker::walk`, sooner.
     ///
-    /// Held by: `tests/long_rays.rs`.
+    /// Held by: `tests/it/trace/long_rays.rs`.
     pub fn walk_long(&self, start: &Place, d: DVec3) -> Outcome {
         long_walk::walk(&self.walker, self.lanes, start, d)
     }
@@ -113,7 +113,7 @@ pub struct Waves {
 impl Waves {
     /// Whether each of `count` rays is blocked, in order; `Beyond` is left for rays that even the f64 walk loses.
     ///
-    /// Held by: `tests/lanes.rs`.
+    /// Held by: `tests/it/trace/lanes.rs`.
     pub fn any_hit<'p>(
         &mut self,
         over: &LaneWalker,
@@ -164,7 +164,7 @@ impl Waves {
 
     /// What each of `count` rays meets first: calls `visit` with index and outcome, in order.
     ///
-    /// Held by: `tests/lanes.rs`.
+    /// Held by: `tests/it/trace/lanes.rs`.
     pub fn closest_hit<'p>(
         &mut self,
         over: &LaneWalker,

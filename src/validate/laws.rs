@@ -132,7 +132,7 @@ pub(super) fn is_measured(table: &BrdfTable) -> bool {
 /// With n arrivals, all starts of a stop carry one flux, and what a torus shows the light has no noise of its own, so
 /// that it is flux sqrt(2/n); the 2 stands for arrivals that count on both sides of a folded stop. 0 for a table that
 /// was not measured here: of its errors nothing is known.
-/// Held by: `few_arrivals_of_one_realisation_break_no_law` (tests/grazing_stability.rs).
+/// Held by: `few_arrivals_of_one_realisation_break_no_law` (tests/it/measure/grazing_stability.rs).
 fn counting_error(table: &BrdfTable, stop: usize, flux: f64) -> f64 {
     let bins = table.grid.bins();
     let arrivals: u64 = table.hits[stop * bins..][..bins].iter().map(|&hits| u64::from(hits)).sum();

@@ -143,7 +143,7 @@ pub struct StopDifference {
 /// - Gaps of either table are left out.
 /// - Bins without hits in either table count in l1 and are left out of t's; a stderr of -1 anywhere makes the noise null.
 /// - Degrees of freedom by Welch and Satterthwaite, rounded down; realisations - 1 where the tables are paired.
-/// - Held by: `equal_laws_differ_by_their_noise_alone`, `the_measures_follow_their_definitions` (tests/compare.rs).
+/// - Held by: `equal_laws_differ_by_their_noise_alone`, `the_measures_follow_their_definitions`.
 pub fn difference(a: Side, b: Side) -> Result<Difference, String> {
     fits(a.table, b.table)?;
     let mut found = Differences::default();
@@ -154,7 +154,7 @@ pub fn difference(a: Side, b: Side) -> Result<Difference, String> {
 /// The same of two stored tables, a band of stops after the other: both bands together hold `bytes` at most.
 ///
 /// The sides give campaigns and realisations; their tables are not looked at. Held by:
-/// `tables_compared_by_rows_differ_as_whole_ones` (tests/large_tables.rs).
+/// `tables_compared_by_rows_differ_as_whole_ones` (tests/it/table/large_tables.rs).
 pub fn difference_of_rows(
     (a, b): (&mut TableRows, &mut TableRows),
     campaigns: [Option<&Campaign>; 2],

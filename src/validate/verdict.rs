@@ -81,7 +81,7 @@ pub fn examine_against(
 
 /// Holds a table without a campaign, as an imported one, to the laws alone.
 ///
-/// Held by: `an_imported_table_is_held_to_the_laws` (tests/cli.rs).
+/// Held by: `an_imported_table_is_held_to_the_laws` (tests/it/cli.rs).
 pub fn examine_laws(table: &BrdfTable, realisations: Option<&Realisations>) -> Verdict {
     let mut examination = Examination::new(None, &table.grid);
     examination.add(table, 0, Parts::of(realisations), None);
@@ -91,7 +91,7 @@ pub fn examine_laws(table: &BrdfTable, realisations: Option<&Realisations>) -> V
 /// Holds a stored table to the same, a band of stops after the other: none is larger than `bytes` with its prediction.
 ///
 /// The figures are those of the whole table. Held by: `a_table_examined_by_rows_has_the_verdict_of_the_whole`
-/// (tests/large_tables.rs).
+/// (tests/it/table/large_tables.rs).
 pub fn examine_rows(
     rows: &mut TableRows,
     campaign: Option<&Campaign>,

@@ -3,10 +3,10 @@
  * FAILING_BELOW   the folder, as the system names it
  * FAILING_FIRST   the number, from 1, of the first call that fails
  * FAILING_LAST    that of the last one
- * FAILING_WHILE   or: every call fails that would put something on the disk while this file exists
  * FAILING_WAITS   or: fsync waits for as long as this file exists
- * FAILING_SIGNAL  or: none fails, the process sends itself this signal after the first of them
- * FAILING_CALL    and counted are those of this name alone
+ * FAILING_SIGNAL  or: the process sends itself this signal after call FAILING_FIRST, or, where some fail, after the one
+ *                 that follows FAILING_LAST
+ * FAILING_CALL    counted are calls of this name alone
  * FAILING_NAME    and on files whose path has this in it
  * FAILING_LOG     gets a line for every call that failed or waits: its name, and the file
  *
@@ -56,23 +56,14 @@ static void note(const char *call, const char *path) {
 }
 
 static int fails_at(const char *call, const char *path) {
-    const char *flag = getenv("FAILING_WHILE");
+    long first = number("FAILING_FIRST"), last = number("FAILING_LAST");
+    const char *name = getenv("FAILING_CALL"), *part = getenv("FAILING_NAME");
     int removes = !strcmp(call, "unlink");
-    if (!is_below(path)) return 0;
-    if (getenv("FAILING_WAITS")) return 0;
-    if (flag) {
-        if (removes || syscall(SYS_faccessat, AT_FDCWD, flag, F_OK)) return 0;
-    } else {
-        long first = number("FAILING_FIRST"), last = number("FAILING_LAST");
-        const char *name = getenv("FAILING_CALL"), *part = getenv("FAILING_NAME");
-        if ((name && strcmp(call, name)) || (part && !strstr(path, part))) return 0;
-        long call_number = 1 + atomic_fetch_add(&calls, 1);
-        if (getenv("FAILING_SIGNAL")) {
-            signal_is_due = call_number == first;
-            return 0;
-        }
-        if (call_number < first || call_number > last || (removes && last > first)) return 0;
-    }
+    if (!is_below(path) || getenv("FAILING_WAITS")) return 0;
+    if ((name && strcmp(call, name)) || (part && !strstr(path, part))) return 0;
+    long call_number = 1 + atomic_fetch_add(&calls, 1);
+    if (getenv("FAILING_SIGNAL") && call_number == (last < first ? first : last + 1)) signal_is_due = 1;
+    if (call_number < first || call_number > last || (removes && last > first)) return 0;
     note(call, path);
     errno = ENOSPC;
     return 1;

@@ -87,7 +87,7 @@ fn increasing(angles: &[f64], azimuths: bool) -> Vec<(f64, usize)> {
 
 /// The table of a file that has stops and directions, or half vectors and differences, of its own.
 ///
-/// Held by: `ssdd_comes_back`, `damaged_texts_are_refused` (tests/interchange_text.rs), tests/interchange_angles.rs.
+/// Held by: `ssdd_comes_back`, `damaged_texts_are_refused`, tests/it/interchange/interchange_angles.rs.
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     match read_with_notes(bytes)?.0 {
         Imported::Table(table) => Ok(table),
@@ -102,7 +102,7 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
 /// In spherical coordinates it is a table of points: without `PARAM1_LIST` isotropic, azimuths a turn apart one where
 /// their values agree. About the mirror direction it is a function. Half/difference angles are a table of them where
 /// the values are reciprocal, and else a function.
-/// Held by: tests/interchange_ssdd.rs.
+/// Held by: tests/it/interchange/interchange_ssdd.rs.
 pub fn read_with_notes(bytes: &[u8]) -> Reason<(Imported, Vec<String>)> {
     let bytes = without_mark(bytes)?;
     let mut lines = Lines::of(&*bytes);

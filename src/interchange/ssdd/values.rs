@@ -31,7 +31,7 @@ pub fn all(
 
 /// Visits the values: row (the first two angles), column (the others), colour. Returns the kind of a further data block.
 ///
-/// Held by: `ssdd_says_what_it_does_not_read` (tests/interchange_ssdd.rs).
+/// Held by: `ssdd_says_what_it_does_not_read` (tests/it/interchange/interchange_ssdd.rs).
 pub fn each(
     lines: &mut Lines<impl BufRead>,
     header: &Header,

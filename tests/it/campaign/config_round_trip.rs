@@ -1,0 +1,141 @@
+//! The resolved campaign reads back as itself, whatever was accepted; and nothing makes the reader panic.
+
+use gonio::campaign::{Alpha, Azimuth, Campaign, HeightSpectrum, Optics, SurfaceKind, to_toml};
+use gonio::error::Error;
+use proptest::prelude::*;
+
+use crate::support::campaign_text::{ARM, FILE, GOOD, accepted, on, parse, with, with_arm};
+use crate::support::mutations::Bits;
+
+/// What is written must read back as the same campaign, and be written the same again.
+#[track_caller]
+fn round_trips(campaign: &Campaign) {
+    let text = to_toml(campaign);
+    let again = accepted(&text).campaign;
+    assert_eq!(&again, campaign, "{text}");
+    assert_eq!(to_toml(&again), text);
+}
+
+#[test]
+fn the_resolved_campaign_reads_back_as_itself() {
+    let averaged = |text: String| text.replace("[light]", "[light]\naverage_azimuth = true");
+    let texts = [
+        GOOD.to_string(),
+        with("seed = 7", "seed = 18446744073709551615"),
+        with("alpha = 0.2", "alpha = [0.1, 0.2, 0.5]"),
+        averaged(with("alpha = 0.2", "alpha_x = 1e-4\nalpha_y = 1")),
+        with("[surface.ggx]", "[surface.beckmann]"),
+        with("[surface.ggx]", "[surface.beckmann]\nspectrum = \"exponential\""),
+        with("[surface.ggx]", "[surface.student_t]\ngamma = 3.7"),
+        with("[surface.ggx]\nalpha = 0.2", "[surface.blinn_phong]\nexponent = 47.3"),
+        with("material = \"gold\"", "f0 = [0.1, 0.25, 1e-7]"),
+        with("[0, 15, 30]", "{ from = 0, to = 89.9, step = 0.1 }"),
+        with("[light]", "[light]\nphi_i_deg = { from = -0.0, to = 350, step = 0.7 }"),
+        with("[expect]\nmasking = \"direction_correlated\"\nl1_model = 0.04\n", ""),
+        with("cells = 256\ncorrelation_cells = 8.0", "cells = 9"),
+        with_arm(ARM),
+        format!("{GOOD}\n[bench]\ncells = [128, 256]\ncorrelation_cells = [4, 8.5]\n"),
+        format!("{GOOD}\n[bench]\n"),
+        on("[surface.mirror]\n"),
+        on("[surface.smith]\nalpha = [0.1, 0.5]\nndf = \"beckmann\"\nheights = \"independent\"\n"),
+        averaged(on("[surface.v_groove]\nslope = 0.5\n")),
+        averaged(on(FILE)),
+        averaged(on("[surface.file]\npath = 'a \"quoted\" \\ näme.exr'\ndetrend = \"none\"\n")),
+        averaged(on("[surface.file]\npath = \"a.exr\"\nrefine = 8\n")),
+    ];
+    for text in texts {
+        let campaign = accepted(&text).campaign;
+        round_trips(&campaign);
+        for alpha in campaign.alphas().into_iter().flatten() {
+            let one = campaign.with_alpha(alpha);
+            assert_eq!(one.alphas(), [Some(alpha)]);
+            round_trips(&one);
+        }
+    }
+}
+
+proptest! {
+    // A failing case is printed; nothing is written beside the sources.
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_campaign_within_its_ranges_round_trips(
+        seed: u64,
+        samples in 1u64..=1 << 40,
+        rules in (proptest::option::of(1e-4f64..=1.0), proptest::option::of(1.0f64..=86_400.0)),
+        alpha in (1e-4f64..=10.0, 1e-4f64..=10.0),
+        f0 in prop::array::uniform3(0.0f64..=1.0),
+        thetas in prop::collection::btree_set(0u32..900_000, 1..40),
+        phis in prop::collection::btree_set(0u32..3_600_000, 1..40),
+        rotation_deg in 0.0f64..360.0,
+    ) {
+        let mut campaign = accepted(GOOD).campaign;
+        campaign.seed = seed;
+        campaign.stop.samples = samples;
+        (campaign.stop.relative_error, campaign.stop.seconds) = rules;
+        campaign.surface.kind = SurfaceKind::Beckmann {
+            alphas: vec![Alpha { x: alpha.0, y: alpha.1 }],
+            spectrum: HeightSpectrum::Exponential,
+        };
+        campaign.surface.rotation_deg = rotation_deg;
+        campaign.optics = Optics::Schlick { material: None, f0 };
+        campaign.light.theta_i_deg = thetas.into_iter().map(|t| f64::from(t) / 1e4).collect();
+        campaign.light.azimuth = Azimuth::Absolute(phis.into_iter().map(|p| f64::from(p) / 1e4).collect());
+        round_trips(&campaign);
+    }
+}
+
+/// Changes of texts that stay the same whatever the libraries do.
+struct Mutations(Bits);
+
+impl Mutations {
+    fn below(&mut self, limit: usize) -> usize {
+        self.0.below(limit)
+    }
+
+    /// One to three bytes replaced, taken out or put in; half of the time one digit for another.
+    fn of(&mut self, text: &[u8]) -> Vec<u8> {
+        const TELLING: &[u8] = b"0123456789.-+e_[]{}\"'=,#\n\r\t \\naif\xff\x00";
+        let mut bytes = text.to_vec();
+        for _ in 0..=self.below(3) {
+            let at = self.below(bytes.len());
+            match self.below(8) {
+                0 => bytes[at] = TELLING[self.below(TELLING.len())],
+                1 => bytes[at] = self.below(256) as u8,
+                2 => bytes.insert(at, TELLING[self.below(TELLING.len())]),
+                3 => drop(bytes.remove(at)),
+                _ => self.redraw_digit(&mut bytes, at),
+            }
+        }
+        bytes
+    }
+
+    /// Another digit for the first one from `at` on: the change that most often leaves a campaign.
+    fn redraw_digit(&mut self, bytes: &mut [u8], at: usize) {
+        if let Some(digit) = bytes[at..].iter_mut().find(|b| b.is_ascii_digit()) {
+            *digit = b'0' + self.below(10) as u8;
+        }
+    }
+}
+
+#[test]
+fn no_mutation_of_a_campaign_panics_and_what_is_accepted_round_trips() {
+    let ranged = with("[0, 15, 30]", "{ from = 0, to = 75, step = 15 }")
+        .replace("[light]", "[light]\nphi_i_deg = [-0.0, 90, 180]");
+    let file = on(FILE).replace("[light]", "[light]\nphi_i_deg = [0]").replace("\"gold\"", "\"water\"");
+    let texts = [GOOD.to_string(), ranged, with_arm(ARM), file];
+    let mut mutations = Mutations(Bits(1));
+    let mut taken = 0;
+    for i in 0..100_000 {
+        match parse(mutations.of(texts[i % texts.len()].as_bytes())) {
+            Ok(parsed) => {
+                taken += 1;
+                round_trips(&parsed.campaign);
+            }
+            Err(Error::Campaign(faults)) => assert!(!faults.is_empty()),
+            Err(other) => panic!("{other}"),
+        }
+    }
+    // Enough of both kinds for the test to mean something.
+    assert!((5_000..95_000).contains(&taken), "{taken}");
+}

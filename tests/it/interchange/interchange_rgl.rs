@@ -1,0 +1,91 @@
+//! Promise: RGL tensor files have the layout and the values that Mitsuba's `measured` expects. (Mitsuba itself reads
+//! them in tests/interop.)
+
+use gonio::interchange::{Lookup, rgl};
+
+use crate::support::analytic::{Ggx, hemisphere, l1, steps, table};
+use crate::support::mutations;
+
+const LIGHT: [(f64, f64); 5] = [(3.0, 0.0), (20.0, 77.0), (40.0, 200.0), (55.0, 310.0), (68.0, 33.0)];
+
+fn isotropic(alpha: f64) -> Lookup {
+    Lookup::new(&table(&Ggx::new(alpha, alpha), &hemisphere(steps(5.0, 18), None, 90, 180)))
+        .expect("a product")
+}
+
+#[test]
+fn an_isotropic_file_has_the_fields_and_bytes_of_the_format() {
+    let bytes = rgl::write(&isotropic(0.3), None, "note").expect("written");
+    let start = [0x74, 0x65, 0x6e, 0x73, 0x6f, 0x72, 0x5f, 0x66, 0x69, 0x6c, 0x65, 0, 1, 0, 9, 0, 0, 0];
+    assert_eq!(bytes[..18], start);
+    // The first field: length and name, one axis, type u8, an offset at a multiple of 8, four bytes.
+    assert_eq!(&bytes[18..33], b"\x0b\x00description\x01\x00");
+    assert_eq!(bytes[33], 1);
+    let offset = u64::from_le_bytes(bytes[34..42].try_into().expect("eight")) as usize;
+    assert!(offset.is_multiple_of(8) && &bytes[offset..offset + 4] == b"note");
+    let text = String::from_utf8_lossy(&bytes[..600]);
+    for field in ["jacobian", "phi_i", "theta_i", "ndf", "sigma", "vndf", "luminance", "rgb"] {
+        assert!(text.contains(field), "{field}");
+    }
+    assert!(!text.contains("wavelengths"));
+}
+
+#[test]
+fn rgl_reads_back() {
+    let alpha = 0.3;
+    let file = rgl::read(&rgl::write(&isotropic(alpha), None, "").expect("written")).expect("sound");
+    let off = l1(&file, &Ggx::new(alpha, alpha), &LIGHT, 75.0);
+    // The bar of the issue for Mitsuba; this reader follows the same scheme.
+    assert!(off <= 1e-3, "{off}");
+    let grid = hemisphere(steps(5.5, 16), Some(steps(15.0, 24)), 90, 120);
+    let aniso = Lookup::new(&table(&Ggx::new(0.2, 0.5), &grid)).expect("a product");
+    let file = rgl::read(&rgl::write(&aniso, None, "").expect("written")).expect("sound");
+    let off = l1(&file, &Ggx::new(0.2, 0.5), &LIGHT, 75.0);
+    let of_table = l1(&aniso, &Ggx::new(0.2, 0.5), &LIGHT, 75.0);
+    assert!(off <= 5e-3, "{off}; of the interpolated table alone {of_table}");
+}
+
+#[test]
+fn spectral_files_keep_the_colours_apart() {
+    let mut ggx = Ggx::new(0.4, 0.4);
+    ggx.tint = vec![0.9, 0.6, 0.3];
+    let lookup = Lookup::new(&table(&ggx, &hemisphere(steps(15.0, 6), None, 30, 36))).expect("a product");
+    let bytes = rgl::write(&lookup, Some(&[465.0, 532.0, 630.0]), "").expect("written");
+    let file = rgl::read(&bytes).expect("sound");
+    assert!(file.note.as_deref().is_some_and(|note| note.contains("630 nm, 532 nm, 465 nm")));
+    let wi = gonio::sphere::direction_deg(30.0, 0.0);
+    let found = gonio::interchange::Brdf::brdf(&file, wi, gonio::sphere::direction_deg(32.0, 183.0));
+    // One shape times three tints, through f32.
+    assert!((found[1] / found[0] - 2.0 / 3.0).abs() < 1e-6 && (found[2] / found[0] - 1.0 / 3.0).abs() < 1e-6);
+}
+
+#[test]
+fn damaged_tensor_files_are_refused() {
+    let reason = |bytes: &[u8]| rgl::read(bytes).err().expect("must be refused");
+    assert!(reason(b"").contains("empty"));
+    assert!(reason(b"MERL").contains("not a tensor file"));
+    let lookup =
+        Lookup::new(&table(&Ggx::new(0.5, 0.5), &hemisphere(steps(40.0, 3), None, 4, 4))).expect("a product");
+    let good = rgl::write(&lookup, None, "").expect("written");
+    assert!(reason(&good[..good.len() - 1]).contains("beyond the file's end"));
+    // A small file of the same fields: 2 x 2 slices.
+    let small = small_file();
+    assert!(rgl::read(&small).is_ok());
+    let refused = mutations::survives(&small, 100_000, rgl::read);
+    assert!(refused > 20_000, "{refused}");
+}
+
+/// A file with the least that a reader needs.
+fn small_file() -> Vec<u8> {
+    use gonio::interchange::tensor_file::{Data, encode};
+    let ones = |sides: &[usize]| (sides.to_vec(), Data::F32(vec![1.0; sides.iter().product()]));
+    let named = |name: &'static str, (sides, data): (Vec<usize>, Data)| (name, sides, data);
+    encode(&[
+        ("theta_i", vec![2], Data::F32(vec![0.0, 1.0])),
+        ("phi_i", vec![1], Data::F32(vec![0.0])),
+        named("ndf", ones(&[2, 2])),
+        named("sigma", ones(&[2, 2])),
+        named("vndf", ones(&[1, 2, 2, 2])),
+        named("rgb", ones(&[1, 2, 3, 2, 2])),
+    ])
+}

@@ -1,0 +1,82 @@
+//! What the program promises, area by area, as the folders of `src` are called.
+//!
+//! `cargo test --test it NAME` runs the tests whose path holds `NAME`: a test, a file (`lanes`) or an area (`trace::`).
+//! What is done to the running program from outside (signals, a full disk, no memory) is in `tests/process`.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod bench;
+mod cli;
+mod fit;
+mod fit_errors;
+mod foreign_files;
+mod foreign_words;
+mod formula_values;
+mod fuzzed;
+mod layering;
+mod mentions;
+mod report;
+mod study;
+
+mod campaign {
+    mod config_faults;
+    mod config_round_trip;
+}
+mod surface {
+    mod certificate;
+    mod height_maps;
+    mod mirrored_maps;
+}
+mod trace {
+    mod corridors;
+    mod fair_starts;
+    mod lanes;
+    mod long_rays;
+    mod masking_given_the_normal;
+    mod masking_of_smith;
+    mod watertight;
+}
+mod measure {
+    mod coverage;
+    mod energy;
+    mod exact_shapes;
+    mod golden_tables;
+    mod grazing_stability;
+    mod instruments;
+    mod lost_light;
+    mod materials;
+    mod reproducibility;
+    mod savings;
+    mod skips;
+    mod stopping;
+    mod turned_sample;
+}
+mod table {
+    mod export_round_trip;
+    mod large_tables;
+}
+mod interchange {
+    mod interchange_albedo;
+    mod interchange_angles;
+    mod interchange_arrays;
+    mod interchange_maps;
+    mod interchange_merl;
+    mod interchange_points;
+    mod interchange_radiance;
+    mod interchange_rgl;
+    mod interchange_ssdd;
+    mod interchange_text;
+    mod interchange_zemax;
+    mod ragged_scans;
+    mod round_trips;
+}
+mod validate {
+    mod bin_means;
+    mod compare;
+    mod discrepancy;
+    mod reciprocity;
+    mod smith_surface;
+    mod verdicts;
+    mod visibility_off;
+}

@@ -1,0 +1,87 @@
+//! Promise: the campaign and its seed decide the table, and nothing else does.
+
+use gonio::measure::Measured;
+use gonio::table::store;
+
+use crate::support::measuring::{hits_of, measured, measured_one};
+
+const LIGHT: &str = "theta_i_deg = [20, 50]\n";
+
+fn campaign(seed: u64, alpha: &str, light: &str) -> String {
+    format!(
+        "name = \"again\"\nseed = {seed}\n\
+         [surface]\nrealisations = 3\ncells = 32\n[surface.ggx]\n{alpha}\n\
+         [light]\n{light}\naperture_deg = 2\n[sensor.hemisphere]\n[optics]\nmaterial = \"gold\"\n\
+         [trace]\nbounces = 3\n[stop]\nsamples = 131_072\n"
+    )
+}
+
+/// Everything of a measurement that can be written down, to the last bit.
+fn bits(measured: &[Measured]) -> Vec<String> {
+    let one = |m: &Measured| {
+        let digest = store::digest(&m.table).expect("a digest");
+        let colours = m.table.colours.iter().flat_map(|c| [&c.total, &c.single, &c.stderr, &c.stderr_single]);
+        let parts = m.realisations.parts.iter().flat_map(|part| part.total.iter().chain(&part.single));
+        let values: Vec<u32> = colours.chain(parts).flatten().map(|v| v.to_bits()).collect();
+        // `{:?}` of an f64 is the shortest text that reads back the same.
+        format!("{digest} {} {values:?} {:?} {:?}", m.table.patch_digest, m.table.hits, m.stops)
+    };
+    measured.iter().map(one).collect()
+}
+
+#[test]
+fn the_table_is_identical_for_any_thread_count() {
+    let surfaces = [
+        campaign(1, "alpha = [0.2, 0.5]", LIGHT),
+        campaign(
+            1,
+            "alpha_x = 0.2\nalpha_y = 0.5",
+            "theta_i_deg = [50]\nazimuth = \"absolute\"\nphi_i_deg = [0, 25]",
+        ),
+    ];
+    for text in surfaces {
+        let with_threads = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            bits(&pool.install(|| measured(&text)))
+        };
+        let one = with_threads(1);
+        for threads in [2, 3, 7] {
+            assert!(with_threads(threads) == one, "{threads} threads give another table");
+        }
+    }
+}
+
+#[test]
+fn a_further_stop_leaves_the_others_as_they_were() {
+    let (few, more) = (
+        measured_one(&campaign(1, "alpha = 0.3", LIGHT)),
+        measured_one(&campaign(1, "alpha = 0.3", "theta_i_deg = [10, 20, 35, 50]")),
+    );
+    assert_eq!(hits_of(&few, 0), hits_of(&more, 1));
+    assert_eq!(hits_of(&few, 1), hits_of(&more, 3));
+    let absolute = |phi: &str| {
+        let light = format!("theta_i_deg = [50]\nazimuth = \"absolute\"\nphi_i_deg = {phi}");
+        measured_one(&campaign(1, "alpha_x = 0.2\nalpha_y = 0.5", &light))
+    };
+    let (few, more) = (absolute("[25]"), absolute("[0, 25, 90]"));
+    assert_eq!(hits_of(&few, 0), hits_of(&more, 1));
+}
+
+#[test]
+fn a_roughness_in_a_list_is_measured_as_if_alone() {
+    let list = measured(&campaign(1, "alpha = [0.2, 0.5]", LIGHT));
+    let alone = measured(&campaign(1, "alpha = 0.5", LIGHT));
+    assert!(bits(&list)[1..] == bits(&alone)[..]);
+}
+
+#[test]
+fn another_seed_gives_another_table() {
+    let [a, b] = [1, 2].map(|seed| measured_one(&campaign(seed, "alpha = 0.3", LIGHT)));
+    assert_ne!(a.table.patch_digest, b.table.patch_digest);
+    for stop in 0..2 {
+        assert_ne!(hits_of(&a, stop), hits_of(&b, stop));
+    }
+    // Seeds that differ in the highest bit only are different seeds.
+    let high = measured_one(&campaign(1 | 1 << 63, "alpha = 0.3", LIGHT));
+    assert_ne!(a.table.patch_digest, high.table.patch_digest);
+}

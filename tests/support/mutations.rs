@@ -1,0 +1,56 @@
+//! Damage to files: bytes changed, cut off, doubled. The same from every run.
+
+use std::path::Path;
+
+use gonio::error::Error;
+
+/// A small repeatable source of bits (splitmix64).
+pub struct Bits(pub u64);
+
+impl Bits {
+    pub fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.next() % n.max(1) as u64) as usize
+    }
+
+    /// In [0, 1), 24 bits.
+    pub fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1u32 << 24) as f32
+    }
+}
+
+/// Feeds `rounds` damaged copies of `good` to `read`, which must return (not panic) and whose reasons must be one line
+/// where the program shows them.
+/// Returns how many were refused.
+pub fn survives<T>(good: &[u8], rounds: usize, read: impl Fn(&[u8]) -> Result<T, String>) -> usize {
+    let mut bits = Bits(good.len() as u64);
+    let interesting = [0u8, 1, 0x7f, 0x80, 0xff, b'-', b'9', b'<', b'n', b'\n', b','];
+    let mut refused = 0;
+    for _ in 0..rounds {
+        let mut bytes = good.to_vec();
+        for _ in 0..=bits.below(3) {
+            let at = bits.below(bytes.len());
+            match bits.below(6) {
+                0 => bytes.truncate(at),
+                1 => bytes.insert(at, bits.next() as u8),
+                2 => bytes.extend_from_slice(&good[..at.min(64)]),
+                3 if !bytes.is_empty() => bytes[at] = interesting[bits.below(interesting.len())],
+                _ if !bytes.is_empty() => bytes[at] ^= 1 << bits.below(8),
+                _ => {}
+            }
+        }
+        if let Err(reason) = read(&bytes) {
+            let shown = Error::format(Path::new("damaged"), &reason).to_string();
+            assert!(!reason.is_empty() && !shown.contains('\n') && shown.chars().count() <= 500, "{shown}");
+            refused += 1;
+        }
+    }
+    refused
+}
