@@ -5,9 +5,9 @@
 //! ends the process. A file is whole or not there at any time, and what a run has measured in more than a second is kept
 //! before anything else is begun. The second signal ends the process at once.
 
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::os::unix::net::UnixStream;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
@@ -69,7 +69,8 @@ fn start() -> io::Result<()> {
     for signal in [SIGINT, SIGTERM].into_iter().chain(hang_up) {
         register(signal, &tell)?;
     }
-    Ok(())
+    // A signal between a flag and its pipe has told nobody.
+    if ASKED.load(Ordering::Relaxed) { (&tell).write_all(&[0]) } else { Ok(()) }
 }
 
 fn register(signal: i32, tell: &UnixStream) -> io::Result<SigId> {

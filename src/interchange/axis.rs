@@ -103,18 +103,19 @@ impl Circle {
     fn taps(&self, x: f64, count: usize) -> Taps {
         let n = self.nodes.len();
         let count = count.min(n);
-        let x = x.rem_euclid(TAU);
+        // Divisions cost more than all else here: most angles are in range, and at most one turn is crossed.
+        let x = if (0.0..TAU).contains(&x) { x } else { x.rem_euclid(TAU) };
         let above = self.nodes.partition_point(|&node| node <= x) as isize;
         let start = above - (count / 2 + count % 2) as isize;
         let mut nodes = [(0.0, 0, false); 4];
         for (k, slot) in nodes.iter_mut().take(count).enumerate() {
-            let index = start + k as isize;
-            let wrapped = index.rem_euclid(n as isize);
-            *slot = (
-                self.nodes[wrapped as usize] + TAU * ((index - wrapped) / n as isize) as f64,
-                wrapped as usize,
-                false,
-            );
+            let (index, n) = (start + k as isize, n as isize);
+            let (wrapped, turn) = match index {
+                below if below < 0 => (below + n, -TAU),
+                beyond if beyond >= n => (beyond - n, TAU),
+                inside => (inside, 0.0),
+            };
+            *slot = (self.nodes[wrapped as usize] + turn, wrapped as usize, false);
         }
         Taps::of(&nodes[..count], x)
     }

@@ -145,6 +145,20 @@ fn digests(folder: &Path) -> BTreeMap<String, String> {
     if out.exists() { outputs::digests(&out) } else { BTreeMap::new() }
 }
 
+/// Waits until a process answers SIGTERM: one that has not come so far yet has made nothing, and ends as any other.
+fn listens(child: &Child) {
+    let path = format!("/proc/{}/status", child.id());
+    loop {
+        let status = fs::read_to_string(&path).expect("a child that was not waited for");
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).expect("a mask");
+        let mask = u64::from_str_radix(mask.trim(), 16).expect("a mask");
+        if mask >> (Signal::TERM.as_raw() - 1) & 1 == 1 || processor_time::used(child).1 {
+            return;
+        }
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
 /// How long it takes a command to end after SIGTERM, on the wall and of the processor.
 fn answer(child: &Child) -> (Duration, Duration) {
     let (before, _) = processor_time::used(child);
@@ -176,6 +190,7 @@ fn answered(tries: u32) {
         for number in 0..tries {
             let folder = case.folder(&table);
             let child = start(folder.path(), case.words);
+            listens(&child);
             thread::sleep(takes.mul_f64(uniform(&mut rng)));
             let took = answer(&child);
             (wall, processor) = (wall.max(took.0), processor.max(took.1));

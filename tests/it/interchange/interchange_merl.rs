@@ -1,5 +1,7 @@
 //! Promise: MERL files have the layout that their readers expect, and the values of the table.
 
+use std::sync::OnceLock;
+
 use gonio::instrument::{Grid, GridKind};
 use gonio::interchange::half_difference::{self, HalfDifference};
 use gonio::interchange::merl::{self, Sampling};
@@ -11,9 +13,15 @@ use crate::support::analytic::{Ggx, hemisphere, l1, steps, table};
 use crate::support::mutations;
 use crate::support::program::{exits, gonio, json};
 
-/// alpha 0.1 under stops of 3 degrees, bins of 1 x 2 degrees.
-fn lookup() -> Lookup {
-    Lookup::new(&table(&Ggx::new(0.1, 0.1), &hemisphere(steps(3.0, 30), None, 90, 180))).expect("a product")
+/// alpha 0.1 under stops of 3 degrees, bins of 1 x 2 degrees; and its file.
+fn tenth() -> &'static (Lookup, Vec<u8>) {
+    static TENTH: OnceLock<(Lookup, Vec<u8>)> = OnceLock::new();
+    TENTH.get_or_init(|| {
+        let table = table(&Ggx::new(0.1, 0.1), &hemisphere(steps(3.0, 30), None, 90, 180));
+        let lookup = Lookup::new(&table).expect("a product");
+        let bytes = merl::write(&lookup, Sampling::Node);
+        (lookup, bytes)
+    })
 }
 
 /// The value of a raw index as the layout says it, colour after colour.
@@ -24,8 +32,7 @@ fn raw(bytes: &[u8], c: usize, ih: usize, id: usize, ip: usize) -> f64 {
 
 #[test]
 fn every_cell_lies_where_the_layout_says() {
-    let lookup = lookup();
-    let bytes = merl::write(&lookup, Sampling::Node);
+    let (_, bytes) = tenth();
     assert_eq!(bytes.len(), 34_992_012);
     assert_eq!(bytes[..12], [90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0]);
     // theta_h = 0: light and sensor at theta_d on both sides of the normal, whatever phi_d.
@@ -34,15 +41,15 @@ fn every_cell_lies_where_the_layout_says() {
     let mirror = ggx.brdf(wi, wo)[0];
     for (c, scale) in [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0].into_iter().enumerate() {
         for ip in [0, 57, 179] {
-            let value = raw(&bytes, c, 0, 30, ip) * scale;
+            let value = raw(bytes, c, 0, 30, ip) * scale;
             assert!((value / mirror - 1.0).abs() < 1e-3, "{value} {mirror}");
         }
     }
     // theta_h = 90 (12/90)^2 = 1.6 degrees, theta_d = 0: light and sensor together at 1.6 degrees.
     let both = sphere::direction_deg(1.6, 0.0);
-    assert!((raw(&bytes, 0, 12, 0, 44) / 1500.0 / ggx.brdf(both, both)[0] - 1.0).abs() < 1e-3);
+    assert!((raw(bytes, 0, 12, 0, 44) / 1500.0 / ggx.brdf(both, both)[0] - 1.0).abs() < 1e-3);
     // theta_h = 45.5 degrees with theta_d = 60 in the plane of the half vector (phi_d 0): one arm at 105 degrees.
-    assert_eq!(raw(&bytes, 0, 64, 60, 0), -1.0);
+    assert_eq!(raw(bytes, 0, 64, 60, 0), -1.0);
 }
 
 /// L1 of a file of alpha 0.1 against the formula, light off the stops, sensor up to 80 degrees.
@@ -53,9 +60,8 @@ fn off_at_alpha_a_tenth(found: &dyn Brdf) -> f64 {
 
 #[test]
 fn a_reader_that_interpolates_is_within_five_thousandths() {
-    let lookup = lookup();
-    let bytes = merl::write(&lookup, Sampling::Node);
-    let found = merl::read(&bytes, Sampling::Node).expect("sound");
+    let (lookup, bytes) = tenth();
+    let found = merl::read(bytes, Sampling::Node).expect("sound");
     assert!(
         (0.2..0.3).contains(&found.invalid),
         "a quarter of the cells is below the horizon: {}",
@@ -65,7 +71,7 @@ fn a_reader_that_interpolates_is_within_five_thousandths() {
     // Bins of 2 degrees of azimuth are the limit, not the file: at theta_i 73 degrees the lobe's azimuth has a half-width
     // of 2 alpha/tan(73) = 3.5 degrees, and the interpolated table alone is off by 0.0033. See the next test.
     assert!(off <= 0.005, "{off}");
-    let centre = merl::read(&merl::write(&lookup, Sampling::Centre), Sampling::Centre);
+    let centre = merl::read(&merl::write(lookup, Sampling::Centre), Sampling::Centre);
     let off = off_at_alpha_a_tenth(&centre.expect("sound"));
     // As dense as the nodes, but theta_d and phi_d hold their value over the first half cell.
     assert!(off <= 0.006, "{off}");
