@@ -145,8 +145,7 @@ fn small_formats() -> Answer {
         "small",
         b"NUM_POINTS 2\nVARS theta_i,phi_i,theta_s,phi_s,Y\n0,0,0.2,0,0.5\n0.5,0,0.2,0,0.25\n",
     )?;
-    for (name, phi) in [("isotropic", vec![0.0f32]), ("anisotropic", vec![-3.1, -1.5, 0.0, 1.5, 3.1])]
-    {
+    for (name, phi) in [("isotropic", vec![0.0f32]), ("anisotropic", vec![-3.1, -1.5, 0.0, 1.5, 3.1])] {
         sound_seed("rgl", &format!("{name}_rgb"), &tensors(&phi, 3, false))?;
         sound_seed("rgl", &format!("{name}_spectra"), &tensors(&phi, 4, true))?;
     }
