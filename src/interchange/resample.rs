@@ -88,6 +88,7 @@ pub fn resample_spectrum<'a>(
     let (stops, bins) = (grid.stops(), grid.bins());
     let pairs = stops.checked_mul(bins).filter(|&pairs| pairs <= MOST_VALUES);
     let pairs = pairs.ok_or_else(|| format!("{stops} stops of {bins} bins are too many"))?;
+    // A small file may be a function of many lights, each of which becomes thousands of bins.
     memory::check(needed::table(pairs, parts.iter().map(|part| part.colours()).sum()))?;
     let total = parts.into_iter().flat_map(|part| totals(part, grid)).collect();
     spectral_table(grid.clone(), total, wavelengths_nm)
