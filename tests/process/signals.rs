@@ -228,7 +228,7 @@ fn every_command_answers_a_signal_within_a_second() {
 }
 
 #[test]
-#[ignore = "takes minutes: cargo test --release --test signals -- --ignored a_hundred"]
+#[ignore = "takes minutes: cargo test --release --test process a_hundred_signals -- --ignored"]
 fn a_hundred_signals_are_answered_within_a_second() {
     answered(20);
 }
