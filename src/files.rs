@@ -27,7 +27,7 @@ use crate::error::{Error, Result};
 
 /// Puts `bytes` in the place of the file at `path`, or leaves what was there.
 ///
-/// The bytes go to a file under way ([`claim`]) in the same folder, reach the disk, and take the name by a rename, after
+/// The bytes go to a file under way ([`Claim`]) in the same folder, reach the disk, and take the name by a rename, after
 /// which the folder is flushed too. On failure the temporary file is removed.
 /// Held by: `a_failed_write_leaves_the_old_file_whole`.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {

@@ -49,7 +49,8 @@ impl fmt::Display for Shard {
 }
 
 impl Shard {
-    /// The stops that it measures, increasing: whole azimuths where there are enough of them; else every `of`-th stop, so that each shard has grazing ones. None where there are more shards than stops.
+    /// The stops that it measures, increasing: whole azimuths where there are enough of them; else every `of`-th stop, so
+    /// that each shard has grazing ones. None where there are more shards than stops.
     ///
     /// Held by: `every_stop_is_dealt_once`.
     pub fn stops(self, grid: &Grid) -> Vec<usize> {
