@@ -14,6 +14,7 @@ use gonio::rng::uniform;
 use rand_pcg::Pcg64Dxsm;
 use rustix::process::Signal;
 
+use crate::support::arrays::{npy, npy_f32};
 use crate::support::measuring::{test_rng, whole};
 use crate::support::{ended, processor_time};
 
@@ -24,21 +25,6 @@ const HANGS: Duration = Duration::from_secs(600);
 
 fn one_of<T: Copy>(rng: &mut Pcg64Dxsm, list: &[T]) -> T {
     list[whole(rng, 0, list.len() as i64) as usize]
-}
-
-/// An NPY file of `columns` x `rows` heights.
-fn npy(heights: &[f64], columns: usize, single: bool) -> Vec<u8> {
-    let (kind, rows) = (if single { "<f4" } else { "<f8" }, heights.len() / columns);
-    let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': ({rows}, {columns}), }}\n");
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    bytes.extend((header.len() as u16).to_le_bytes());
-    bytes.extend(header.as_bytes());
-    if single {
-        bytes.extend(heights.iter().flat_map(|height| (*height as f32).to_le_bytes()));
-    } else {
-        bytes.extend(heights.iter().flat_map(|height| height.to_le_bytes()));
-    }
-    bytes
 }
 
 /// A rough map in which a cell, a corner, a row, a column, a corner of 4 x 4 cells or every third cell is something else;
@@ -78,7 +64,8 @@ fn hostile(rng: &mut Pcg64Dxsm) -> (Vec<u8>, String) {
         one_of(rng, &["1", "\"auto\"", "4"]),
         one_of(rng, &[1, 3])
     );
-    (npy(&heights, columns, whole(rng, 0, 3) == 0), text)
+    let npy = if whole(rng, 0, 3) == 0 { npy_f32 } else { npy };
+    (npy(&heights, columns), text)
 }
 
 /// Runs until the end, or for so long as a map may take; and what that was of the processor.
@@ -153,7 +140,7 @@ fn a_thousand_hostile_maps_end_with_a_table_or_one_line() {
 fn needles(folder: &Path) -> &'static str {
     let heights: Vec<f64> =
         (0..128 * 128).map(|i| 0.1 + if (i * 7919) % 5 == 0 { 8.3 } else { 0.0 }).collect();
-    fs::write(folder.join("map.npy"), npy(&heights, 128, false)).expect("map");
+    fs::write(folder.join("map.npy"), npy(&heights, 128)).expect("map");
     "name = \"small\"\nseed = 1\n[surface.file]\npath = \"map.npy\"\npitch_x_um = 1\npitch_y_um = 1\n\
      height_unit_um = 1\nperiodic = true\nrefine = 8\ntiles = 1\n[light]\ntheta_i_deg = [60]\n\
      azimuth = \"absolute\"\nphi_i_deg = [0]\n[sensor.hemisphere]\n[trace]\nbounces = 32\n\
