@@ -1,7 +1,7 @@
 #![no_main]
 //! pab-opto texts.
 
-use gonio::interchange::pabopto;
+use gonio::interchange::text::pabopto;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| gonio_fuzz::reason(pabopto::read(bytes)));

@@ -12,7 +12,7 @@ use crate::measure::{self, Measured, Patches, Plan, Specimen};
 use crate::stats;
 use crate::surface::SlopeCounts;
 use crate::validate::compare::Figures;
-use crate::validate::model::{Model, StopMeans};
+use crate::validate::prediction::model::{Model, StopMeans};
 use crate::validate::{Parts, expect, verdict};
 
 /// Patches of each row whose slopes are counted.

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::measure::{Measured, Plan};
 use crate::table::BrdfTable;
 use crate::validate::expect;
-use crate::validate::model::Model;
+use crate::validate::prediction::model::Model;
 
 /// The kinds of truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -1,8 +1,8 @@
 //! Materials by name: reflectance at normal incidence for Schlick's Fresnel, n and k over wavelengths where they are
 //! published.
 
-use super::index_file::Dispersion;
-use super::report::nearest;
+use super::parse::faults::nearest;
+use super::parse::index_file::Dispersion;
 use super::schema::Medium;
 
 /// Name and F0 of every known material: linear R, G, B, the usual rounded values of rendering courses and engines.

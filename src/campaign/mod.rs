@@ -9,32 +9,20 @@ use toml::de::DeTable;
 use crate::error::{Error, Fault, Result};
 use crate::text_decoding::decode_text;
 
-mod angles;
-mod arms;
-mod artist;
-mod bounds;
-mod check;
 mod difference;
-mod index_file;
 pub mod materials;
-mod optics;
-mod optics_schema;
-mod preset;
-mod reader;
-mod report;
-mod resolved;
-mod sample;
+pub mod parse;
+mod presets;
 pub mod schema;
-mod surface;
-mod warnings;
+mod to_toml;
 
 pub use difference::{Difference, differences};
-pub use preset::Preset;
-pub use resolved::to_toml;
+pub use presets::Preset;
 pub use schema::*;
+pub use to_toml::to_toml;
 
-use reader::Table;
-use report::Report;
+use parse::faults::Report;
+use parse::reader::Table;
 
 /// Largest campaign file, bytes: two axes of 100,000 angles with room to spare.
 const LARGEST_FILE: u64 = 16 << 20;
@@ -95,14 +83,14 @@ pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> 
     let text = &*decode_text(bytes).map_err(|why| no_text(name_for_messages, bytes, why))?;
     let report = Report::new(name_for_messages, text);
     let campaign = match DeTable::parse(text) {
-        Ok(root) => check::campaign(Table::root(&report, root.get_ref()), folder),
+        Ok(root) => parse::campaign::campaign(Table::root(&report, root.get_ref()), folder),
         Err(error) => {
             syntax_fault(&report, text, &error);
             None
         }
     };
     if let Some((campaign, _)) = &campaign {
-        warnings::note(&report, campaign);
+        parse::warnings::note(&report, campaign);
     }
     let (faults, notes) = report.into_parts();
     match campaign {
@@ -114,7 +102,7 @@ pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> 
 
 /// A fault of the text before it is TOML, at the key that its line seems to set.
 fn syntax_fault(report: &Report<'_>, text: &str, error: &toml::de::Error) {
-    let said = report::one_line(error.message());
+    let said = parse::faults::one_line(error.message());
     let advice = if said.starts_with("duplicate") {
         "each key and each table once"
     } else {
@@ -136,7 +124,7 @@ fn assignment_at(text: &str, at: usize) -> Option<(String, String)> {
             let (key, value) = line.split_once('=').map(|(key, value)| (key.trim(), value.trim()))?;
             let separator = if heading.is_empty() { "" } else { "." };
             let named = is_bare_key(key).then(|| format!("{heading}{separator}{key}"))?;
-            return Some((named, report::one_line(value)));
+            return Some((named, parse::faults::one_line(value)));
         }
         let inner = line.trim().strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
         heading = inner.filter(|inner| is_bare_key(inner)).unwrap_or(heading);

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::output::{Output, print_error, to_json, warn};
-use super::plan_text;
+use super::text::output::{Output, print_error, to_json, warn};
+use super::text::plan;
 use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::measure::{self, Disk};
-use crate::surface::import;
+use crate::surface::io::import;
 use crate::table::realisations::SIZE_LIMIT;
-use crate::validate::aperture::worst;
+use crate::validate::prediction::aperture::worst;
 
 /// List all faults of a campaign, or show the plan: stops, bins, samples, memory, time
 #[derive(Args)]
@@ -54,10 +54,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     notes.iter().for_each(warn);
     let plan = plan?;
-    out.lines(preset.iter().flat_map(plan_text::preset))?;
-    out.lines(plan_text::facts(&campaign, &plan, Disk::of(&campaign, &plan, SIZE_LIMIT)))?;
-    out.lines(worst(&campaign).iter().flat_map(plan_text::aperture))?;
-    out.lines(plan_text::skipped(&plan))?;
+    out.lines(preset.iter().flat_map(plan::preset))?;
+    out.lines(plan::facts(&campaign, &plan, Disk::of(&campaign, &plan, SIZE_LIMIT)))?;
+    out.lines(worst(&campaign).iter().flat_map(plan::aperture))?;
+    out.lines(plan::skipped(&plan))?;
     Ok(0)
 }
 

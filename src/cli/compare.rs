@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::output::{Output, columns, or_na, to_json};
 use super::table_file::{self, Opened};
+use super::text::output::{Output, columns, or_na, to_json};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, Realisations, TableRows};
-use crate::validate::aperture::{Extrapolated, extrapolate};
+use crate::validate::prediction::aperture::{Extrapolated, extrapolate};
 use crate::validate::two_tables::{Difference, DifferenceFigures, Side, difference, difference_of_rows};
 
 /// Compare two tables on the same grid bin by bin, with the errors of both

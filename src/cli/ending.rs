@@ -16,7 +16,7 @@ use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::low_level::{self, pipe};
 use signal_hook::{SigId, flag};
 
-use super::output;
+use super::text::output;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::measure::Ending;

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::json;
 
-use super::output::{Output, to_json, warn, wrapped};
 use super::table_file::{self, Opened};
 use super::targets::in_the_way;
+use super::text::output::{Output, to_json, warn, wrapped};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{Output, columns, or_na, to_json, wrapped};
 use super::table_file;
+use super::text::output::{Output, columns, or_na, to_json, wrapped};
 use crate::error::{Error, Result};
 use crate::fit::{self, Data, Fit, Fits, Law, NAMES};
 use crate::stats;

@@ -6,12 +6,12 @@ use clap::Args;
 use serde_json::json;
 
 use super::export::{check_output, format_of, options_of};
-use super::output::{Output, to_json, warn, wrapped};
 use super::targets::in_the_way;
+use super::text::output::{Output, to_json, warn, wrapped};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
-use crate::interchange::radiance_xml::Side;
+use crate::interchange::radiance::xml::Side;
 use crate::interchange::{self, Format, Options, maps};
 use crate::table::{TableRows, store};
 

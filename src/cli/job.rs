@@ -6,16 +6,16 @@ use std::path::Path;
 use super::ending::{self, Leaving};
 use super::kept::{self, Keeping, Unfinished};
 use super::measure::Arguments;
-use super::output::{Output, warn};
-use super::plan_text;
-use super::progress::Progress;
 use super::results::{self, Results};
 use super::targets::Target;
+use super::text::output::{Output, warn};
+use super::text::plan;
+use super::text::progress::Progress;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::measure::{self, BandRun, Disk, Ending, Ledger, Patches, Plan, Session};
-use crate::report::specimen;
-use crate::validate::aperture::worst;
+use crate::report::html::specimen;
+use crate::validate::prediction::aperture::worst;
 
 /// What is measured in one run.
 pub struct Job<'a> {
@@ -116,8 +116,8 @@ impl Job<'_> {
         notes.iter().for_each(warn);
         self.keeping.room_for(disk).iter().for_each(warn);
         if !arguments.json {
-            out.lines(plan_text::facts(campaign, plan, disk))?;
-            out.lines(worst(campaign).iter().flat_map(plan_text::aperture))?;
+            out.lines(plan::facts(campaign, plan, disk))?;
+            out.lines(worst(campaign).iter().flat_map(plan::aperture))?;
         }
         Ok(patches)
     }

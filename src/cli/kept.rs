@@ -4,8 +4,8 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::measure::Arguments;
-use super::output::{bytes, grouped, say, warn};
 use super::targets::Target;
+use super::text::output::{bytes, grouped, say, warn};
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
 use crate::files;

@@ -8,14 +8,17 @@ use serde_json::{Value, json};
 use super::ending;
 use super::job::Job;
 use super::kept::{self, Keeping};
-use super::output::{self, Output, say, warn};
 use super::results::cost_lines;
 use super::targets::{self, Target};
+use super::text::output;
+use super::text::output::{Output, say, warn};
 use crate::campaign::{self, Campaign, Optics, Parsed};
 use crate::error::Result;
 use crate::files;
 use crate::files::lock::Lock;
-use crate::measure::{self, Plan, Shard, shards};
+use crate::measure;
+use crate::measure::persist::shard;
+use crate::measure::{Plan, Shard};
 use crate::table::realisations;
 
 /// Measure a campaign: table, realisations, summary and report
@@ -129,7 +132,7 @@ fn one_shard(
     targets::spare_inputs(&[path], &arguments.campaign, &campaign)?;
     if !arguments.force && files::is_there(path) {
         let there =
-            shards::heading(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
+            shard::heading(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
         let faults =
             there.faults((&campaign, Some(shard)), &arguments.campaign.display().to_string(), "this file");
         if faults.is_empty() && there.is_of_all(&campaign) {
@@ -148,7 +151,7 @@ fn one_shard(
     let job = Job { arguments, keeping, campaign };
     let plan = arguments.plan(&job.campaign)?;
     let (ledger, _) = job.run(unfinished, &plan, out)?;
-    shards::save(path, &ledger, &job.campaign, &plan)?;
+    shard::save(path, &ledger, &job.campaign, &plan)?;
     keeping.remove()?;
     let cost = ledger.cost(&plan);
     if arguments.json {

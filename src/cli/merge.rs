@@ -6,14 +6,16 @@ use clap::Args;
 use serde_json::json;
 
 use super::measure::summaries;
-use super::output::{Output, say, warn};
 use super::results::{self, Results};
 use super::targets::{self, Target};
+use super::text::output::{Output, say, warn};
 use crate::campaign;
 use crate::error::{Error, Result};
 use crate::files::lock::Lock;
-use crate::measure::{self, Disk, Merge, Shard, Shards, shards};
-use crate::report::specimen;
+use crate::measure;
+use crate::measure::persist::shard;
+use crate::measure::{Disk, Merge, Shard, Shards};
+use crate::report::html::specimen;
 use crate::table::realisations;
 
 /// Put the shards of a campaign together: the very bytes of one run
@@ -50,8 +52,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut found = Vec::new();
     for at in &arguments.from {
-        for path in shards::find(at)? {
-            let heading = shards::heading(&path)?;
+        for path in shard::find(at)? {
+            let heading = shard::heading(&path)?;
             found.push((path, heading));
         }
     }

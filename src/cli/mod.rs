@@ -11,9 +11,7 @@ use clap::{ColorChoice, Parser, Subcommand};
 
 use crate::error::{Error, Result};
 
-mod against;
 mod bench;
-mod certificate_text;
 mod check;
 mod compare;
 mod ending;
@@ -24,22 +22,18 @@ mod job;
 mod kept;
 mod measure;
 mod merge;
-mod optics_text;
-mod output;
-mod plan_text;
-mod progress;
 mod recolour;
 mod report;
-mod resolution_text;
 mod results;
 mod sheet;
 mod study;
 mod surface;
 mod table_file;
 mod targets;
+pub mod text;
 mod validate;
 
-pub use output::print_error;
+pub use text::output::print_error;
 
 /// Stack of a worker: nested parallel loops steal work on top of waiting work.
 const STACK_BYTES: usize = 16 << 20;
@@ -138,7 +132,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
 fn pool(wanted: usize) -> Result<rayon::ThreadPool> {
     let threads = workers(wanted);
     if wanted > threads {
-        output::warn(format_args!(
+        text::output::warn(format_args!(
             "--threads {wanted}: {threads} are used, {THREADS_PER_CORE} for each core"
         ));
     }

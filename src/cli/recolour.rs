@@ -6,8 +6,8 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::export::check_output;
-use super::output::{Output, columns, say, with_error};
 use super::table_file;
+use super::text::output::{Output, columns, say, with_error};
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
 use crate::files::{self, NewFile};

@@ -5,13 +5,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 
-use super::output::{self, Output, bytes, say, warn};
 use super::table_file::{self, Opened};
 use super::targets;
+use super::text::output;
+use super::text::output::{Output, bytes, say, warn};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
-use crate::report::{self, Page, Scene, specimen, summary};
+use crate::report;
+use crate::report::html::specimen;
+use crate::report::{Page, Scene, summary};
 use crate::table::{BrdfTable, TableRows, store};
 use crate::validate::{self, Prediction, verdict};
 
@@ -43,7 +46,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let bench = arguments.bench.as_deref().map(bench_in).transpose()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
     if !arguments.force {
-        let (mark, what) = if is_card { (report::card::MARK, "card") } else { (report::page::MARK, "page") };
+        let (mark, what) =
+            if is_card { (report::card::MARK, "card") } else { (report::html::page::MARK, "page") };
         targets::spare_foreign(&output, mark, what)?;
     }
     let text = match opened {

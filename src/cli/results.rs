@@ -3,16 +3,18 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::optics_text;
-use super::output::{self, Output, duration, grouped, with_error};
 use super::sheet::Sheet;
 use super::targets::Target;
+use super::text::lobes;
+use super::text::optics;
+use super::text::output;
+use super::text::output::{Output, duration, grouped, with_error};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::instrument::StopAngles;
 use crate::measure::{Cost, Disk, Measured, Plan, StopResult, StoppedBy};
-use crate::report::specimen::Shown;
-use crate::report::{Scene, terminal};
+use crate::report::Scene;
+use crate::report::html::specimen::Shown;
 use crate::table::BrdfTable;
 use crate::table::realisations::{self, Kept};
 use crate::validate::{self, Prediction, Verdict};
@@ -86,7 +88,7 @@ pub fn lobes(campaign: &Campaign, table: &BrdfTable, prediction: Option<&Predict
     let masking = prediction.and_then(|prediction| {
         prediction.model.maskings().iter().position(|name| *name == validate::expect::masking(campaign))
     });
-    let lines = terminal::lobes(&scene, masking.unwrap_or(0));
+    let lines = lobes::lobes(&scene, masking.unwrap_or(0));
     if lines.is_empty() { lines } else { [vec![String::new()], lines].concat() }
 }
 
@@ -131,7 +133,7 @@ pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verd
     let name = &measured.campaign.name;
     out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations"))?;
     out.lines(output::columns(&headings, &rows))?;
-    out.lines(optics_text::order_lines(measured, plan))?;
+    out.lines(optics::order_lines(measured, plan))?;
     out.lines(lost_light_line(measured, plan))?;
     out.lines(end_lines(measured, plan))?;
     out.line("")?;

@@ -2,20 +2,21 @@
 
 use serde_json::Value;
 
-use super::optics_text;
-use super::output::{self, Output, json_text, warn};
 use super::report::{Sources, page_of};
 use super::results::{Results, files_written, lobes, report};
 use super::targets::Target;
+use super::text::optics;
+use super::text::output;
+use super::text::output::{Output, json_text, warn};
 use crate::error::Result;
 use crate::files::{self, NewFile};
 use crate::measure::{Cost, Measured, Plan};
-use crate::report::specimen::Shown;
+use crate::report::html::specimen::Shown;
 use crate::report::summary::summary;
 use crate::report::{self as pages, Facts};
 use crate::table::realisations::{self, GROUPS, Kept};
 use crate::table::{BrdfTable, Realisations, TableRows, TableWriter};
-use crate::validate::schlick_error::SchlickError;
+use crate::validate::prediction::schlick_error::SchlickError;
 use crate::validate::{Examination, Parts, Prediction, Verdict};
 
 /// A table under way.
@@ -156,7 +157,7 @@ fn said(
     out: &mut Output,
 ) -> Result<()> {
     report(out, measured, plan, verdict)?;
-    out.lines(schlick.into_iter().flat_map(optics_text::schlick_lines))?;
+    out.lines(schlick.into_iter().flat_map(optics::schlick_lines))?;
     out.lines(lobes(&measured.campaign, &shown.table, shown.prediction.as_ref()))
 }
 

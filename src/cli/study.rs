@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{Output, to_json, warn};
-use super::progress::Progress;
+use super::text::output::{Output, to_json, warn};
+use super::text::progress::Progress;
 use crate::campaign::{self, Parsed};
 use crate::error::{Error, Result};
 use crate::measure::{self, Patches};

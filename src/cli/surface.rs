@@ -9,15 +9,17 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::certificate_text::{self, MapFigures, Pooled, RayBound};
-use super::output::{Output, json_text, parsed_json, to_json, warn};
-use super::progress::Progress;
 use super::targets;
+use super::text::certificate;
+use super::text::certificate::{MapFigures, Pooled, RayBound};
+use super::text::output::{Output, json_text, parsed_json, to_json, warn};
+use super::text::progress::Progress;
 use crate::campaign::{self, Campaign, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::measure::{self, Patch, Patches, Specimen, patches::patch_name};
-use crate::surface::{Certificate, SlopeCounts, export};
+use crate::surface::io::export;
+use crate::surface::{Certificate, SlopeCounts};
 
 /// Make the patches of a campaign and certify their slopes and heights
 #[derive(Args)]
@@ -66,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if arguments.json {
         out.json(&document)?;
     } else {
-        out.lines(certificate_text::lines(&entries, &pooled, figures.is_some()))?;
+        out.lines(certificate::lines(&entries, &pooled, figures.is_some()))?;
         let npy = if job.npy { " and .npy" } else { "" };
         let (last, pitch) = (job.name(job.count - 1, "exr"), job.pitch);
         out.line("")?;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::output::{say, warn};
+use super::text::output::{say, warn};
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind};

@@ -5,11 +5,12 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::output::warn;
+use super::text::output::warn;
 use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files::{self, Claim};
-use crate::report::{card, page};
+use crate::report::card;
+use crate::report::html::page;
 use crate::table::{BrdfTable, TableRows, realisations};
 
 /// Bytes within which a file says what it is.

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::output::{Output, say, to_json, verdict_lines};
 use super::table_file::{self, Opened};
+use super::text::output::{Output, say, to_json, verdict_lines};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::table::BrdfTable;

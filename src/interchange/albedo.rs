@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::format::Format;
-use super::sampling::{integral, samples};
+use super::resample::sampling::{integral, samples};
 use super::{Brdf, Lookup, Reason};
 use crate::sphere;
 

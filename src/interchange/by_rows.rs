@@ -7,8 +7,10 @@ use std::io::{self, BufReader, Write};
 use std::ops::Range;
 use std::path::Path;
 
+use super::numpy::{npy, npz};
 use super::read_back::{Held, Listing};
-use super::{Export, Fail, Format, Reason, csv, named_columns, npy, npz, samples};
+use super::text::{csv, named_columns, samples};
+use super::{Export, Fail, Format, Reason};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::files::npy as npy_file;

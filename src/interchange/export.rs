@@ -7,9 +7,13 @@ use std::path::Path;
 use super::format::{Format, Options};
 use super::half_difference::{HalfDifference, as_arms};
 use super::import::{Imported, decode};
+use super::mitsuba::rgl;
+use super::numpy::{npy, npz};
+use super::radiance::{klems, tensor_tree};
+use super::text::{astm, csv, pabopto, ssdd, zemax};
 use super::{
-    AlbedoCurve, Brdf, Fail, Lookup, ReadBack, Reason, albedo, astm, csv, exr_parts, klems, luminance, merl,
-    not_measured, npy, npz, pabopto, read_back, rgl, ssdd, tensor_tree, utia, zemax,
+    AlbedoCurve, Brdf, Fail, Lookup, ReadBack, Reason, albedo, exr_parts, luminance, merl, not_measured,
+    read_back, utia,
 };
 use crate::error::{Error, Result};
 use crate::files;

@@ -6,8 +6,9 @@
 use std::collections::BTreeMap;
 use std::io::{BufRead, Seek};
 
+use super::Reason;
+use super::numpy::npz;
 use super::read_back::{Listing, ReadBack};
-use super::{Reason, npz};
 use crate::files::image::{self, Part, Samples};
 use crate::files::image_rows;
 use crate::instrument::Grid;

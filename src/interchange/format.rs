@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use super::Reason;
 use super::merl::Sampling;
-use super::radiance_xml::Side;
+use super::radiance::xml::Side;
 use crate::instrument::klems::Basis;
 
 /// The formats that other programs read or write.

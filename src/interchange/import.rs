@@ -4,12 +4,14 @@ use std::path::Path;
 
 use super::format::{Format, Options};
 use super::half_difference::HalfDifference;
+use super::mitsuba::rgl;
+use super::numpy::npz;
+use super::radiance::{klems, tensor_tree};
+use super::resample::gaps;
 use super::resample::{default_grid, resample_spectrum, thirds};
-use super::samples::one_azimuth;
-use super::{
-    Brdf, Lookup, Reason, astm, csv, exr_parts, gaps, klems, merl, needed, npz, rgl, ssdd, tensor_tree, utia,
-    zemax,
-};
+use super::text::samples::one_azimuth;
+use super::text::{astm, csv, ssdd, zemax};
+use super::{Brdf, Lookup, Reason, exr_parts, merl, needed, utia};
 use crate::error::{Error, Result};
 use crate::files::{self, memory};
 use crate::instrument::{Grid, GridKind};

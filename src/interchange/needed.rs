@@ -6,8 +6,9 @@
 
 use std::io::Cursor;
 
+use super::Reason;
 use super::format::Format;
-use super::{Reason, npz};
+use super::numpy::npz;
 use crate::files::image_blocks::Blocks;
 use crate::files::{exr_header, memory};
 

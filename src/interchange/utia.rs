@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::lookup::{bin_axes, stop_axes};
+use super::resample::lookup::{bin_axes, stop_axes};
 use super::{Brdf, Lookup, Reason, foreign_table};
 use crate::files::exr_header;
 use crate::files::image::{self, Part, Samples};

@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::run::Context;
+use super::accumulate::tally::Tally;
+use super::block::Work;
+use super::driver::Context;
+use super::prepared_patch::{PatchSampler, PreparedPatch};
 use super::session::locked;
-use super::stage::{PatchSampler, PreparedPatch};
-use super::tally::Tally;
-use super::ways::Work;
 use crate::error::Result;
 
 /// Where a pass is: a table and a realisation.

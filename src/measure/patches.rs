@@ -9,7 +9,8 @@ use sha2::{Digest, Sha256};
 use crate::campaign::{Alpha, Campaign, HeightSpectrum, SmithHeights, SmithNdf, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
-use crate::surface::import::{self, ImportedMap};
+use crate::surface::io::import;
+use crate::surface::io::import::ImportedMap;
 use crate::surface::{Heightfield, SlopeLaw, Spectrum, Synthesiser};
 use crate::trace::{WalkLaw, Window};
 

@@ -4,17 +4,17 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::Blocks;
+use super::accumulate::tally::Tally;
+use super::accumulate::tally_flux::TallyFlux;
+use super::persist::finished_blocks::Blocks;
 use super::plan::Plan;
-use super::record::TallyFlux;
 use super::stopping::{self, Progress, StoppedBy, relative_error};
-use super::tally::Tally;
 use crate::campaign::{Alpha, Campaign};
 use crate::error::Error;
 
 /// One table for each roughness.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Tables {
+pub(crate) struct Tables {
     tables: Vec<Table>,
     /// Blocks of every realisation after the last round that is over.
     judged: u64,
@@ -25,7 +25,7 @@ pub(super) struct Tables {
 
 /// The table of one roughness.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Table {
+pub(crate) struct Table {
     /// Known from the campaign.
     #[serde(skip)]
     pub alpha: Option<Alpha>,
@@ -46,7 +46,7 @@ struct Sum {
 }
 
 /// A table that goes no further.
-pub(super) struct Finished {
+pub(crate) struct Finished {
     pub alpha: Option<Alpha>,
     /// [realisation][stop].
     sums: Vec<Vec<Sum>>,

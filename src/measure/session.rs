@@ -5,9 +5,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::checkpoint::Checkpoint;
 use super::cost::{Cost, cpu_seconds};
-use super::ledger::Ledger;
+use super::persist::checkpoint::Checkpoint;
+use super::persist::run_state::Ledger;
 use super::plan::Plan;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};

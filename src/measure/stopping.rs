@@ -8,8 +8,8 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::record::TallyFlux;
-use super::weighing::Weighing;
+use super::accumulate::fresnel_sums::Weighing;
+use super::accumulate::tally_flux::TallyFlux;
 use crate::campaign::Stop;
 use crate::stats;
 
@@ -147,7 +147,7 @@ mod tests {
 
     use super::*;
     use crate::campaign;
-    use crate::measure::tally::{Tally, to_units};
+    use crate::measure::accumulate::tally::{Tally, to_units};
 
     #[test]
     fn rounds_end_after_1_2_4_8_blocks() {

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::campaign::Surface;
-use crate::measure::lost_light;
+use crate::measure::accumulate::lost_light;
 use crate::measure::stopping::Look;
 use crate::measure::{Cost, Measured, Plan, StopResult, stopping};
 use crate::stats;

@@ -6,7 +6,6 @@
 
 mod harmonics;
 mod index;
-mod lines;
 pub mod turned;
 
 pub use harmonics::{Harmonic, hotelling_p};

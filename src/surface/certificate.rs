@@ -9,7 +9,7 @@ use glam::DVec2;
 use serde::Serialize;
 
 use super::heightfield::{Corners, Heightfield};
-use super::slope_law::SlopeLaw;
+use super::synthesis::slope_law::SlopeLaw;
 
 /// Bins of the azimuth histogram.
 pub const AZIMUTH_BINS: usize = 36;

@@ -6,7 +6,7 @@
 //! Bins that are not the same thing both ways are judged where a test can tell: see [`PairValues::is_judged`].
 
 use super::laws::Parts;
-use super::model::StopMeans;
+use super::prediction::model::StopMeans;
 use crate::instrument::{Grid, GridKind, Region, Sensor};
 use crate::sphere;
 use crate::stats;

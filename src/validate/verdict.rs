@@ -7,8 +7,8 @@ use super::compare::{self, ColourFigures, Comparison, Figures, StopComparison, S
 use super::expect::{self, Bar};
 use super::judgement::{self, Judgement, Ruling};
 use super::laws::{Energy, Parts, Reciprocity};
-use super::model::{Model, StopMeans};
 use super::pairs::PairValues;
+use super::prediction::model::{Model, StopMeans};
 use super::seen::Seen;
 use crate::campaign::Campaign;
 use crate::error::Result;

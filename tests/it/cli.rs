@@ -3,7 +3,7 @@
 use std::fs;
 use std::process::Stdio;
 
-use gonio::surface::import::load_patch;
+use gonio::surface::io::import::load_patch;
 use gonio::table::realisations;
 use serde_json::Value;
 use tempfile::TempDir;

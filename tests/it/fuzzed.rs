@@ -13,7 +13,7 @@ use gonio::error::Error;
 use gonio::files::sealed;
 use gonio::interchange::{self, Format, Options};
 use gonio::measure::{self, Checkpoint, Kept, Plan};
-use gonio::surface::map_file;
+use gonio::surface::io::map_file;
 use gonio::table::{realisations, store};
 
 /// Every file of `tests/data/fuzz/<target>/` once made a reader panic, hang or speak in several lines.
@@ -72,7 +72,7 @@ fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
         "height_map" => map_file::read(bytes).map(drop),
         "map_gsf" => map_file::read(&[b"Gwyddion Simple Field 1.0\n", bytes].concat()).map(drop),
         "map_xyz" => map_file::read(&[b"0 0 0\n", bytes].concat()).map(drop),
-        "pabopto" => interchange::pabopto::read(bytes).map(drop),
+        "pabopto" => interchange::text::pabopto::read(bytes).map(drop),
         "checkpoint" => {
             let (campaign, plan) = checkpoint_of();
             let sealed =

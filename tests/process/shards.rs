@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gonio::campaign;
-use gonio::measure::{Merge, Shards, shards};
+use gonio::measure::persist::shard;
+use gonio::measure::{Merge, Shards};
 use gonio::table::store;
 use rustix::process::Signal;
 use serde_json::Value;
@@ -107,8 +108,8 @@ fn shards_merged_in_bands_have_the_bytes_of_one_run() {
     }
     exits(&gonio(folder.path(), &["measure", "dealt.toml", "-o", "whole"]), 0);
     let headings = || {
-        let files = shards::find(&folder.path().join("shards")).expect("shards");
-        let with_heading = |path: PathBuf| (path.clone(), shards::heading(&path).expect("whole"));
+        let files = shard::find(&folder.path().join("shards")).expect("shards");
+        let with_heading = |path: PathBuf| (path.clone(), shard::heading(&path).expect("whole"));
         Shards::new(files.into_iter().map(with_heading).collect()).expect("of one run")
     };
     let campaign = campaign::parse(headings().campaign(), "shards", Path::new("")).expect("sound").campaign;

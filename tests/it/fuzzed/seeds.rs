@@ -6,10 +6,13 @@ use std::path::Path;
 use gonio::files::image::{self, Part, Samples};
 use gonio::files::sealed;
 use gonio::instrument::{Grid, GridKind};
-use gonio::interchange::tensor_file::{self, Data};
-use gonio::interchange::{self, Format, Options, foreign_table, radiance_xml};
+use gonio::interchange;
+use gonio::interchange::mitsuba::tensor_file;
+use gonio::interchange::mitsuba::tensor_file::Data;
+use gonio::interchange::radiance::xml;
+use gonio::interchange::{Format, Options, foreign_table};
 use gonio::measure::{self, Checkpoint, Ledger, Patches, Session};
-use gonio::surface::map_file;
+use gonio::surface::io::map_file;
 use gonio::table::{BrdfTable, RealisationPart, Realisations, realisations, store};
 
 use super::{checkpoint_of, read};
@@ -118,7 +121,7 @@ fn small_formats() -> Answer {
         <LowerTheta>0</LowerTheta><UpperTheta>90</UpperTheta></ThetaBounds></AngleBasisBlock></AngleBasis>";
     let bases = "<ColumnAngleBasis>B</ColumnAngleBasis><RowAngleBasis>B</RowAngleBasis>";
     let xml = |structure: &str, basis: &str, data: &str| {
-        radiance_xml::write(structure, basis, bases, &[("Visible", data.into())])
+        xml::write(structure, basis, bases, &[("Visible", data.into())])
     };
     sound_seed("klems", "two_patches", xml("Columns", basis, "1, 2, 3, 4").as_bytes())?;
     let leaves = "{{1 1 1 1 2 2 2 2}{3}{4}{5}{6}{7}{8}{0}}";

@@ -2,9 +2,10 @@
 
 use glam::DVec3;
 use gonio::interchange::albedo::AlbedoPoint;
-use gonio::interchange::{
-    AlbedoCurve, Brdf, Colour, Format, Lookup, Options, export, merl, rgl, tensor_tree, zemax,
-};
+use gonio::interchange::mitsuba::rgl;
+use gonio::interchange::radiance::tensor_tree;
+use gonio::interchange::text::zemax;
+use gonio::interchange::{AlbedoCurve, Brdf, Colour, Format, Lookup, Options, export, merl};
 use gonio::sphere;
 use gonio::table::BrdfTable;
 

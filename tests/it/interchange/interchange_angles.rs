@@ -4,7 +4,10 @@
 use std::collections::HashMap;
 
 use gonio::instrument::{Grid, GridKind};
-use gonio::interchange::{self, Format, Options, astm, csv, merl, npz, ssdd};
+use gonio::interchange;
+use gonio::interchange::numpy::npz;
+use gonio::interchange::text::{astm, csv, ssdd};
+use gonio::interchange::{Format, Options, merl};
 use gonio::table::BrdfTable;
 
 use crate::support::analytic::{Ggx, hemisphere, points, steps, table};

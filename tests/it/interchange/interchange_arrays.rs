@@ -5,7 +5,10 @@ use std::path::Path;
 use gonio::error::Error;
 use gonio::files::npy::{self, Values};
 use gonio::instrument::{Grid, GridKind};
-use gonio::interchange::{self, Format, Options, csv, npz};
+use gonio::interchange;
+use gonio::interchange::numpy::npz;
+use gonio::interchange::text::csv;
+use gonio::interchange::{Format, Options};
 use gonio::table::{BrdfTable, SchlickSums, store};
 
 use crate::support::analytic::{Ggx, hemisphere, measured_looking, points, steps, table};

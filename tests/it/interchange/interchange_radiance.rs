@@ -5,9 +5,13 @@ use std::f64::consts::PI;
 
 use gonio::instrument::GridKind;
 use gonio::instrument::klems::{Basis, patches};
-use gonio::interchange::klems::{self, Patchwise};
-use gonio::interchange::radiance_xml::{self, Side};
-use gonio::interchange::{Brdf, Format, Lookup, Options, import, resample::nodes, tensor_tree};
+use gonio::interchange::radiance::klems;
+use gonio::interchange::radiance::klems::Patchwise;
+use gonio::interchange::radiance::tensor_tree;
+use gonio::interchange::radiance::xml;
+use gonio::interchange::radiance::xml::Side;
+use gonio::interchange::resample::nodes;
+use gonio::interchange::{Brdf, Format, Lookup, Options, import};
 use gonio::sphere::{self, direction_deg};
 
 use crate::support::analytic::{Ggx, hemisphere, l1, steps, table};
@@ -338,7 +342,7 @@ fn damaged_xml_is_refused() {
     assert!(tree_reason(&tree.replace("{7}", "{inf}")).contains("no finite number"));
     let deep = tree.replace("{7}", &"{".repeat(100_000));
     assert!(tree_reason(&deep).contains("deep"));
-    let coloured = radiance_xml::write(
+    let coloured = xml::write(
         "TensorTree3",
         "",
         "",
@@ -352,5 +356,5 @@ fn damaged_xml_is_refused() {
 
 fn small(structure: &str, basis: &str, data: &str) -> String {
     let bases = "<ColumnAngleBasis>B</ColumnAngleBasis><RowAngleBasis>B</RowAngleBasis>";
-    radiance_xml::write(structure, basis, bases, &[("Visible", data.into())])
+    xml::write(structure, basis, bases, &[("Visible", data.into())])
 }

@@ -1,7 +1,8 @@
 //! Promise: RGL tensor files have the layout and the values that Mitsuba's `measured` expects. (Mitsuba itself reads
 //! them in tests/interop.)
 
-use gonio::interchange::{Lookup, rgl};
+use gonio::interchange::Lookup;
+use gonio::interchange::mitsuba::rgl;
 
 use crate::support::analytic::{Ggx, hemisphere, l1, steps, table};
 use crate::support::mutations;
@@ -77,7 +78,7 @@ fn damaged_tensor_files_are_refused() {
 
 /// A file with the least that a reader needs.
 fn small_file() -> Vec<u8> {
-    use gonio::interchange::tensor_file::{Data, encode};
+    use gonio::interchange::mitsuba::tensor_file::{Data, encode};
     let ones = |sides: &[usize]| (sides.to_vec(), Data::F32(vec![1.0; sides.iter().product()]));
     let named = |name: &'static str, (sides, data): (Vec<usize>, Data)| (name, sides, data);
     encode(&[

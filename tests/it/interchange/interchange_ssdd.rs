@@ -3,8 +3,10 @@
 
 use glam::DVec3;
 use gonio::instrument::GridKind;
+use gonio::interchange;
 use gonio::interchange::half_difference::HalfDifference;
-use gonio::interchange::{self, Brdf, Format, Imported, Options, ssdd};
+use gonio::interchange::text::ssdd;
+use gonio::interchange::{Brdf, Format, Imported, Options};
 use gonio::table::BrdfTable;
 
 use crate::support::analytic::{Ggx, hemisphere, steps, table};

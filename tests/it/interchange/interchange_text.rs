@@ -2,7 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use gonio::interchange::{self, Brdf, Format, Lookup, Options, astm, pabopto, ssdd, zemax};
+use gonio::interchange;
+use gonio::interchange::text::{astm, pabopto, ssdd, zemax};
+use gonio::interchange::{Brdf, Format, Lookup, Options};
 use gonio::table::BrdfTable;
 
 use crate::support::analytic::{Ggx, hemisphere, l1, steps, table};
@@ -212,7 +214,8 @@ fn astm(names: &str, values: &str) -> String {
 
 #[test]
 fn channels_of_astm_are_what_they_are_called() {
-    let read = |names: &str, values: &str| gonio::interchange::astm::read(astm(names, values).as_bytes());
+    let read =
+        |names: &str, values: &str| gonio::interchange::text::astm::read(astm(names, values).as_bytes());
     let first = |table: &BrdfTable| table.colours.iter().map(|colour| colour.total[0]).collect::<Vec<f32>>();
     // B, G, R is R, G, B the other way round.
     assert_eq!(first(&read("B,G,R", "0.1,0.2,0.3").expect("read")), [0.3, 0.2, 0.1]);
@@ -227,12 +230,12 @@ fn channels_of_astm_are_what_they_are_called() {
     assert!(read("Q", "0.1").expect_err("unknown").contains("the column `Q` is not known"));
     // Blanks between the numbers.
     let blanks = "VARS theta_i,phi_i,theta_s,phi_s,Y\n0.0 0.0 0.1 0.0 0.31\n";
-    assert_eq!(first(&gonio::interchange::astm::read(blanks.as_bytes()).expect("read")), [0.31]);
+    assert_eq!(first(&gonio::interchange::text::astm::read(blanks.as_bytes()).expect("read")), [0.31]);
 }
 
 #[test]
 fn csv_of_other_hands_is_read_by_its_headings() {
-    let read = |text: &str| gonio::interchange::csv::read(text.as_bytes());
+    let read = |text: &str| gonio::interchange::text::csv::read(text.as_bytes());
     let plain =
         read("theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,B,R,G\n0,0,10,20,0.1,0.3,0.2\n").expect("read");
     let of = |table: &BrdfTable| table.colours.iter().map(|colour| colour.total[0]).collect::<Vec<f32>>();
@@ -253,7 +256,8 @@ fn colours_of_ssdd_are_those_of_its_model() {
              PARAM2_LIST 0 10\nPARAM3_LIST 0\nDATA ascii\n{values}\n{values}\n"
         )
     };
-    let read = |model: &str, values: &str| gonio::interchange::ssdd::read(text(model, values).as_bytes());
+    let read =
+        |model: &str, values: &str| gonio::interchange::text::ssdd::read(text(model, values).as_bytes());
     let white = read("xyz", "0.9505 1 1.089").expect("read");
     assert!(white.colours.iter().all(|colour| (colour.total[0] - 1.0).abs() < 1e-6));
     let spectrum = read("spectrum\nWAVELENGTH_LIST 450 650", "0.4 0.6").expect("read");

@@ -3,7 +3,8 @@
 
 use std::f64::consts::PI;
 
-use gonio::interchange::{Brdf, Format, Lookup, Options, import, zemax};
+use gonio::interchange::text::zemax;
+use gonio::interchange::{Brdf, Format, Lookup, Options, import};
 use gonio::sphere::direction_deg;
 
 use crate::support::analytic::{Ggx, hemisphere, table};

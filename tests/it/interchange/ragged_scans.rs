@@ -3,7 +3,9 @@
 
 use gonio::fit::{self, Data, Law};
 use gonio::instrument::Grid;
-use gonio::interchange::{self, Brdf, Format, Options, csv, resample};
+use gonio::interchange;
+use gonio::interchange::text::csv;
+use gonio::interchange::{Brdf, Format, Options, resample};
 use gonio::sphere::direction_deg;
 use gonio::table::{BrdfTable, store};
 use gonio::theory::{Masking, Ndf};

@@ -12,7 +12,7 @@ use gonio::measure::Measured;
 use gonio::sphere::direction_deg;
 use gonio::stats;
 use gonio::theory::{Masking, Microfacet, Ndf};
-use gonio::validate::aperture::{Cones, bias, extrapolate, richardson, worst};
+use gonio::validate::prediction::aperture::{Cones, bias, extrapolate, richardson, worst};
 use gonio::validate::two_tables::Side;
 
 use crate::support::measuring::{measured_one, measured_with};
@@ -211,8 +211,8 @@ fn a_klems_table_is_written_as_its_own_patches() {
     let measured = quickly_measured(&text);
     let hits: u64 = measured.table.hits.iter().map(|&hits| u64::from(hits)).sum();
     assert!(hits > 145 * 2 * 512 / 2, "{hits}");
-    let xml = interchange::klems::write(&measured.table, None).expect("its own basis").0;
-    let read = interchange::klems::read(xml.as_bytes()).expect("a matrix");
+    let xml = interchange::radiance::klems::write(&measured.table, None).expect("its own basis").0;
+    let read = interchange::radiance::klems::read(xml.as_bytes()).expect("a matrix");
     assert_eq!(read.grid, measured.table.grid);
     for (found, expected) in read.colours[0].total.iter().zip(&measured.table.colours[0].total) {
         // Eight digits are written.

@@ -12,7 +12,7 @@ use gonio::optics::FacetAngle;
 use gonio::sphere::sin_cos_deg;
 use gonio::table::recolour::recolour;
 use gonio::table::{BrdfTable, Realisations, realisations, store};
-use gonio::validate::schlick_error::SchlickError;
+use gonio::validate::prediction::schlick_error::SchlickError;
 use gonio::validate::{self};
 
 use crate::support::measuring::{measured, measured_in, measured_one, measured_with};

@@ -332,7 +332,7 @@ fn gain_of_the_facet_index() {
     for k in 0..4 {
         let field = synthesiser.patch(&mut test_rng(k));
         let path = folder.path().join(measure::patches::patch_name(k, "exr"));
-        let bytes = gonio::surface::export::encode_exr(&field, 1.0, 1.0).expect("encoded");
+        let bytes = gonio::surface::io::export::encode_exr(&field, 1.0, 1.0).expect("encoded");
         std::fs::write(path, bytes).expect("written");
     }
     let run = |campaign: &campaign::Campaign, plan: Plan| {

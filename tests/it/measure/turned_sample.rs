@@ -7,7 +7,8 @@ use gonio::measure::Measured;
 use gonio::rng::{self, Purpose, StreamId};
 use gonio::sphere;
 use gonio::stats::chi_square_p;
-use gonio::surface::{Heightfield, SlopeLaw, Synthesiser, export};
+use gonio::surface::io::export;
+use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::theory::v_cavity::v_groove_lobes;
 
 use crate::support::measuring::{hits_of, measured_in, measured_one, turned_bin};

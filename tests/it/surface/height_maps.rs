@@ -5,8 +5,9 @@ use std::path::Path;
 use gonio::campaign::{Detrend, HeightMap};
 use gonio::error::{Error, Result};
 use gonio::files::image::{self, Attribute, Part, Samples};
-use gonio::surface::import::{ImportedMap, load, load_patch};
-use gonio::surface::{Heightfield, export, map_file};
+use gonio::surface::Heightfield;
+use gonio::surface::io::import::{ImportedMap, load, load_patch};
+use gonio::surface::io::{export, map_file};
 
 use crate::support::arrays;
 

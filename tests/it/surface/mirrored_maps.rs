@@ -2,7 +2,8 @@
 //! neither.
 
 use gonio::measure::Measured;
-use gonio::surface::{Heightfield, export};
+use gonio::surface::Heightfield;
+use gonio::surface::io::export;
 
 use crate::support::measuring::measured_in;
 

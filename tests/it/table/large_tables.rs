@@ -7,7 +7,7 @@ use gonio::campaign::{self, Campaign};
 use gonio::files::image;
 use gonio::interchange::{self, Format, Options};
 use gonio::measure;
-use gonio::report::thinned::kept_stops;
+use gonio::report::html::thinned::kept_stops;
 use gonio::table::realisations;
 use gonio::table::{BrdfTable, TableRows, TableWriter, store};
 use gonio::validate::two_tables::{Difference, Side, difference, difference_of_rows};

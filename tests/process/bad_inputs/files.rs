@@ -5,7 +5,8 @@ use std::path::Path;
 
 use gonio::files::image::{self, Attribute, Part, Samples};
 use gonio::instrument::{Grid, GridKind};
-use gonio::interchange::{csv, foreign_table, merl};
+use gonio::interchange::text::csv;
+use gonio::interchange::{foreign_table, merl};
 use gonio::table::{BrdfTable, store};
 
 use super::row::{Row, command};

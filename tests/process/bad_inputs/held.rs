@@ -15,7 +15,7 @@ pub const ROWS: &[(&str, &str, &str)] = &[
     ),
     (
         "phi the same modulo 360",
-        "src/campaign/angles.rs",
+        "src/campaign/parse/angles.rs",
         "azimuths_that_are_the_same_reduce_to_the_same_bits",
     ),
     (
@@ -63,7 +63,7 @@ pub const ROWS: &[(&str, &str, &str)] = &[
     ("seeds alike but for a bit", "src/rng.rs", "seeds_that_differ_in_the_top_bit_give_other_streams"),
     ("threads", "tests/it/cli.rs", "results_are_the_same_bytes_for_any_number_of_threads"),
     ("threads in the environment", "tests/it/cli.rs", "results_are_the_same_bytes_for_any_number_of_threads"),
-    ("disk full", "src/files.rs", "a_failed_write_leaves_the_old_file_whole"),
+    ("disk full", "src/files/mod.rs", "a_failed_write_leaves_the_old_file_whole"),
     (
         "disk full for a while",
         "tests/process/full_disk.rs",

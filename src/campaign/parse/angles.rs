@@ -1,0 +1,159 @@
+//! Angle axes: a list, or `{ from, to, step }`, into strictly increasing degrees.
+
+use super::reader::{Bounds, Item, plain};
+
+/// Most points of one axis.
+pub(crate) const MOST_POINTS: usize = 100_000;
+
+/// How near, in steps, the last point of a range must come to `to` to be it.
+const END_TOLERANCE: f64 = 1e-9;
+
+/// What azimuths may be given: a few turns either way. Beyond, degrees lose their digits.
+pub(crate) const AZIMUTH: Bounds =
+    Bounds::closed(-3600.0, 3600.0).advice("azimuths count in degrees", "azimuths count in degrees");
+
+/// The rules of an axis.
+pub(crate) struct Axis {
+    bounds: Bounds,
+    /// Whether angles that differ by 360 are the same.
+    wraps: bool,
+}
+
+/// Polar angles of the light arm.
+pub(crate) const THETA_I: Axis = Axis {
+    bounds: Bounds::closed(0.0, 90.0).high_open().advice(
+        "polar angles count from the normal; turn the azimuth instead",
+        "the light arm stops below 90",
+    ),
+    wraps: false,
+};
+
+/// Polar angles of the sensor arm; negative ones lie on the far side of the azimuth.
+pub(crate) const THETA_R: Axis = Axis {
+    bounds: Bounds::closed(-90.0, 90.0)
+        .low_open()
+        .high_open()
+        .advice("the sensor arm stops above -90", "the sensor arm stops below 90"),
+    wraps: false,
+};
+
+/// Polar angles of an instrument that goes no lower than 60 degrees.
+pub(crate) const TO_SIXTY: Axis = Axis {
+    bounds: Bounds::closed(0.0, 60.0)
+        .advice("its arms have one side", "its arms stop at 60; use [light] and [sensor]"),
+    wraps: false,
+};
+
+/// Azimuths of an instrument with one half of the hemisphere.
+pub(crate) const HALF_TURN: Axis = Axis {
+    bounds: Bounds::closed(0.0, 180.0).advice("it turns through 0 to 180", "it turns through 0 to 180"),
+    wraps: false,
+};
+
+/// Azimuths of either arm.
+pub(crate) const PHI: Axis = Axis { bounds: AZIMUTH, wraps: true };
+
+/// `angle` in [0, 360), never -0.
+pub(crate) fn reduced(angle: f64) -> f64 {
+    let turned = angle.rem_euclid(360.0);
+    // A tiny negative angle rounds up to 360 itself.
+    if turned < 360.0 { turned + 0.0 } else { 0.0 }
+}
+
+/// The angles of an axis, strictly increasing, in degrees.
+pub(crate) fn axis(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
+    let given = if item.is_table() { range(item, rules)? } else { list(item, rules)? };
+    let mut angles: Vec<f64> =
+        if rules.wraps { given.iter().map(|a| reduced(*a)).collect() } else { given.clone() };
+    check_order(item, &given, &angles)?;
+    // From -90 to 90 increases as it is written; the table has what it reduces to in order.
+    angles.sort_by(f64::total_cmp);
+    if given != angles {
+        item.note("azimuths are reduced to [0, 360)");
+    }
+    if !rules.wraps && angles.iter().all(|a| a.abs() <= 1.571) && angles.iter().any(|a| *a != 0.0) {
+        item.note("all angles <= 1.571: degrees are expected");
+    }
+    Some(angles)
+}
+
+fn list(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
+    match item.list_length() {
+        None => item.wrong_type("a list such as [0, 30, 60] or a range { from = 0, to = 75, step = 15 }"),
+        Some(0) => item.refuse("must not be empty; give at least one angle"),
+        Some(n) if n > MOST_POINTS => {
+            item.refuse(format!("has {n} points; at most {MOST_POINTS} are allowed"))
+        }
+        Some(_) => {
+            let read: Vec<Option<f64>> = item.list()?.iter().map(|e| e.float(&rules.bounds)).collect();
+            read.into_iter().collect()
+        }
+    }
+}
+
+/// The points `from + k step` up to `to`, each from its own whole number k, so that no rounding adds up.
+fn range(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
+    let [from, to, step] = item.table()?.keys(["from", "to", "step"]);
+    let what = "a range is { from = 0, to = 75, step = 15 }";
+    let first = from.required(what).and_then(|i| i.float(&rules.bounds));
+    let end = to.required(what).and_then(|i| i.float(&AZIMUTH));
+    let width = step.required(what).and_then(|i| i.float(&Bounds::closed(0.0, 3600.0).low_open()));
+    let (first, end, width) = (first?, end?, width?);
+    if end < first {
+        return to.refuse(format!("must not lie below from = {}", plain(first)));
+    }
+    let steps = ((end - first) / width + END_TOLERANCE).floor();
+    if steps >= MOST_POINTS as f64 {
+        return item.refuse(format!("gives more than {MOST_POINTS} points; widen the step"));
+    }
+    let mut points: Vec<f64> = (0..=steps as u32).map(|k| first + f64::from(k) * width).collect();
+    let last = points.last_mut()?;
+    if (*last - end).abs() <= END_TOLERANCE * width {
+        *last = end;
+    }
+    let last = *last;
+    if let Some(fault) = rules.bounds.fault(last) {
+        return to.refuse(format!("the range reaches {}: {fault}", plain(last)));
+    }
+    if last != end {
+        item.note(format!("the step does not divide the range: {} points, the last is {last}", points.len()));
+    }
+    Some(points)
+}
+
+/// A fault at the first angle that is not above the one before it, as written, or is there twice once reduced.
+fn check_order(item: &Item<'_>, given: &[f64], angles: &[f64]) -> Option<()> {
+    let falls = |list: &[f64]| list.windows(2).position(|pair| !matches!(pair, [a, b] if a < b));
+    if falls(angles).is_none() {
+        return Some(());
+    }
+    let twice = (1..angles.len()).find(|&index| angles[..index].contains(&angles[index]));
+    let Some(index) = falls(given).map(|before| before + 1).or(twice) else { return Some(()) };
+    let (angle, earlier) = (angles[index], angles[index - 1]);
+    let seen_as =
+        if given[index] == angle { String::new() } else { format!(" (reduced to {} here)", plain(angle)) };
+    let fault = if angles[..index].contains(&angle) {
+        format!("{} is there twice{seen_as}; each angle once", plain(given[index]))
+    } else {
+        format!("{} comes after {}{seen_as}; angles must increase", plain(given[index]), plain(earlier))
+    };
+    // A range has no element to point at.
+    match item.list_length().and_then(|_| item.list()) {
+        Some(elements) => elements.get(index)?.refuse(fault),
+        None => item.refuse(fault),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn azimuths_that_are_the_same_reduce_to_the_same_bits() {
+        for angle in [0.0, -0.0, 360.0, -360.0, 720.0, -1e-20] {
+            assert_eq!(reduced(angle).to_bits(), 0f64.to_bits(), "{angle}");
+        }
+        assert_eq!(reduced(-90.0), 270.0);
+        assert_eq!(reduced(359.999), 359.999);
+    }
+}

@@ -1,0 +1,175 @@
+//! The whole file, and its small tables: `name`, `seed`, `[trace]`, `[stop]`, `[expect]`,
+//! `[bench]`.
+
+use std::path::Path;
+
+use super::reader::{Bounds, Item, Slot, Table};
+use super::{arms, optics, surface};
+use crate::campaign::presets;
+use crate::campaign::presets::Preset;
+use crate::campaign::schema::{
+    Campaign, Expect, ExpectedMasking, Resolution, Stop, Surface, SurfaceKind, Trace,
+};
+
+/// Words for [`ExpectedMasking`].
+pub(crate) const MASKINGS: [(&str, ExpectedMasking); 3] = [
+    ("separable", ExpectedMasking::Separable),
+    ("height_correlated", ExpectedMasking::HeightCorrelated),
+    ("direction_correlated", ExpectedMasking::DirectionCorrelated),
+];
+
+/// Longest name: with its endings it stays within what file systems take.
+const LONGEST_NAME: usize = 100;
+
+/// Most starts per stop and realisation.
+const MOST_SAMPLES: u64 = 1 << 40;
+
+/// What a fast machine traces, to say how long too many starts would take.
+const STARTS_PER_SECOND: f64 = 1e7;
+
+const RELATIVE_ERROR: Bounds = Bounds::closed(1e-4, 1.0);
+/// Most orders with channels of their own.
+const MOST_APART: u32 = 16;
+/// Up to eleven days.
+const SECONDS: Bounds = Bounds::closed(1.0, 1e6);
+
+/// Reads a whole file; height maps are looked for in `folder`.
+pub(crate) fn campaign(root: Table<'_>, folder: &Path) -> Option<(Campaign, Option<Preset>)> {
+    let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect, bench] = root.keys([
+        "name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect", "bench",
+    ]);
+    let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
+    let seed = seed.or(1, |i| i.whole(0..=u64::MAX));
+    let mut artist = None;
+    let surface = surface::surface(&surface, folder, &mut artist);
+    let isotropic = surface.as_ref().map(|s| s.kind.is_isotropic());
+    let (light, sensor, preset) = match preset.given() {
+        Some(_) => {
+            let why = "a [preset] is there and replaces [light] and [sensor]: keep the one or the others";
+            let alone = [&light, &sensor].map(|slot| slot.absent(why));
+            let arms = presets::arms(&preset, isotropic).filter(|_| alone.iter().all(Option::is_some));
+            let (preset, light, sensor) = arms.map_or((None, None, None), |(p, l, s)| (Some(p), l, s));
+            (light, sensor, preset)
+        }
+        None => {
+            let light = arms::light(&light, isotropic);
+            let sensor = arms::sensor(&sensor, light.as_ref());
+            (light, sensor, None)
+        }
+    };
+    let statistical = surface.as_ref().is_some_and(|s| matches!(s.kind, SurfaceKind::Smith(_)));
+    let trace = self::trace(&trace, statistical);
+    let orders = trace.as_ref().map(|trace| trace.bounces);
+    let optics = optics::optics(&optics, artist, &optics::Around { folder, orders });
+    let realisations = surface.as_ref().map_or(u32::MAX, |s| s.realisations);
+    let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
+    let bench = bench.or(None, |i| resolution(i, surface.as_ref()).map(Some));
+    let campaign = Campaign {
+        name: name?.to_string(),
+        seed: seed?,
+        surface: surface?,
+        light: light?,
+        sensor: sensor?,
+        optics: optics?,
+        trace: trace?,
+        stop: stop?,
+        expect: expect?,
+        bench: bench?,
+    };
+    Some((campaign, preset))
+}
+
+fn valid_name<'a>(item: &Item<'a>) -> Option<&'a str> {
+    let name = item.text()?;
+    let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
+    let fits = !name.is_empty() && name.len() <= LONGEST_NAME;
+    if fits && name.chars().all(known) && !name.starts_with(['.', '-']) {
+        return Some(name);
+    }
+    item.refuse(format!(
+        "must be 1 to {LONGEST_NAME} letters (a-z), digits, _ - or . and start with none of . -; it names files"
+    ))
+}
+
+fn trace(slot: &Slot<'_>, statistical: bool) -> Option<Trace> {
+    let [bounces, visibility, fold, by_order] =
+        slot.table()?.keys(["bounces", "visibility", "fold", "by_order"]);
+    let orders = bounces.or(1, |i| i.count(1..=10_000));
+    let visible = visibility.or(true, |i| i.boolean());
+    let fold = fold.or(true, |i| i.boolean());
+    let apart = by_order.or(false, |i| i.boolean());
+    let (bounces, visible, apart) = (orders?, visible?, apart?);
+    if apart && !(2..=MOST_APART).contains(&bounces) {
+        return by_order.refuse(format!(
+            "must be false with bounces = {bounces}: 2 to {MOST_APART} orders can be kept apart"
+        ));
+    }
+    if !visible && statistical {
+        return visibility.refuse("must be true: a statistical Smith surface is nothing but its masking");
+    }
+    if !visible && bounces > 1 {
+        return visibility.refuse(format!(
+            "must be true with bounces = {bounces}: light that passes through facets has no second bounce"
+        ));
+    }
+    Some(Trace { bounces, visibility: visible, fold: fold?, by_order: apart })
+}
+
+fn stop(slot: &Slot<'_>, realisations: u32) -> Option<Stop> {
+    let [samples, relative_error, seconds] = slot.table()?.keys(["samples", "relative_error", "seconds"]);
+    let samples =
+        samples.required("start points per stop and realisation, such as 1_000_000").and_then(self::samples);
+    let relative_error = relative_error.or(None, |item| {
+        let wanted = item.float(&RELATIVE_ERROR)?;
+        if realisations < 2 {
+            return item.refuse("needs at least 2 realisations: errors come from their spread");
+        }
+        Some(Some(wanted))
+    });
+    let seconds = seconds.or(None, |i| i.float(&SECONDS).map(Some));
+    Some(Stop { samples: samples?, relative_error: relative_error?, seconds: seconds? })
+}
+
+/// Start points per stop and realisation. More than the most is a matter of time; none are no measurement.
+fn samples(item: &Item<'_>) -> Option<u64> {
+    match item.as_whole().filter(|&samples| samples > MOST_SAMPLES) {
+        Some(samples) => {
+            let years = samples as f64 / STARTS_PER_SECOND / (365.25 * 86_400.0);
+            item.too_large(format!(
+                "takes {years:.1e} years for each stop and realisation; must be a whole number in [1, {MOST_SAMPLES}]"
+            ))
+        }
+        None => item.whole(1..=MOST_SAMPLES),
+    }
+}
+
+fn expect(slot: &Slot<'_>) -> Option<Expect> {
+    let [masking, l1_model] = slot.table()?.keys(["masking", "l1_model"]);
+    let masking = masking.or(None, |i| i.choice(&MASKINGS).map(Some));
+    let l1_model = l1_model.or(None, |i| i.float(&Bounds::closed(0.0, 10.0).low_open()).map(Some));
+    Some(Expect { masking: masking?, l1_model: l1_model? })
+}
+
+/// Patch sizes and correlation lengths, the surface's own where one list is left out.
+fn resolution(item: &Item<'_>, surface: Option<&Surface>) -> Option<Resolution> {
+    let [cells, lengths] = item.table()?.keys(["cells", "correlation_cells"]);
+    let surface = surface?;
+    if !surface.kind.is_random_heights() {
+        return item.refuse("varies the cells of a synthesised surface; leave it out here");
+    }
+    let cells = cells.or(vec![surface.cells], |i| all(i, |i| i.count(8..=16384)));
+    let longest = cells.iter().flatten().min().map_or(2048.0, |&cells| f64::from(cells) / 8.0);
+    let bounds = Bounds::closed(longest.min(2.0), longest).advice(
+        "a shorter correlation is not resolved by the cells",
+        "an eighth of the smallest patch at most",
+    );
+    let own = vec![surface.correlation_cells];
+    let correlation_cells = lengths.or(own, |i| all(i, |i| i.float(&bounds)));
+    Some(Resolution { cells: cells?, correlation_cells: correlation_cells? })
+}
+
+/// Every element of a list that is not empty; faults of all of them are told.
+fn all<T>(item: &Item<'_>, read: impl Fn(&Item<'_>) -> Option<T>) -> Option<Vec<T>> {
+    let read: Vec<Option<T>> = item.list()?.iter().map(read).collect();
+    if read.is_empty() { item.refuse("at least one number") } else { read.into_iter().collect() }
+}

@@ -1,0 +1,188 @@
+//! The faults and notes of one file: where they are, what the user wrote there, and what is allowed.
+
+use std::cell::RefCell;
+use std::cmp::Reverse;
+use std::ops::Range;
+
+use crate::error::Fault;
+
+/// Faults that are listed; a file with more is not a campaign, and its report stays readable.
+const LISTED: usize = 1000;
+
+/// Longest quotation of the user's text in a message, in characters.
+const QUOTED: usize = 80;
+
+/// Collects the faults and notes of one file.
+///
+/// Shared by all readers of the file (hence the cell): a reader records what it finds and goes on.
+pub(crate) struct Report<'s> {
+    path: &'s str,
+    source: &'s str,
+    line_starts: Vec<usize>,
+    found: RefCell<Found>,
+}
+
+#[derive(Default)]
+struct Found {
+    faults: Vec<Fault>,
+    unlisted: usize,
+    notes: Vec<String>,
+}
+
+impl<'s> Report<'s> {
+    /// An empty report on the text `source` of the file called `path`.
+    pub fn new(path: &'s str, source: &'s str) -> Self {
+        let after_newlines = source.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i + 1);
+        let line_starts = std::iter::once(0).chain(after_newlines).collect();
+        Report { path, source, line_starts, found: RefCell::default() }
+    }
+
+    /// Records a fault of `key` at byte `at`.
+    pub fn fault(&self, key: &str, at: Option<usize>, value: Option<String>, allowed: String) {
+        self.record(self.located(key, at, value, allowed));
+    }
+
+    /// Records that the value of `key` asks for too much: memory, time or size.
+    pub fn too_large(&self, key: &str, at: Option<usize>, value: Option<String>, allowed: String) {
+        self.record(Fault { too_large: true, ..self.located(key, at, value, allowed) });
+    }
+
+    fn record(&self, fault: Fault) {
+        let mut found = self.found.borrow_mut();
+        if found.faults.len() < LISTED { found.faults.push(fault) } else { found.unlisted += 1 }
+    }
+
+    /// Whether the list has reached its end, so that faults are only counted: no need to word them with care.
+    pub fn is_full(&self) -> bool {
+        self.found.borrow().faults.len() >= LISTED
+    }
+
+    /// Records a note: what the user should know though nothing is wrong. Printed like a fault.
+    pub fn note(&self, key: &str, at: Option<usize>, value: Option<String>, text: String) {
+        let note = self.located(key, at, value, text).to_string();
+        self.found.borrow_mut().notes.push(note);
+    }
+
+    /// The user's own text at `span`, on one line and cut where it is long.
+    pub fn quote(&self, span: &Range<usize>) -> Option<String> {
+        self.source.get(span.clone()).filter(|text| !text.is_empty()).map(one_line)
+    }
+
+    /// All faults in the order of the file (those without a place last), and all notes.
+    pub fn into_parts(self) -> (Vec<Fault>, Vec<String>) {
+        let path = self.path.to_string();
+        let Found { mut faults, unlisted, notes } = self.found.into_inner();
+        faults.sort_by_key(|f| (f.line.unwrap_or(usize::MAX), f.column));
+        if unlisted > 0 {
+            let allowed = format!("{unlisted} further faults are not listed");
+            let key = "file".into();
+            let too_large = false;
+            faults.push(Fault { path, line: None, column: None, key, value: None, allowed, too_large });
+        }
+        (faults, notes)
+    }
+
+    fn located(&self, key: &str, at: Option<usize>, value: Option<String>, allowed: String) -> Fault {
+        let (line, column) = at.map(|at| self.line_and_column(at)).unzip();
+        let (path, key) = (self.path.to_string(), one_line(key));
+        Fault { path, line, column, key, value, allowed, too_large: false }
+    }
+
+    /// Line and column of byte `at`, both from 1, the column in characters.
+    fn line_and_column(&self, at: usize) -> (usize, usize) {
+        let line = self.line_starts.partition_point(|start| *start <= at);
+        let start = self.line_starts[line - 1];
+        let column = self.source.get(start..at).map_or(at - start, |text| text.chars().count());
+        (line, column + 1)
+    }
+}
+
+/// `text` with every run of white space as one blank, control characters escaped, cut to a readable length.
+pub(crate) fn one_line(text: &str) -> String {
+    // A character escapes to at most ten, so this much input is always enough to fill the quotation.
+    let head: String = text.chars().take(20 * QUOTED).collect();
+    let words: Vec<&str> = head.split_whitespace().collect();
+    let mut line = String::new();
+    for (length, c) in words.join(" ").chars().enumerate() {
+        if length == QUOTED {
+            line.push_str("...");
+            break;
+        }
+        if c.is_control() { line.extend(c.escape_default()) } else { line.push(c) }
+    }
+    line
+}
+
+/// The name that `word` most likely stands for: a slip or two, or another case.
+pub(crate) fn nearest<'n>(word: &str, names: &[&'n str]) -> Option<&'n str> {
+    if word.chars().count() > 40 {
+        return None;
+    }
+    let word = word.to_lowercase();
+    let slips = |name: &&'n str| edit_distance(&word, &name.to_lowercase());
+    // Of names equally near, the longest: it keeps most of what was typed.
+    let best = names.iter().min_by_key(|name| (slips(name), Reverse(name.len())))?;
+    (slips(best) <= (best.len() / 3).max(1)).then_some(*best)
+}
+
+/// Insertions, deletions, substitutions and swaps of neighbours that turn `a` into `b`.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let a: Vec<char> = a.chars().collect();
+    let b: Vec<char> = b.chars().collect();
+    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
+    for i in 1..=a.len() {
+        let mut row = vec![i];
+        for j in 1..=b.len() {
+            let substituted = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut distance = substituted.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                distance = distance.min(rows[i - 2][j - 2] + 1);
+            }
+            row.push(distance);
+        }
+        rows.push(row);
+    }
+    rows[a.len()][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_or_another_case_finds_the_name() {
+        let names = ["alpha", "alpha_x", "alpha_y"];
+        assert_eq!(nearest("alhpa", &names), Some("alpha"));
+        assert_eq!(nearest("Alpha", &names), Some("alpha"));
+        assert_eq!(nearest("alphax", &names), Some("alpha_x"));
+        assert_eq!(nearest("colour", &names), None);
+        assert_eq!(nearest("", &names), None);
+    }
+
+    #[test]
+    fn places_count_characters_from_one() {
+        let report = Report::new("a.toml", "é = 1\r\nüb = 2\n");
+        assert_eq!(report.line_and_column(0), (1, 1));
+        assert_eq!(report.line_and_column(3), (1, 3));
+        assert_eq!(report.line_and_column(8), (2, 1));
+        assert_eq!(report.line_and_column(16), (3, 1));
+    }
+
+    #[test]
+    fn a_quotation_is_one_short_line() {
+        assert_eq!(one_line("[\n  1,\n  2,\n]"), "[ 1, 2, ]");
+        assert_eq!(one_line("a\u{7}b"), "a\\u{7}b");
+        assert_eq!(one_line(&"x".repeat(5000)).len(), QUOTED + 3);
+    }
+
+    #[test]
+    fn faults_beyond_the_list_are_counted() {
+        let report = Report::new("a.toml", "");
+        for _ in 0..LISTED + 7 {
+            report.fault("k", None, None, "wrong".into());
+        }
+        let (faults, _) = report.into_parts();
+        assert_eq!(faults.len(), LISTED + 1);
+        assert_eq!(faults[LISTED].allowed, "7 further faults are not listed");
+    }
+}

@@ -1,0 +1,13 @@
+//! TOML to checked data, with every fault of the file: one file for each table of a campaign.
+
+pub(crate) mod angles;
+pub(crate) mod arms;
+pub(crate) mod artist;
+pub(crate) mod bounds;
+pub(crate) mod campaign;
+pub(crate) mod faults;
+pub(crate) mod index_file;
+pub(crate) mod optics;
+pub(crate) mod reader;
+pub(crate) mod surface;
+pub(crate) mod warnings;

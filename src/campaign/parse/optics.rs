@@ -1,0 +1,312 @@
+//! `[optics]`: materials by name, by F0 or by index, the law and the polarisation.
+
+use std::path::Path;
+
+use super::artist::Artist;
+use super::index_file;
+use super::index_file::{Dispersion, ETA, K, WAVELENGTH};
+use super::reader::{Bounds, Item, Slot, Table, plain};
+use crate::campaign::materials;
+use crate::campaign::schema::{Index, Law, Medium, Optics, Polarisation};
+
+const REFLECTANCE: Bounds = Bounds::closed(0.0, 1.0);
+
+/// Words for [`Law`].
+pub(crate) const LAWS: [(&str, Law); 2] = [("schlick", Law::Schlick), ("exact", Law::Exact)];
+
+/// Words for [`Polarisation`].
+pub(crate) const POLARISATIONS: [(&str, Polarisation); 3] =
+    [("none", Polarisation::None), ("s", Polarisation::S), ("p", Polarisation::P)];
+
+/// Most colours of a table.
+const MOST_COLOURS: usize = 100;
+
+/// What the materials depend on.
+pub(crate) struct Around<'a> {
+    /// Where files are looked for.
+    pub folder: &'a Path,
+    /// Highest order, where it is known.
+    pub orders: Option<u32>,
+}
+
+/// Reads `[optics]`; an artist's surface brings its own.
+pub(crate) fn optics(slot: &Slot<'_>, artist: Option<Artist>, around: &Around<'_>) -> Option<Optics> {
+    match (slot.given(), artist) {
+        (Some(item), None) => given(item.table()?, around),
+        (Some(item), Some(_)) => {
+            item.refuse("[surface.artist] says what the facets reflect; leave out one of the two")
+        }
+        (None, Some(Artist { f0 })) => Some(Optics::Schlick { material: None, f0 }),
+        (None, None) => Some(Optics::PerfectMirror),
+    }
+}
+
+/// The keys that say which material.
+struct Source<'a> {
+    material: Slot<'a>,
+    materials: Slot<'a>,
+    f0: Slot<'a>,
+    eta: Slot<'a>,
+    k: Slot<'a>,
+    file: Slot<'a>,
+    wavelength: Slot<'a>,
+}
+
+fn given(table: Table<'_>, around: &Around<'_>) -> Option<Optics> {
+    let [material, materials, f0, eta, k, file, wavelength, fresnel, polarisation] = table.keys([
+        "material",
+        "materials",
+        "f0",
+        "eta",
+        "k",
+        "file",
+        "wavelength_nm",
+        "fresnel",
+        "polarisation",
+    ]);
+    let law = fresnel.or(Law::Schlick, |i| i.choice(&LAWS));
+    let polarisations = polarisation.or(vec![Polarisation::None], polarisations);
+    let source = Source { material, materials, f0, eta, k, file, wavelength };
+    // A law that cannot be read leaves the materials as they are: no fault follows from another one.
+    let materials = source.read(law.unwrap_or(Law::Schlick), around);
+    let (law, polarisations) = (law?, polarisations?);
+    let polarised = polarisations.iter().any(|p| *p != Polarisation::None);
+    if polarised && law == Law::Schlick {
+        return polarisation
+            .refuse("must be \"none\": Schlick's formula knows no polarisation; fresnel = \"exact\" does");
+    }
+    if let (true, Some(orders @ 2..)) = (polarised, around.orders) {
+        return polarisation.refuse(format!(
+            "must be \"none\" with bounces = {orders}: after one bounce light is partly polarised, and turned planes mix s and p"
+        ));
+    }
+    let materials = materials?;
+    if law == Law::Exact && matches!(materials[0], Optics::Schlick { .. }) {
+        return source
+            .f0
+            .refuse("holds no n and k: fresnel = \"exact\" needs a material with an index, or eta and k");
+    }
+    let polarise = |optics: &Optics, polarisation: Polarisation| match optics {
+        Optics::Index(index) => Optics::Index(Index { polarisation, ..index.clone() }),
+        other => other.clone(),
+    };
+    let mut all: Vec<Optics> =
+        materials.iter().flat_map(|optics| polarisations.iter().map(|&p| polarise(optics, p))).collect();
+    if all.len() == 1 { all.pop() } else { Some(Optics::Several(all)) }
+}
+
+/// One word, or several that differ.
+fn polarisations(item: &Item<'_>) -> Option<Vec<Polarisation>> {
+    if item.list_length().is_none() {
+        return item.choice(&POLARISATIONS).map(|one| vec![one]);
+    }
+    let elements = item.list()?;
+    let read: Vec<_> = elements.iter().map(|element| element.choice(&POLARISATIONS)).collect();
+    let read = read.into_iter().collect::<Option<Vec<_>>>()?;
+    if read.is_empty() || (1..read.len()).any(|k| read[..k].contains(&read[k])) {
+        return item.refuse("must hold each polarisation once: one table is made for each");
+    }
+    Some(read)
+}
+
+impl Source<'_> {
+    /// Every material with a table of its own.
+    fn read(&self, law: Law, around: &Around<'_>) -> Option<Vec<Optics>> {
+        let ways = [&self.material, &self.materials, &self.f0, &self.eta, &self.file];
+        let given: Vec<&Item<'_>> = ways.into_iter().filter_map(Slot::given).collect();
+        if self.k.given().is_some() && self.eta.given().is_none() {
+            return self.k.refuse("belongs to eta; give both");
+        }
+        match given[..] {
+            [] => self
+                .material
+                .refuse("required: material, f0, eta or file; leave out [optics] altogether for F = 1"),
+            [item] => match item.name() {
+                "material" => self.named(item, law).map(|one| vec![one]),
+                "materials" => self.several(item, law),
+                "f0" => {
+                    let clean = self.wavelength.absent("belongs to eta, file or fresnel = \"exact\"");
+                    let f0 = reflectances(item)?;
+                    clean.map(|()| vec![Optics::Schlick { material: None, f0 }])
+                }
+                "file" => self.file(item, around).map(|media| vec![index(None, media, law)]),
+                _ => self.listed(item).map(|media| vec![index(None, media, law)]),
+            },
+            [first, second, ..] => {
+                second.refuse(format!("ambiguous: give {} or {}, never both", first.name(), second.name()))
+            }
+        }
+    }
+
+    /// A material by its name.
+    fn named(&self, item: &Item<'_>, law: Law) -> Option<Optics> {
+        let name = item.text()?;
+        let f0 = match materials::named(name) {
+            Ok(f0) => f0,
+            Err(why) => return item.refuse(why),
+        };
+        if law == Law::Schlick {
+            self.wavelength
+                .absent("belongs to eta, file or fresnel = \"exact\": a name's F0 is that of R, G and B")?;
+            return Some(Optics::Schlick { material: Some(name.to_string()), f0 });
+        }
+        let Some(known) = materials::index_of(name) else {
+            let names = materials::NAMES_WITH_INDEX.join(", ");
+            return item.refuse(format!(
+                "has no n and k here, which fresnel = \"exact\" needs; known: {names}; or give eta and k, or a file"
+            ));
+        };
+        let media = self.chosen(&Dispersion::of(&known), Some(&materials::RGB_NM))?;
+        Some(index(Some(name.to_string()), media, law))
+    }
+
+    fn several(&self, item: &Item<'_>, law: Law) -> Option<Vec<Optics>> {
+        let elements = item.list()?;
+        let read: Vec<Option<Optics>> = elements.iter().map(|element| self.named(element, law)).collect();
+        let all = read.into_iter().collect::<Option<Vec<Optics>>>()?;
+        for (k, optics) in all.iter().enumerate() {
+            if all[..k].iter().any(|other| other.material() == optics.material()) {
+                return elements[k].refuse("is there already: one table is made for each material");
+            }
+        }
+        if all.is_empty() {
+            item.refuse("must not be empty; one table is made for each material")
+        } else {
+            Some(all)
+        }
+    }
+
+    /// `file`: all its lines, or the wavelengths that are asked for.
+    fn file(&self, item: &Item<'_>, around: &Around<'_>) -> Option<Vec<Medium>> {
+        let name = item.text()?;
+        if name.is_empty() || name.chars().any(char::is_control) {
+            return item.refuse("must be a file name without control characters");
+        }
+        match index_file::read(&around.folder.join(name)) {
+            Ok(known) => self.chosen(&known, None),
+            Err(why) => item.refuse(why),
+        }
+    }
+
+    /// The media at `wavelength_nm`; where it is left out at the `default` ones, or at all that are known.
+    fn chosen(&self, known: &Dispersion, default: Option<&[f64]>) -> Option<Vec<Medium>> {
+        let Some(item) = self.wavelength.given() else {
+            let Some(default) = default else { return self.all_of(known) };
+            return default.iter().map(|&nm| known.at(nm)).collect();
+        };
+        let elements = item.list()?;
+        let nm = increasing(item, &elements)?;
+        let found = elements.iter().zip(nm).map(|(element, nm)| {
+            known.at(nm).or_else(|| {
+                let [low, high] = known.ends().map(plain);
+                element.refuse(format!("must lie in [{low}, {high}]: n and k are not known elsewhere"))
+            })
+        });
+        found.collect::<Vec<_>>().into_iter().collect()
+    }
+
+    /// All wavelengths that a file holds.
+    fn all_of(&self, known: &Dispersion) -> Option<Vec<Medium>> {
+        let media = known.points();
+        match media.len() {
+            0 => self.wavelength.refuse("required: the file holds no wavelengths of its own; choose some"),
+            1..=MOST_COLOURS => Some(media),
+            count => self.wavelength.refuse(format!(
+                "required: the file holds {count} wavelengths and a table at most {MOST_COLOURS}; choose among them"
+            )),
+        }
+    }
+
+    /// `eta` and `k`: one index, or one for each wavelength.
+    fn listed(&self, eta: &Item<'_>) -> Option<Vec<Medium>> {
+        let medium = |wavelength_nm, eta, k| Medium { wavelength_nm, eta, k };
+        if eta.list_length().is_none() {
+            let clean = self.wavelength.absent("belongs to lists of eta and k");
+            let (n, k) = (eta.float(&ETA), self.k.or(0.0, |i| i.float(&K)));
+            let (n, k, ()) = (n?, k?, clean?);
+            return if n == 1.0 && k == 0.0 {
+                eta.refuse(NO_SURFACE)
+            } else {
+                Some(vec![medium(None, n, k)])
+            };
+        }
+        let count = eta.list_length().unwrap_or_default();
+        let n = numbers(eta, &ETA);
+        let k = self.k.or(vec![0.0; count], |i| numbers(i, &K));
+        let nm = self
+            .wavelength
+            .required("a wavelength for each entry of eta")
+            .and_then(|i| increasing(i, &i.list()?));
+        let (n, k, nm) = (n?, k?, nm?);
+        for (slot, length) in [(&self.k, k.len()), (&self.wavelength, nm.len())] {
+            if length != count {
+                return slot
+                    .refuse(format!("has {length} entries, eta has {count}: one for each wavelength"));
+            }
+        }
+        if let Some(at) = (0..count).find(|&at| n[at] == 1.0 && k[at] == 0.0) {
+            return eta.list()?[at].refuse(NO_SURFACE);
+        }
+        Some((0..count).map(|at| medium(Some(nm[at]), n[at], k[at])).collect())
+    }
+}
+
+const NO_SURFACE: &str = "eta = 1 with k = 0 is no surface: it reflects nothing";
+
+fn index(material: Option<String>, media: Vec<Medium>, law: Law) -> Optics {
+    Optics::Index(Index { material, media, law, polarisation: Polarisation::None })
+}
+
+/// A list of at least one number and at most as many as a table has colours.
+fn numbers(item: &Item<'_>, bounds: &Bounds) -> Option<Vec<f64>> {
+    let elements = item.list()?;
+    if elements.is_empty() || elements.len() > MOST_COLOURS {
+        return item.refuse(format!("has {} entries; 1 to {MOST_COLOURS} are allowed", elements.len()));
+    }
+    let read: Vec<Option<f64>> = elements.iter().map(|element| element.float(bounds)).collect();
+    read.into_iter().collect()
+}
+
+/// Wavelengths, which increase.
+fn increasing(item: &Item<'_>, elements: &[Item<'_>]) -> Option<Vec<f64>> {
+    let nm = numbers(item, &WAVELENGTH)?;
+    if let Some(before) = nm.windows(2).position(|pair| pair[0] >= pair[1]) {
+        let earlier = plain(nm[before]);
+        return elements[before + 1]
+            .refuse(format!("comes after {earlier}; wavelengths must increase, each once"));
+    }
+    Some(nm)
+}
+
+/// One reflectance for all colours, or three.
+pub(crate) fn reflectances(item: &Item<'_>) -> Option<[f64; 3]> {
+    match item.list_length() {
+        None => item.float(&REFLECTANCE).map(|gray| [gray; 3]),
+        Some(3) => {
+            let elements = item.list()?;
+            let read: Vec<Option<f64>> = elements.iter().map(|e| e.float(&REFLECTANCE)).collect();
+            let read: Vec<f64> = read.into_iter().collect::<Option<_>>()?;
+            read.try_into().ok()
+        }
+        Some(n) => item.refuse(format!("has {n} entries; give [r, g, b] or one number")),
+    }
+}
+
+/// The law of some materials, and the polarisations that each of them is measured in.
+pub(crate) fn law_of(optics: &Optics) -> (Law, Vec<Polarisation>) {
+    let mut law = Law::Schlick;
+    let mut polarisations = Vec::new();
+    for one in optics.each() {
+        let of_this = match one {
+            Optics::Index(index) => {
+                law = index.law;
+                index.polarisation
+            }
+            _ => Polarisation::None,
+        };
+        if !polarisations.contains(&of_this) {
+            polarisations.push(of_this);
+        }
+    }
+    (law, polarisations)
+}

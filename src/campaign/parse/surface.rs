@@ -1,0 +1,372 @@
+//! `[surface]`: the sample and its one kind.
+
+use std::path::{Component, Path, PathBuf};
+
+use super::angles::{AZIMUTH, reduced};
+use super::artist;
+use super::artist::Artist;
+use super::reader::{Bounds, Item, Slot, Table, plain};
+use crate::campaign::schema::{
+    Alpha, Detrend, HeightMap, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind,
+};
+
+/// Words for [`Detrend`].
+pub(crate) const DETREND: [(&str, Detrend); 2] = [("plane", Detrend::Plane), ("none", Detrend::None)];
+
+/// Words for [`HeightSpectrum`].
+pub(crate) const SPECTRA: [(&str, HeightSpectrum); 2] =
+    [("gaussian", HeightSpectrum::Gaussian), ("exponential", HeightSpectrum::Exponential)];
+
+/// Words for [`SmithNdf`].
+pub(crate) const SMITH_NDF: [(&str, SmithNdf); 2] =
+    [("ggx", SmithNdf::Ggx), ("beckmann", SmithNdf::Beckmann)];
+
+/// Words for [`SmithHeights`].
+pub(crate) const SMITH_HEIGHTS: [(&str, SmithHeights); 2] =
+    [("correlated", SmithHeights::Correlated), ("independent", SmithHeights::Independent)];
+
+/// Cells per side where nothing is given.
+const CELLS: u32 = 1024;
+
+/// Most cells per side: heights of 2 GiB.
+const MOST_CELLS: u32 = 16384;
+
+/// Correlation length where nothing is given and the patch is large enough, in cells.
+const CORRELATION_CELLS: f64 = 8.0;
+
+/// Slope scales and slopes: below, single precision no longer resolves the lobe; above, nothing was tested.
+const ALPHA: Bounds = Bounds::closed(1e-4, 10.0).advice("a smooth mirror has no lobe to measure", "");
+
+const SLOPE: Bounds = Bounds::closed(1e-4, 10.0).advice("a flat surface is [surface.mirror]", "");
+
+/// Student's gamma: from GGX, beyond which no grid holds the needles, to what Beckmann is to a hundredth.
+const GAMMA: Bounds =
+    Bounds::closed(2.0, 100.0).advice("2 is ggx, the longest tails that a grid holds", "use beckmann");
+
+/// Blinn and Phong's exponent: at 20,000 alpha is 0.01.
+const EXPONENT: Bounds = Bounds::closed(0.0, 20_000.0).advice("0 is ggx with alpha = 1", "use beckmann");
+
+/// Pitches and units of height maps, um.
+const LENGTH_UM: Bounds = Bounds::closed(1e-9, 1e9);
+
+const KINDS: &str = "[surface.ggx], [surface.beckmann], [surface.student_t], [surface.blinn_phong], [surface.smith], \
+     [surface.mirror], [surface.v_groove] or [surface.file]";
+
+/// Keys of `[surface]` that describe a patch, beside its kind.
+struct PatchKeys<'a> {
+    realisations: Slot<'a>,
+    cells: Slot<'a>,
+    correlation_cells: Slot<'a>,
+    mirror_images: Slot<'a>,
+}
+
+/// Reads `[surface]`; height maps are looked for in `folder`. `artist` gets the material of `[surface.artist]`.
+pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<Surface> {
+    let [realisations, cells, correlation_cells, rotation, mirror_images, kinds @ ..] = slot.table()?.keys([
+        "realisations",
+        "cells",
+        "correlation_cells",
+        "rotation_deg",
+        "mirror_images",
+        "ggx",
+        "beckmann",
+        "mirror",
+        "v_groove",
+        "file",
+        "smith",
+        "artist",
+        "student_t",
+        "blinn_phong",
+    ]);
+    let given: Vec<&Item<'_>> = kinds.iter().filter_map(Slot::given).collect();
+    let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder, artist)).collect();
+    let rotation_deg = rotation.or(0.0, rotation_deg);
+    let keys = PatchKeys { realisations, cells, correlation_cells, mirror_images };
+    let kind = match given[..] {
+        [] => slot.refuse(format!("exactly one kind is required: {KINDS}")),
+        [_] => read.pop().flatten(),
+        [first, second, ..] => second.refuse(format!(
+            "exactly one kind is allowed, and [surface.{}] is there as well: keep one of {KINDS}",
+            first.name()
+        )),
+    };
+    match given[..] {
+        [one] if matches!(one.name(), "smith" | "mirror" | "v_groove" | "file") => {
+            made_or_measured(&keys, one.name() == "file", kind, rotation_deg)
+        }
+        _ => synthesised(&keys, kind, rotation_deg),
+    }
+}
+
+fn rotation_deg(item: &Item<'_>) -> Option<f64> {
+    let given = item.float(&AZIMUTH)?;
+    let rotation = reduced(given);
+    if rotation != given {
+        item.note(format!("reduced to {}: rotations lie in [0, 360)", plain(rotation)));
+    }
+    Some(rotation)
+}
+
+/// The keys of a random patch.
+fn synthesised(
+    keys: &PatchKeys<'_>,
+    kind: Option<SurfaceKind>,
+    rotation_deg: Option<f64>,
+) -> Option<Surface> {
+    let realisations = keys.realisations.or(16, |i| i.count(1..=4096));
+    let cells = keys.cells.or(CELLS, cells);
+    // With faulty cells the longest correlation of all applies: no fault follows from another one.
+    let correlation_cells = correlation(&keys.correlation_cells, cells.unwrap_or(MOST_CELLS));
+    let mirror_images = keys.mirror_images.or(true, |i| i.boolean());
+    Some(Surface {
+        realisations: realisations?,
+        cells: cells?,
+        correlation_cells: correlation_cells?,
+        rotation_deg: rotation_deg?,
+        mirror_images: mirror_images?,
+        kind: kind?,
+    })
+}
+
+/// Cells per side. More than the most is a matter of memory; fewer than the least are no patch.
+fn cells(item: &Item<'_>) -> Option<u32> {
+    match item.as_whole().filter(|&cells| cells > u64::from(MOST_CELLS)) {
+        Some(cells) => {
+            let gib = 8.0 * (cells as f64).powi(2) / f64::from(1u32 << 30);
+            item.too_large(format!(
+                "heights of {cells} x {cells} cells take {gib:.0} GiB; must be a whole number in [8, {MOST_CELLS}]"
+            ))
+        }
+        None => item.count(8..=MOST_CELLS),
+    }
+}
+
+/// Correlation length in cells: long enough to be resolved, short enough for many bumps on a patch.
+/// A patch of fewer than 16 cells takes an eighth of its side, whatever that is.
+fn correlation(slot: &Slot<'_>, cells: u32) -> Option<f64> {
+    let longest = f64::from(cells) / 8.0;
+    let bounds = Bounds::closed(longest.min(2.0), longest).advice(
+        "a shorter correlation is not resolved by the cells",
+        "a longer correlation leaves too few bumps on the patch",
+    );
+    slot.or(longest.min(CORRELATION_CELLS), |i| i.float(&bounds))
+}
+
+/// A surface without random heights: the keys of a random patch have no meaning there.
+fn made_or_measured(
+    keys: &PatchKeys<'_>,
+    measured: bool,
+    kind: Option<SurfaceKind>,
+    rotation_deg: Option<f64>,
+) -> Option<Surface> {
+    let why = "belongs to a synthesised surface; leave it out here";
+    let absent = [&keys.cells, &keys.correlation_cells, &keys.mirror_images].map(|slot| slot.absent(why));
+    let given = if measured {
+        let why = "belongs to a synthesised surface; the groups of a height map are its tiles";
+        keys.realisations.absent(why).map(|()| 1)
+    } else {
+        // Groups of paths stand for the realisations of a statistical surface.
+        let default = if matches!(kind, Some(SurfaceKind::Smith(_))) { 16 } else { 1 };
+        keys.realisations.or(default, |i| i.count(1..=4096))
+    };
+    absent.into_iter().collect::<Option<Vec<()>>>()?;
+    let (given, kind) = (given?, kind?);
+    let realisations = match &kind {
+        SurfaceKind::File(map) => map.tiles * map.tiles,
+        _ => given,
+    };
+    Some(Surface {
+        realisations,
+        cells: CELLS,
+        correlation_cells: CORRELATION_CELLS,
+        rotation_deg: rotation_deg?,
+        mirror_images: false,
+        kind,
+    })
+}
+
+fn kind(item: &Item<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<SurfaceKind> {
+    match item.name() {
+        "artist" => {
+            let (alpha, material) = artist::artist(item.table()?)?;
+            *artist = Some(material);
+            Some(SurfaceKind::Ggx(vec![alpha]))
+        }
+        "ggx" => alphas(item.table()?).map(SurfaceKind::Ggx),
+        "beckmann" => beckmann(item.table()?),
+        "student_t" => student_t(item.table()?),
+        "blinn_phong" => blinn_phong(item.table()?),
+        "smith" => smith(item.table()?).map(SurfaceKind::Smith),
+        "mirror" => {
+            let [] = item.table()?.keys([]);
+            Some(SurfaceKind::Mirror)
+        }
+        "v_groove" => {
+            let [slope] = item.table()?.keys(["slope"]);
+            let slope = slope.required("the slope of both sides, such as 0.5")?.float(&SLOPE)?;
+            Some(SurfaceKind::VGroove { slope })
+        }
+        "file" => height_map(item.table()?, folder).map(SurfaceKind::File),
+        other => item.refuse(format!("not yet: {other} is not measured by this version; use {KINDS}")),
+    }
+}
+
+fn beckmann(table: Table<'_>) -> Option<SurfaceKind> {
+    let [spectrum, slopes @ ..] = table.keys(["spectrum", "alpha", "alpha_x", "alpha_y"]);
+    let spectrum = spectrum.or(HeightSpectrum::Gaussian, |i| i.choice(&SPECTRA));
+    let alphas = alphas_of(slopes);
+    Some(SurfaceKind::Beckmann { alphas: alphas?, spectrum: spectrum? })
+}
+
+fn student_t(table: Table<'_>) -> Option<SurfaceKind> {
+    let [gamma, slopes @ ..] = table.keys(["gamma", "alpha", "alpha_x", "alpha_y"]);
+    let gamma = gamma.required("half the power of the tails, such as 3").and_then(|i| i.float(&GAMMA));
+    let alphas = alphas_of(slopes);
+    Some(SurfaceKind::StudentT { alphas: alphas?, gamma: gamma? })
+}
+
+/// D = (n + 2)/(2 pi) cos^n is Student's law with gamma = n/2 + 2 and alpha = sqrt(2/(n + 2)): for each n another law.
+fn blinn_phong(table: Table<'_>) -> Option<SurfaceKind> {
+    let [exponent] = table.keys(["exponent"]);
+    let exponent = exponent.required("n of cos^n; 2/alpha^2 - 2 for the width of alpha")?.float(&EXPONENT)?;
+    let alpha = (2.0 / (exponent + 2.0)).sqrt();
+    Some(SurfaceKind::BlinnPhong { exponent, alphas: vec![Alpha { x: alpha, y: alpha }] })
+}
+
+fn smith(table: Table<'_>) -> Option<Smith> {
+    let [ndf, heights, slopes @ ..] = table.keys(["ndf", "heights", "alpha", "alpha_x", "alpha_y"]);
+    let ndf = ndf.or(SmithNdf::Ggx, |i| i.choice(&SMITH_NDF));
+    let heights = heights.or(SmithHeights::Correlated, |i| i.choice(&SMITH_HEIGHTS));
+    let alphas = alphas_of(slopes);
+    Some(Smith { ndf: ndf?, alphas: alphas?, heights: heights? })
+}
+
+fn alphas(table: Table<'_>) -> Option<Vec<Alpha>> {
+    alphas_of(table.keys(["alpha", "alpha_x", "alpha_y"]))
+}
+
+/// `alpha` (a number or a list), or `alpha_x` and `alpha_y`.
+fn alphas_of([alpha, alpha_x, alpha_y]: [Slot<'_>; 3]) -> Option<Vec<Alpha>> {
+    let equal = alpha.or(None, |i| isotropic_alphas(i).map(Some));
+    let x = alpha_x.or(None, |i| i.float(&ALPHA).map(Some));
+    let y = alpha_y.or(None, |i| i.float(&ALPHA).map(Some));
+    match [&alpha, &alpha_x, &alpha_y].map(|slot| slot.given().is_some()) {
+        [true, false, false] => equal?,
+        [false, true, true] => Some(vec![Alpha { x: x??, y: y?? }]),
+        [false, true, false] => alpha_y.refuse("required beside alpha_x; or give alpha alone"),
+        [false, false, true] => alpha_x.refuse("required beside alpha_y; or give alpha alone"),
+        [false, false, false] => alpha.refuse("required: alpha, or alpha_x and alpha_y"),
+        [true, ..] => alpha.refuse("ambiguous: give alpha, or alpha_x and alpha_y, never both"),
+    }
+}
+
+fn isotropic_alphas(item: &Item<'_>) -> Option<Vec<Alpha>> {
+    let Some(length) = item.list_length() else {
+        return item.float(&ALPHA).map(|alpha| vec![Alpha { x: alpha, y: alpha }]);
+    };
+    if length == 0 {
+        return item.refuse("must not be empty; one table is made for each roughness");
+    }
+    if length > 1000 {
+        return item.refuse(format!("has {length} entries; at most 1000 are allowed"));
+    }
+    let elements = item.list()?;
+    let values: Vec<Option<f64>> = elements.iter().map(|e| e.float(&ALPHA)).collect();
+    let values: Vec<f64> = values.into_iter().collect::<Option<_>>()?;
+    if let Some(before) = values.windows(2).position(|pair| !matches!(pair, [a, b] if a < b)) {
+        let earlier = plain(values[before]);
+        return elements[before + 1]
+            .refuse(format!("comes after {earlier}; roughnesses must increase, each once"));
+    }
+    Some(values.into_iter().map(|alpha| Alpha { x: alpha, y: alpha }).collect())
+}
+
+fn height_map(table: Table<'_>, folder: &Path) -> Option<HeightMap> {
+    let [path, pitch_x, pitch_y, height_unit, periodic, detrend, refine, tiles] = table.keys([
+        "path",
+        "pitch_x_um",
+        "pitch_y_um",
+        "height_unit_um",
+        "periodic",
+        "detrend",
+        "refine",
+        "tiles",
+    ]);
+    let path = path.required("the height map, .exr, .npy, .gsf or .xyz").and_then(map_path);
+    let lengths = [&pitch_x, &pitch_y, &height_unit];
+    let needed = path.and_then(|path| all_or_none(&lengths, is_npy(path)));
+    let lengths = lengths.map(|slot| slot.or(None, |i| i.float(&LENGTH_UM).map(Some)));
+    let periodic = periodic.or(false, |i| i.boolean());
+    let detrend = detrend.or(Detrend::Plane, |i| i.choice(&DETREND));
+    let refine = refine.or(None, steps_between_samples);
+    let tiles = tiles.or(4, |i| i.count(1..=64));
+    let (path, [x, y, unit], ()) = (path?, lengths, needed?);
+    Some(HeightMap {
+        path: path.to_string(),
+        resolved_path: resolved(folder, path),
+        pitch_x_um: x?,
+        pitch_y_um: y?,
+        height_unit_um: unit?,
+        periodic: periodic?,
+        detrend: detrend?,
+        refine: refine?,
+        tiles: tiles?,
+    })
+}
+
+/// `refine`: "auto" or a power of two.
+fn steps_between_samples(item: &Item<'_>) -> Option<Option<u32>> {
+    const ALLOWED: &str = "must be \"auto\" or a power of two up to 64 (1: the map's own cells)";
+    match (item.as_text(), item.as_whole()) {
+        (Some("auto"), _) => Some(None),
+        (_, Some(steps @ 1..=64)) if steps.is_power_of_two() => Some(u32::try_from(steps).ok()),
+        _ => item.refuse(ALLOWED),
+    }
+}
+
+/// `path` as seen from where the campaign file lies.
+fn resolved(folder: &Path, path: &str) -> PathBuf {
+    // Without its `.` parts, so that messages name the file as the user would.
+    folder.join(path).components().filter(|part| *part != Component::CurDir).collect()
+}
+
+fn is_npy(path: &str) -> bool {
+    extension(path) == "npy"
+}
+
+fn extension(path: &str) -> String {
+    Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+fn map_path<'a>(item: &Item<'a>) -> Option<&'a str> {
+    let path = item.text()?;
+    if path.is_empty() || path.chars().any(char::is_control) {
+        return item.refuse("must be a file name without control characters");
+    }
+    match extension(path).as_str() {
+        "exr" | "npy" | "gsf" | "txt" | "xyz" | "asc" => Some(path),
+        _ => {
+            item.refuse(
+                "must end in .exr, .npy, .gsf (Gwyddion simple field), .asc (Arc grid), .xyz or .txt (lines of x y z, or \
+                 a matrix)",
+            )
+        }
+    }
+}
+
+/// Pitches and unit: all but NPY may hold their own, and then none of the three is mixed with the file's.
+fn all_or_none(lengths: &[&Slot<'_>; 3], required: bool) -> Option<()> {
+    let given = lengths.iter().filter(|slot| slot.given().is_some()).count();
+    if given == 3 || (given == 0 && !required) {
+        return Some(());
+    }
+    let why = if required {
+        "required: a .npy file holds no pitches"
+    } else {
+        "required: give pitch_x_um, pitch_y_um and height_unit_um, or none of them (the file's own then count)"
+    };
+    for slot in lengths.iter().filter(|slot| slot.given().is_none()) {
+        slot.refuse::<()>(why);
+    }
+    None
+}

@@ -1,0 +1,286 @@
+//! `gonio bench`: run time against error.
+
+pub(crate) mod against;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
+
+use super::targets;
+use super::text::output::{Output, columns, duration, grouped, json_text, parsed_json, say, to_json, warn};
+use super::text::progress::Progress;
+use super::text::resolution;
+use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, Other, Range, Row, TruthKind, Varies, plot};
+use crate::campaign::{self, Campaign, Parsed, Resolution};
+use crate::error::{Error, Fault, Result};
+use crate::files;
+use crate::measure::Patches;
+use crate::validate::prediction::model::Model;
+
+/// Error against samples and time: ladders of runs, the fit err^2 = a/N + b^2, a plot
+#[derive(Args)]
+#[command(
+    after_help = "Example: gonio bench configs/bench.toml --from 2^12 --to 2^20",
+    after_long_help = "Writes bench.svg and bench.json to the folder. A random surface gets a second ladder, over\n\
+    realisations: its b is free of the patches' spread. N: samples of a stop, all realisations.\n\
+    With a [bench] table in the campaign it varies cells and correlation length instead.\n\
+    --against measures the same patches, azimuths and bins --replicates times as planned and by\n\
+    another way: rays (samples from place to place instead of slope to slope), hemisphere (light in\n\
+    all directions, not that into the apertures alone). It writes no files.\n\n\
+    Example: gonio bench configs/bench.toml --from 2^12 --to 2^20"
+)]
+pub struct Arguments {
+    /// The campaign, a TOML file with one roughness
+    campaign: PathBuf,
+    /// Noise and time to an equal error by: rays, hemisphere
+    #[arg(long, value_name = "WAY", value_parser = other, conflicts_with_all = LADDERS)]
+    against: Option<Other>,
+    /// The stops on a patch of each of these sizes: time and bytes for each cell
+    #[arg(long, value_name = "N,N,..", hide_short_help = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(8..=16_384), conflicts_with_all = LADDERS, conflicts_with_all = ["against", "replicates"])]
+    cells: Vec<u32>,
+    /// What errors are counted from: model (if there is one) or reference
+    #[arg(long, value_enum, value_name = "TRUTH", hide_possible_values = true)]
+    truth: Option<Wanted>,
+    /// Smallest N, as 4096 or 2^12 [default: the largest/4^5]
+    #[arg(long, value_name = "N", value_parser = count)]
+    from: Option<u64>,
+    /// Largest N [default: the campaign's]
+    #[arg(long, value_name = "N", value_parser = count)]
+    to: Option<u64>,
+    /// Largest number of realisations [default: 4 times the campaign's]
+    #[arg(long, hide_short_help = true, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=65_536))]
+    realisations_to: Option<u32>,
+    /// Runs of each rung, each with a seed of its own
+    #[arg(long, value_name = "R", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    replicates: u32,
+    /// Folder of the results [default: out/<name>]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Worker threads, 0 for one a core
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub threads: usize,
+    /// Replace the bench of another campaign
+    #[arg(long, hide_short_help = true)]
+    force: bool,
+    /// Print one JSON document: rows and fit
+    #[arg(long)]
+    json: bool,
+}
+
+/// What belongs to ladders alone.
+const LADDERS: [&str; 6] = ["truth", "from", "to", "realisations_to", "output", "force"];
+
+fn other(text: &str) -> std::result::Result<Other, String> {
+    let found = Other::ALL.into_iter().find(|other| other.name() == text);
+    found.ok_or_else(|| "one of rays, hemisphere".into())
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Wanted {
+    Model,
+    Reference,
+}
+
+/// A count: digits, with `_` between them, or 2^k.
+fn count(text: &str) -> std::result::Result<u64, String> {
+    let power = text.strip_prefix("2^").map(|k| k.parse().ok().and_then(|k| 1u64.checked_shl(k)));
+    let value = power.unwrap_or_else(|| text.replace('_', "").parse().ok());
+    value
+        .filter(|n| (1..=1 << 50).contains(n))
+        .ok_or_else(|| "a number such as 4096 or 2^12, up to 2^50".into())
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8> {
+    let path = &*arguments.campaign;
+    let Parsed { campaign, notes, .. } = campaign::read(path)?;
+    notes.iter().for_each(warn);
+    one_roughness(&campaign, path)?;
+    if let Some(other) = arguments.against {
+        return against::against(&campaign, other, arguments.replicates, arguments.json);
+    }
+    if !arguments.cells.is_empty() {
+        return against::sizes(&campaign, &arguments.cells, arguments.json);
+    }
+    let kind = match arguments.truth {
+        Some(Wanted::Model) => TruthKind::Model,
+        Some(Wanted::Reference) => TruthKind::Reference,
+        None if Model::of(&campaign).is_some() => TruthKind::Model,
+        None => TruthKind::Reference,
+    };
+    if let Some(lists) = &campaign.bench {
+        return resolution(arguments, path, &campaign, lists);
+    }
+    let range = Range {
+        from: arguments.from,
+        to: arguments.to,
+        most_realisations: arguments.realisations_to,
+        replicates: arguments.replicates,
+    };
+    let ladders = bench::planned(&campaign, &range, kind)?;
+    let resolved = campaign::to_toml(&campaign);
+    let [document, picture] = outputs(arguments, path, &campaign, &resolved)?;
+    let mut notes = Vec::new();
+    let mut patches = Patches::prepare(&campaign, &mut notes)?;
+    notes.iter().for_each(warn);
+    let progress = Progress::new(ladders.total_samples(), "samples");
+    let bench = bench::bench(&campaign, ladders, &mut patches, &|starts| progress.add(starts))?;
+    progress.finish();
+    let answer = answer(&campaign, resolved, kind, &bench)?;
+    files::write_atomically(&picture, plot::svg(&campaign.name, &bench).as_bytes())?;
+    files::write_atomically(&document, format!("{}\n", json_text(&answer)?).as_bytes())?;
+    let mut out = Output::default();
+    if arguments.json {
+        out.json(&answer)?;
+        return Ok(0);
+    }
+    out.lines(lines(&bench, arguments.replicates))?;
+    out.line(format_args!("plot          {}", picture.display()))?;
+    out.line(format_args!("figures       {}", document.display()))?;
+    Ok(0)
+}
+
+/// The files that will be written; what is there must be of the same campaign.
+fn outputs(arguments: &Arguments, path: &Path, campaign: &Campaign, resolved: &str) -> Result<[PathBuf; 2]> {
+    let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), campaign)?;
+    let [document, picture] = ["bench.json", "bench.svg"].map(|name| folder.join(name));
+    targets::spare_inputs(&[&document, &picture], path, campaign)?;
+    if !arguments.force {
+        spare_another(&document, resolved)?;
+        targets::spare_foreign(&picture, plot::MARK, "plot")?;
+    }
+    Ok([document, picture])
+}
+
+/// A campaign with `[bench]`: every patch size with every correlation length, in place of ladders.
+fn resolution(arguments: &Arguments, path: &Path, campaign: &Campaign, lists: &Resolution) -> Result<u8> {
+    if arguments.from.or(arguments.to).is_some() || arguments.realisations_to.is_some() {
+        let why = "--from, --to and --realisations-to are of ladders; [bench] varies cells and correlation";
+        return Err(Error::Usage(why.into()));
+    }
+    let settings = bench::resolution::settings(campaign, lists)?;
+    let resolved = campaign::to_toml(campaign);
+    let [document, _] = outputs(arguments, path, campaign, &resolved)?;
+    let progress = Progress::new(settings.iter().map(|(_, plan)| plan.total_samples).sum(), "samples");
+    let rows = bench::resolution(&settings, &|starts| progress.add(starts))?;
+    progress.finish();
+    let answer = resolution::answer(campaign, resolved, &rows)?;
+    files::write_atomically(&document, format!("{}\n", json_text(&answer)?).as_bytes())?;
+    let mut out = Output::default();
+    if arguments.json {
+        out.json(&answer)?;
+        return Ok(0);
+    }
+    out.lines(resolution::lines(campaign, &rows))?;
+    out.line(format_args!("figures       {}", document.display()))?;
+    Ok(0)
+}
+
+/// One table at a time: a list of roughnesses is a fault of the campaign here.
+fn one_roughness(campaign: &Campaign, path: &Path) -> Result<()> {
+    let kind = campaign.surface.kind.name();
+    let Some(alphas) = campaign.surface.kind.alphas() else { return Ok(()) };
+    if alphas.len() == 1 {
+        return Ok(());
+    }
+    let listed: Vec<String> = alphas.iter().map(|alpha| alpha.x.to_string()).collect();
+    Err(Error::Campaign(vec![Fault {
+        too_large: false,
+        path: path.display().to_string(),
+        line: None,
+        column: None,
+        key: format!("surface.{kind}.alpha"),
+        value: Some(format!("[{}]", listed.join(", "))),
+        allowed: "bench takes one roughness at a time".into(),
+    }]))
+}
+
+/// Refuses to replace the bench of another campaign.
+fn spare_another(document: &Path, resolved: &str) -> Result<()> {
+    if !files::is_there(document) {
+        return Ok(());
+    }
+    let found: Option<Value> = parsed_json(&files::read(document)?).ok();
+    if found.is_some_and(|found| found["campaign"] == resolved) {
+        say(format_args!("note: {} is measured again", document.display()));
+        return Ok(());
+    }
+    Err(targets::in_the_way(document, "is of another campaign or seed"))
+}
+
+/// The JSON document: the rows of all ladders, and the fit whose b is the bias.
+fn answer(campaign: &Campaign, resolved: String, kind: TruthKind, bench: &Bench) -> Result<Value> {
+    let rows: Vec<&Row> = bench.ladders.iter().flat_map(|ladder| &ladder.rows).collect();
+    let ladder = |ladder: &Ladder| Ok(json!({ "varies": ladder.varies, "fit": to_json(&ladder.fit)? }));
+    Ok(json!({
+        "schema": 1,
+        "name": campaign.name,
+        "seed": campaign.seed,
+        "version": env!("CARGO_PKG_VERSION"),
+        "error_measure": ERROR_MEASURE,
+        "truth": kind.to_string(),
+        "truth_name": bench.truth.name,
+        "rows": to_json(&rows)?,
+        "fit": to_json(&bench.ladders.last().and_then(|ladder| ladder.fit))?,
+        "ladders": bench.ladders.iter().map(ladder).collect::<Result<Vec<_>>>()?,
+        "campaign": resolved,
+    }))
+}
+
+fn lines(bench: &Bench, replicates: u32) -> Vec<String> {
+    let mut lines = vec![
+        format!("error: {ERROR_MEASURE}, against {}", bench.truth.name),
+        format!(
+            "rows: {replicates} runs each (root mean square), factor 4; fit: err^2 = a/N + b^2, 95 % intervals"
+        ),
+    ];
+    for ladder in &bench.ladders {
+        lines.push(String::new());
+        lines.push(match ladder.varies {
+            Varies::Samples => "more samples in the same number of realisations".into(),
+            Varies::Realisations => "more realisations of the same number of samples".into(),
+        });
+        const HEADINGS: [&str; 6] = ["samples", "realisations", "seconds", "Mrays/s", "error", "1/(err^2 s)"];
+        lines.extend(columns(&HEADINGS, &ladder.rows.iter().map(cells).collect::<Vec<_>>()));
+        // Fewer starts on heights are an uneven choice of facets: the last row says what is left of that.
+        if let Some(most) = ladder.rows.last().and_then(|row| row.closure) {
+            lines.push(format!("orders + cut: within {most:.1e} of 1 in the last row (every stop and run)"));
+        }
+        lines.push(match &ladder.fit {
+            None => "no fit: an error is 0".into(),
+            Some(f) => format!(
+                "a = {:.3} [{:.3}, {:.3}]  b = {:.2e} [{:.2e}, {:.2e}]  slope {:.4} +- {:.4}",
+                f.a, f.a_low, f.a_high, f.b, f.b_low, f.b_high, f.slope, f.slope_se
+            ),
+        });
+    }
+    lines.push(String::new());
+    let rows = bench.ladders.iter().flat_map(|ladder| &ladder.rows);
+    let measured: f64 = rows.map(|row| row.seconds * f64::from(replicates)).sum();
+    lines.push(format!("time          {} in the rungs", duration(measured)));
+    lines
+}
+
+fn cells(row: &Row) -> Vec<String> {
+    vec![
+        grouped(row.samples),
+        row.realisations.to_string(),
+        format!("{:.3}", row.seconds),
+        format!("{:.3}", row.rays_per_s / 1e6),
+        format!("{:.3e}", row.error),
+        format!("{:.3e}", row.efficiency),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_are_digits_or_powers_of_two() {
+        assert_eq!((count("4096"), count("65_536"), count("2^14")), (Ok(4096), Ok(65_536), Ok(16_384)));
+        for wrong in ["", "2^", "2^64", "0", "-1", "1e6", "2^51"] {
+            assert!(count(wrong).is_err(), "{wrong}");
+        }
+    }
+}

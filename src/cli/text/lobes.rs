@@ -1,0 +1,67 @@
+//! The lobe in the plane of incidence as plain text, for a terminal of 80 columns.
+
+use crate::report::plot::plots::{spread, stop_name};
+use crate::report::slices::{Cut, Scene};
+
+/// Columns and rows of the plot inside its frame.
+const COLUMNS: usize = 61;
+const ROWS: usize = 9;
+/// Light angles that are drawn at most.
+const MOST_ANGLES: usize = 3;
+
+/// The plots of some light angles at the first azimuth; empty where no bins lie in the plane.
+///
+/// `*` measured, `-` the model with the masking `masking`, `+` both; heights are shares of the peak.
+pub fn lobes(scene: &Scene, masking: usize) -> Vec<String> {
+    let stops = scene.sweeps().into_iter().next().map_or(Vec::new(), |sweep| sweep.stops);
+    let mut lines = Vec::new();
+    for index in spread(stops.len(), MOST_ANGLES) {
+        lines.extend(lobe(scene, stops[index], masking).into_iter().flatten());
+    }
+    if !lines.is_empty() {
+        lines.push(format!("{:8}-90{:>30}{:>30}  theta_r", "", 0, 90));
+        lines.push(match scene.maskings().get(masking) {
+            Some(name) => format!("{:10}* measured   - model, {name}   + both", ""),
+            None => format!("{:10}* measured", ""),
+        });
+    }
+    lines
+}
+
+fn lobe(scene: &Scene, stop: usize, masking: usize) -> Option<Vec<String>> {
+    let cuts = scene.in_plane(stop);
+    let measured = |bin: usize| scene.single(stop, bin);
+    let model = |bin: usize| scene.model(masking, stop, bin).unwrap_or(0.0);
+    let highest = cuts.iter().map(|c| measured(c.bin).max(model(c.bin))).fold(0.0, f64::max);
+    if cuts.len() < 2 || highest <= 0.0 {
+        return None;
+    }
+    let row = |value: f64| ((1.0 - value / highest) * (ROWS - 1) as f64).round() as usize;
+    let marks = |column: usize| {
+        let theta = -90.0 + 180.0 * column as f64 / (COLUMNS - 1) as f64;
+        let distance = |cut: &&Cut| (cut.theta_deg - theta).abs();
+        let nearest = cuts.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        Some((row(measured(nearest.bin)), scene.prediction.map(|_| row(model(nearest.bin)))))
+    };
+    let columns: Vec<(usize, Option<usize>)> = (0..COLUMNS).filter_map(marks).collect();
+    let mark =
+        |at: usize, &(measured, model): &(usize, Option<usize>)| match (measured == at, model == Some(at)) {
+            (true, true) => '+',
+            (true, false) => '*',
+            (false, true) => '-',
+            (false, false) => ' ',
+        };
+    let name = stop_name(scene, stop).replace('°', "");
+    let mut lines = vec![format!("{name}: BRDF{} in the plane of incidence, 1/sr", scene.colour_note())];
+    for at in 0..ROWS {
+        let label = match at {
+            0 => format!("{highest:8.3}"),
+            _ if at == ROWS - 1 => format!("{:8}", 0),
+            _ => " ".repeat(8),
+        };
+        let line: String = columns.iter().map(|column| mark(at, column)).collect();
+        lines.push(format!("{label} |{}", line.trim_end()));
+    }
+    lines.push(format!("{:8} +{}", "", "-".repeat(COLUMNS)));
+    Some(lines)
+}

@@ -1,0 +1,81 @@
+//! What a measurement says of its material: albedos of each order, and what Schlick's formula costs.
+
+use super::output::columns;
+use crate::instrument::{StopAngles, angle_decimals};
+use crate::measure::{Measured, Plan, StopResult};
+use crate::stats;
+use crate::validate::prediction::schlick_error::{ColourError, SchlickError, StopError};
+
+/// Orders with a column of their own.
+const MOST_ORDERS: usize = 8;
+/// Colours with a line of their own.
+const MOST_COLOURS: usize = 6;
+
+/// Albedos of each order, where there are several.
+pub fn order_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
+    let orders = measured.stops.iter().map(|stop| stop.albedo_by_order.len()).max().unwrap_or(0);
+    if orders < 2 || plan.apertures_only {
+        return vec![];
+    }
+    let shown = orders.min(MOST_ORDERS);
+    let mut headings: Vec<String> = ["theta_i", "phi_i"].map(String::from).to_vec();
+    headings.extend((1..=shown).map(|order| order.to_string()));
+    headings.extend((orders > shown).then(|| format!("{} to {orders}", shown + 1)));
+    let angles = StopAngles::of(&plan.grid);
+    let row = |(index, stop): (usize, &StopResult)| {
+        let mut row = angles.texts(index).to_vec();
+        if stop.is_dark() {
+            row.resize(headings.len(), "not seen".into());
+            return row;
+        }
+        let means: Vec<f64> = stop.albedo_by_order.iter().map(|order| stats::mean(order)).collect();
+        row.extend(means[..shown].iter().map(|mean| format!("{mean:.5}")));
+        row.extend((orders > shown).then(|| format!("{:.5}", means[shown..].iter().sum::<f64>())));
+        row
+    };
+    let rows: Vec<Vec<String>> = measured.stops.iter().enumerate().map(row).collect();
+    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
+    [vec![String::new(), "albedo by order".into()], columns(&headings, &rows)].concat()
+}
+
+/// The difference of Schlick's formula and Fresnel's equations for a material whose index is known.
+pub fn schlick_lines(error: &SchlickError) -> Vec<String> {
+    let mut all: Vec<&ColourError> = error.colours.iter().collect();
+    all.sort_by(|a, b| b.largest.abs().total_cmp(&a.largest.abs()));
+    let left_out = all.len().saturating_sub(MOST_COLOURS);
+    all.truncate(MOST_COLOURS);
+    let row = |colour: &&ColourError| {
+        vec![
+            colour.colour.clone(),
+            format!("{:.4}", colour.f0),
+            format!("{:+.4}", colour.largest),
+            format!("{:.1}", colour.theta_d_deg),
+            format!("{:+.4}", colour.hemispherical),
+        ]
+    };
+    let rows: Vec<Vec<String>> = all.iter().map(row).collect();
+    let mut lines = vec![String::new(), "Schlick's formula minus Fresnel's equations at one facet".into()];
+    lines.extend(columns(&["colour", "F0", "largest", "at degrees", "hemispherical"], &rows));
+    if left_out > 0 {
+        lines.push(format!("(the {MOST_COLOURS} of {} colours that differ most)", error.colours.len()));
+    }
+    if !error.stops.is_empty() {
+        let of_theta = angle_decimals(2, error.stops.iter().map(|stop| stop.theta_i_deg));
+        let of_phi = angle_decimals(2, error.stops.iter().map(|stop| stop.phi_i_deg));
+        let row = |stop: &StopError| {
+            vec![
+                format!("{:.of_theta$}", stop.theta_i_deg),
+                format!("{:.of_phi$}", stop.phi_i_deg),
+                format!("{:.5}", stop.albedo_exact),
+                format!("{:.5}", stop.albedo_schlick),
+                format!("{:.5}", stop.l1),
+            ]
+        };
+        let rows: Vec<Vec<String>> = error.stops.iter().map(row).collect();
+        lines.push("the same paths with both (L1: flux-weighted difference of the bins)".into());
+        let what = if error.stops.iter().all(|stop| stop.whole) { "albedo" } else { "into apertures" };
+        let [fresnel, schlick] = ["Fresnel", "Schlick"].map(|law| format!("{what}, {law}"));
+        lines.extend(columns(&["theta_i", "phi_i", &fresnel, &schlick, "L1"], &rows));
+    }
+    lines
+}

@@ -1,0 +1,200 @@
+//! A campaign and its plan in words: what `check` shows and `measure` begins with.
+
+use super::output::{bytes, duration, grouped, wrapped};
+use crate::campaign::{
+    Alpha, Azimuth, BinLayout, Campaign, HeightSpectrum, PhiFrom, Preset, Sensor, SmithHeights, SmithNdf,
+    SurfaceKind,
+};
+use crate::measure::{Disk, Plan, Skip};
+use crate::validate::prediction::aperture::ApertureBias;
+
+/// Room for the words on the left.
+const HEAD: usize = 14;
+
+/// The plan, a line or two for each question.
+pub fn facts(campaign: &Campaign, plan: &Plan, disk: Disk) -> Vec<String> {
+    let trace = &campaign.trace;
+    let apart = if trace.by_order { ", each by itself" } else { "" };
+    let orders = match trace.bounces {
+        1 => "order 1".into(),
+        bounces => format!("orders up to {bounces}{apart}"),
+    };
+    let sight = if trace.visibility { "shadowing and masking" } else { "no shadowing or masking" };
+    let samples = format!(
+        "{} for each stop and realisation ({} blocks), {} in all",
+        grouped(plan.samples),
+        grouped(plan.blocks),
+        grouped(plan.total_samples)
+    );
+    let bands = match plan.bands().len() {
+        1 => String::new(),
+        bands => format!(", in {bands} bands of up to {} stops", plan.band_stops),
+    };
+    let facts = [
+        ("campaign", format!("{}, seed {}", campaign.name, campaign.seed)),
+        ("surface", surface(campaign)),
+        ("optics", campaign.optics.described()),
+        ("trace", format!("{orders}; {sight}")),
+        ("stops", stops(campaign, plan)),
+        ("bins", format!("{} at each stop: {}", grouped(plan.bins as u128), sensor(campaign))),
+        ("tables", plan.tables.to_string()),
+        ("realisations", plan.realisations.to_string()),
+        ("samples", samples),
+        ("memory", format!("about {}{bands}", bytes(plan.memory_bytes))),
+        ("disk", self::disk(disk, plan)),
+        ("time", format!("about {} on two cores", duration(plan.estimated_s))),
+    ];
+    facts.iter().flat_map(|(head, text)| line(head, text)).collect()
+}
+
+fn disk(disk: Disk, plan: &Plan) -> String {
+    let what = if plan.bands().len() > 1 { "checkpoints and finished bands" } else { "checkpoints" };
+    let (results, kept) = (bytes(disk.results_bytes), bytes(disk.until_then_bytes));
+    format!("results up to about {results}; {what} up to about {kept} until these are there")
+}
+
+/// The instrument that the arms are taken from.
+pub fn preset(preset: &Preset) -> Vec<String> {
+    let facts = [
+        ("preset", format!("{}; {}", preset.name, preset.source)),
+        ("", format!("emulated: {}", preset.emulated)),
+        ("", format!("not emulated: {}", preset.left_out)),
+    ];
+    facts.iter().flat_map(|(head, text)| line(head, text)).collect()
+}
+
+/// What the apertures are predicted to do.
+pub fn aperture(bias: &ApertureBias) -> Vec<String> {
+    let percent = |bias: f64| {
+        let percent = 100.0 * bias;
+        // Three digits, however small.
+        let digits = (2.0 - percent.abs().max(1e-6).log10().floor()).clamp(0.0, 6.0) as usize;
+        format!("{percent:+.digits$} %")
+    };
+    let angle = |angle: f64| (angle * 1e4).round() / 1e4;
+    let text = format!(
+        "{} on the value at theta_i {}, theta_r {}, phi_r {} from the light (model: mean over the cones against the \
+         value at their axes; the largest of {} stops); with half the apertures {}, extrapolated from both {}",
+        percent(bias.bias),
+        bias.theta_i_deg,
+        angle(bias.theta_r_deg),
+        angle(bias.phi_r_deg),
+        bias.stops,
+        percent(bias.bias_of_half),
+        percent(bias.bias_extrapolated)
+    );
+    line("apertures", &text)
+}
+
+/// What is skipped, why, and what that saves.
+pub fn skipped(plan: &Plan) -> Vec<String> {
+    let text = |skip: &Skip| format!("{}: {}; saves {}", skip.what, skip.why, skip.saves);
+    plan.skipped.iter().flat_map(|skip| line("skipped", &text(skip))).collect()
+}
+
+fn line(head: &str, text: &str) -> Vec<String> {
+    wrapped(&format!("{head:<HEAD$}"), text)
+}
+
+fn surface(campaign: &Campaign) -> String {
+    let surface = &campaign.surface;
+    let random = |law: &str, alphas: &[Alpha]| {
+        format!(
+            "{law}, alpha {}; patches of {} x {} cells, correlation {} cells",
+            listed(alphas.iter().map(|alpha| roughness(*alpha))),
+            surface.cells,
+            surface.cells,
+            surface.correlation_cells
+        )
+    };
+    let what = match &surface.kind {
+        SurfaceKind::Ggx(alphas) => random("ggx", alphas),
+        SurfaceKind::Beckmann { alphas, spectrum: HeightSpectrum::Gaussian } => random("beckmann", alphas),
+        SurfaceKind::Beckmann { alphas, spectrum: HeightSpectrum::Exponential } => {
+            random("beckmann, heights of exponential covariance", alphas)
+        }
+        SurfaceKind::StudentT { alphas, gamma } => random(&format!("student_t, gamma {gamma}"), alphas),
+        SurfaceKind::BlinnPhong { alphas, exponent } => {
+            random(&format!("blinn_phong, exponent {exponent}"), alphas)
+        }
+        SurfaceKind::Smith(smith) => {
+            let ndf = if smith.ndf == SmithNdf::Ggx { "ggx" } else { "beckmann" };
+            let alphas = listed(smith.alphas.iter().map(|alpha| roughness(*alpha)));
+            let rule = if smith.heights == SmithHeights::Correlated { "correlated" } else { "independent" };
+            format!("statistical Smith surface, {ndf}, alpha {alphas}, heights {rule}")
+        }
+        SurfaceKind::Mirror => "a flat mirror".into(),
+        SurfaceKind::VGroove { slope } => format!("v-grooves along y, slope {slope}"),
+        SurfaceKind::File(map) => {
+            let refine = map.refine.map_or("auto".into(), |steps| steps.to_string());
+            format!("{}, refine {refine}, {} x {} start regions", map.path, map.tiles, map.tiles)
+        }
+    };
+    if surface.rotation_deg == 0.0 {
+        what
+    } else {
+        format!("{what}; turned by {} degrees", surface.rotation_deg)
+    }
+}
+
+/// A roughness as it is written: one number where it is the same along x and y.
+fn roughness(alpha: Alpha) -> String {
+    if alpha.x == alpha.y { alpha.x.to_string() } else { format!("{} along x, {} along y", alpha.x, alpha.y) }
+}
+
+fn stops(campaign: &Campaign, plan: &Plan) -> String {
+    let thetas = listed(campaign.light.theta_i_deg.iter());
+    let phis = match &campaign.light.azimuth {
+        Azimuth::KlemsFull => "the middles of the patches of the Klems full basis".into(),
+        Azimuth::Relative => "azimuth averaged".into(),
+        Azimuth::Absolute(phis) => format!("phi_i {}", listed(phis.iter())),
+    };
+    let aperture = match campaign.light.aperture_deg {
+        0.0 => String::new(),
+        half_angle => format!("; a cone of half-angle {half_angle} degrees"),
+    };
+    format!("{}: theta_i {thetas}; {phis}{aperture}", plan.stops)
+}
+
+fn sensor(campaign: &Campaign) -> String {
+    match &campaign.sensor {
+        Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
+            let layout = match bins {
+                BinLayout::Centred => "centred on",
+                BinLayout::Aligned => "edges on",
+            };
+            let step = |whole: f64, count: u32| (whole / f64::from(count) * 1e4).round() / 1e4;
+            let (theta, phi) = (step(90.0, *theta_r_bins), step(360.0, *phi_r_bins));
+            format!("{layout} multiples of {theta} (theta_r) and {phi} degrees (phi_r)")
+        }
+        Sensor::Arm { aperture_deg, theta_r_deg, phi_r_deg, phi_r_from } => {
+            let from = if *phi_r_from == PhiFrom::Light { "the light" } else { "the sample" };
+            format!(
+                "arm positions, half-angle {aperture_deg} degrees; theta_r {}; phi_r {} from {from}",
+                listed(theta_r_deg.iter()),
+                listed(phi_r_deg.iter())
+            )
+        }
+        Sensor::KlemsFull => "the patches of the Klems full basis".into(),
+    }
+}
+
+/// A list with its middle left out where it is long.
+fn listed<T: ToString>(values: impl Iterator<Item = T>) -> String {
+    let mut texts: Vec<String> = values.map(|value| value.to_string()).collect();
+    if texts.len() > 10 {
+        texts.splice(5..texts.len() - 2, ["...".to_string()]);
+    }
+    texts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_lists_keep_their_ends() {
+        assert_eq!(listed([1.5, 2.0].iter()), "1.5, 2");
+        assert_eq!(listed(0..20), "0, 1, 2, 3, 4, ..., 18, 19");
+    }
+}

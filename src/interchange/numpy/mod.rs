@@ -1,0 +1,4 @@
+//! Arrays for NumPy: NPY and NPZ.
+
+pub mod npy;
+pub mod npz;

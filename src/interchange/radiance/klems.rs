@@ -1,0 +1,283 @@
+//! Radiance XML with a Klems matrix: patches of light times patches of the sensor (145, 73 or 41 each).
+//!
+//! A value is the mean of the BRDF over both patches by projected solid angle. Patch j of a ring of n is centred on
+//! azimuth 360 j/n; the light's patch names the direction in which light travels on, so its x and y are those of wi
+//! negated. Value index = sensor x patches + light (`Columns`). Source: Radiance's bsdf_m.c.
+
+use std::fmt::Write;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::colour;
+use super::xml;
+use super::xml::{Side, negative_note, short};
+use crate::instrument::klems::{Basis, Ring, middles, patches, rings_of};
+use crate::instrument::{Grid, GridKind, Region};
+use crate::interchange::resample::nodes;
+use crate::interchange::{Brdf, Colour, Lookup, Reason, foreign_table};
+use crate::sphere;
+use crate::table::BrdfTable;
+
+/// How the values are meant.
+pub const CONVENTION: &str = "Klems matrix, IncidentDataStructure Columns, BRDF in 1/sr, no cosine, mean over both \
+    patches by projected solid angle; Reflection Back is the +z side; patches of the light have the azimuth of wi + 180; \
+    Visible is Y, of a table of three colours CIE-X and CIE-Z beside it (linear BT.709 primaries, white D65)";
+
+/// Directions nearer to a border than this belong to both sides, degrees: files in radians carry twelve digits.
+const BORDER_DEG: f64 = 1e-9;
+
+/// The geometry of a matrix: stops in the middle of the light's patches.
+fn grid(light: &[[f64; 4]], sensor: Vec<[f64; 4]>) -> Grid {
+    Grid { kind: GridKind::Patches, stops_deg: middles(light), patches_deg: sensor, ..Grid::default() }
+}
+
+/// What the blocks of a coloured file are, after `Visible`.
+const COLOURS: [&str; 2] = ["CIE-X", "CIE-Z"];
+
+/// The bases of a table whose stops are the middles of patches: of the light, and of the sensor.
+fn bases_of(table: &Grid) -> Option<[Vec<Ring>; 2]> {
+    let sensor = if table.kind == GridKind::Patches { rings_of(&table.patches_deg)? } else { return None };
+    let named = Basis::ALL.iter().map(|basis| basis.rings().to_vec());
+    let light = std::iter::once(sensor.clone())
+        .chain(named)
+        .find(|rings| *table == grid(&patches(rings), table.patches_deg.clone()))?;
+    Some([light, sensor])
+}
+
+/// The text of a file, and what is to be said of it. Values of a table of patches are kept as they are, unless another
+/// basis is wanted; of other tables the full basis is written. Those of three colours go through XYZ.
+///
+/// Held by: `half_and_quarter_bases_go_out_as_they_came`, `klems_patches_come_back`.
+pub fn write(table: &BrdfTable, wanted: Option<Basis>) -> Reason<(String, Vec<String>)> {
+    let own = bases_of(&table.grid);
+    let kept = own.filter(|own| wanted.is_none_or(|basis| own.iter().all(|rings| rings == basis.rings())));
+    let (bases, matrix, notes) = if let Some(bases) = kept {
+        let value = |k: usize| {
+            std::array::from_fn(|c| table.colours.get(c).map_or(0.0, |colour| f64::from(colour.total[k])))
+        };
+        let matrix: Vec<Colour> = (0..table.grid.stops() * table.grid.bins()).map(value).collect();
+        (bases, matrix, vec!["the table's own patches, as they are".into()])
+    } else {
+        let basis = wanted.unwrap_or(Basis::Full);
+        let patches = patches(basis.rings());
+        let matrix = means(as_function(table)?.as_ref(), &patches);
+        let note = format!("resampled to {} patches: lobes narrower than those are not held", patches.len());
+        ([basis.rings().to_vec(), basis.rings().to_vec()], matrix, vec![note])
+    };
+    Ok((text(&bases, &matrix, table.colours.len() > 1), notes))
+}
+
+/// The table as a function of two directions.
+fn as_function(table: &BrdfTable) -> Reason<Box<dyn Brdf>> {
+    if table.grid.kind == GridKind::Patches && bases_of(&table.grid).is_some() {
+        return Ok(Box::new(Patchwise::new(table.clone())?));
+    }
+    Ok(Box::new(Lookup::new(table)?))
+}
+
+fn text([light, sensor]: &[Vec<Ring>; 2], matrix: &[Colour], coloured: bool) -> String {
+    let sides = [light, sensor].map(|rings| rings.iter().map(|ring| ring.2).sum::<usize>());
+    let channel = |c: usize| {
+        let value = |k: usize| if coloured { colour::xyz(matrix[k])[[1, 0, 2][c]] } else { matrix[k][0] };
+        numbers(sides, value)
+    };
+    let names = ["Visible", COLOURS[0], COLOURS[1]];
+    let channels: Vec<_> = (0..if coloured { 3 } else { 1 }).map(|c| (names[c], channel(c))).collect();
+    let name = |rings: &[Ring], other: &str| {
+        let known = Basis::ALL.iter().find(|basis| basis.rings() == rings);
+        known.map_or_else(|| other.to_string(), |basis| basis.name().into())
+    };
+    let (column, row) = (name(light, "patches of the light"), name(sensor, "patches of the sensor"));
+    let mut described = basis(&column, light);
+    if row != column {
+        described += &basis(&row, sensor);
+    }
+    let bases =
+        format!("<ColumnAngleBasis>{column}</ColumnAngleBasis>\n<RowAngleBasis>{row}</RowAngleBasis>\n");
+    xml::write("Columns", &described, &bases, &channels)
+}
+
+/// Means over pairs of patches, light major.
+fn means(brdf: &dyn Brdf, basis: &[[f64; 4]]) -> Vec<Colour> {
+    let outward = |turn: f64| {
+        let region = |&[t1, t2, p1, p2]: &[f64; 4]| Region::Rectangle {
+            theta: [t1.to_radians(), t2.to_radians()],
+            phi: [(p1 + turn).to_radians(), (p2 + turn).to_radians()],
+        };
+        basis.iter().map(|patch| nodes(&region(patch))).collect::<Vec<_>>()
+    };
+    let (light, sensor) = (outward(180.0), outward(0.0));
+    let mean = |k: usize| {
+        let mut sum = [0.0; 3];
+        for (wi, w) in &light[k / basis.len()] {
+            for (wo, v) in &sensor[k % basis.len()] {
+                let value = brdf.brdf(*wi, *wo);
+                sum.iter_mut().zip(value).for_each(|(s, f)| *s += w * v * f);
+            }
+        }
+        sum
+    };
+    (0..basis.len() * basis.len()).into_par_iter().map(mean).collect()
+}
+
+/// One channel as text, a line a patch of the sensor, in the nine digits that an f32 needs; `value` counts light major.
+fn numbers([light, sensor]: [usize; 2], value: impl Fn(usize) -> f64) -> String {
+    let mut data = String::new();
+    for out in 0..sensor {
+        for stop in 0..light {
+            // Writing into a String does not fail.
+            let _written = write!(data, "{:.8e},\t", value(stop * sensor + out));
+        }
+        data.push('\n');
+    }
+    data
+}
+
+/// The description of a basis.
+fn basis(name: &str, rings: &[Ring]) -> String {
+    let mut basis = format!("<AngleBasis>\n<AngleBasisName>{name}</AngleBasisName>\n");
+    for &(low, high, n) in rings {
+        let theta = if low == 0.0 { 0.0 } else { 0.5 * (low + high) };
+        basis += &format!(
+            "<AngleBasisBlock>\n<Theta>{theta}</Theta>\n<nPhis>{n}</nPhis>\n<ThetaBounds><LowerTheta>{low}</LowerTheta>\
+             <UpperTheta>{high}</UpperTheta></ThetaBounds>\n</AngleBasisBlock>\n"
+        );
+    }
+    basis + "</AngleBasis>\n"
+}
+
+/// The table of patches of a file; see [`read_side`].
+pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    read_side(bytes, None).map(|(table, _)| table)
+}
+
+/// The table of patches of one side of a file, and what is to be said of it; negative values become 0, as Radiance has
+/// it, and are counted.
+///
+/// Held by: `klems_patches_come_back`, `colours_of_radiance_files_come_back`, `damaged_xml_is_refused`,
+/// `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
+pub fn read_side(bytes: &[u8], side: Option<Side>) -> Reason<(BrdfTable, Vec<String>)> {
+    let document = xml::read(bytes)?;
+    let columns = match document.structure.as_str() {
+        "Columns" => true,
+        "Rows" => false,
+        other => return Err(format!("IncidentDataStructure {:?}: Columns or Rows needed", short(other))),
+    };
+    let xml::Reflection { blocks, mut notes } = document.reflection(COLOURS, side)?;
+    let basis = |k: usize| {
+        let name = blocks[0].bases.get(k).ok_or("a block without ColumnAngleBasis and RowAngleBasis")?;
+        let described = document.bases.iter().find(|basis| basis.0 == *name).map(|basis| patches(&basis.1));
+        let known = Basis::ALL.iter().find(|basis| basis.name() == name).map(|basis| patches(basis.rings()));
+        described
+            .filter(|rings| !rings.is_empty())
+            .or(known)
+            .ok_or_else(|| format!("the basis {:?} is not described", short(name)))
+    };
+    let (light, sensor) = if columns { (basis(0)?, basis(1)?) } else { (basis(1)?, basis(0)?) };
+    if blocks.iter().any(|block| block.bases != blocks[0].bases) {
+        return Err("the blocks have different bases".into());
+    }
+    let bins = sensor.len();
+    let place = |stop: usize, bin: usize| if columns { bin * light.len() + stop } else { stop * bins + bin };
+    let matrices =
+        blocks.iter().map(|block| matrix(&block.data, light.len(), bins)).collect::<Reason<Vec<Matrix>>>()?;
+    let least = matrices.iter().map(|matrix| matrix.least).fold(0.0, f64::min);
+    let negative = matrices.iter().map(|matrix| matrix.negative).sum();
+    notes.extend(negative_note(negative, matrices.len() * light.len() * bins, least));
+    let sorted =
+        |matrix: &Matrix| (0..light.len() * bins).map(|k| matrix.values[place(k / bins, k % bins)]).collect();
+    let channels: Vec<Vec<f32>> = matrices.iter().map(sorted).collect();
+    let grid = grid(&light, sensor);
+    crate::table::check_grid(&grid)?;
+    Ok((foreign_table(grid, rgb_of(channels))?, notes))
+}
+
+/// R, G, B of Y, X, Z; a single channel as it is.
+fn rgb_of(channels: Vec<Vec<f32>>) -> Vec<Vec<f32>> {
+    let [y, x, z] = &channels[..] else { return channels };
+    let wide = |values: &[f32], k: usize| f64::from(values[k]);
+    let value = |k: usize| match wide(x, k) + wide(y, k) + wide(z, k) {
+        // To be refused with its place.
+        sum if !sum.is_finite() => [f64::NAN; 3],
+        _ => colour::rgb([wide(x, k), wide(y, k), wide(z, k)]),
+    };
+    let all: Vec<Colour> = (0..y.len()).map(value).collect();
+    (0..3).map(|c| all.iter().map(|value| value[c] as f32).collect()).collect()
+}
+
+/// The values of one block, and what was negative in it.
+struct Matrix {
+    values: Vec<f32>,
+    negative: usize,
+    least: f64,
+}
+
+fn matrix(data: &str, light: usize, sensor: usize) -> Reason<Matrix> {
+    let wanted = light * sensor;
+    let cells = data.split(|c: char| c == ',' || c.is_whitespace()).filter(|cell| !cell.is_empty());
+    let mut found = Matrix { values: Vec::with_capacity(wanted.min(data.len())), negative: 0, least: 0.0 };
+    for cell in cells {
+        let value: f32 = cell.parse().map_err(|_| format!("{:?} is no number", short(cell)))?;
+        if found.values.len() == wanted {
+            return Err(format!("more than {light} x {sensor} values"));
+        }
+        found.negative += usize::from(value < 0.0);
+        found.least = found.least.min(f64::from(value));
+        found.values.push(if value < 0.0 { 0.0 } else { value });
+    }
+    if found.values.len() != wanted {
+        return Err(format!("{} values, {light} x {sensor} needed", found.values.len()));
+    }
+    Ok(found)
+}
+
+/// A matrix as a function: the value of the patches that hold the directions; on a border, the mean of both sides, as
+/// which side a rounding falls to is nobody's choice.
+///
+/// Held by: `directions_on_a_border_take_both_sides` (tests/it/interchange/interchange_radiance.rs).
+pub struct Patchwise {
+    light: Vec<Ring>,
+    sensor: Vec<Ring>,
+    table: BrdfTable,
+}
+
+impl Patchwise {
+    /// Of a table of patches whose stops are the middles of patches.
+    pub fn new(table: BrdfTable) -> Reason<Self> {
+        let [light, sensor] = bases_of(&table.grid)
+            .ok_or("the patches are no Klems basis: rings from the normal to the horizon, of even steps")?;
+        Ok(Patchwise { light, sensor, table })
+    }
+}
+
+/// The patches about a direction, one for each of the four sides that it may lie on.
+fn around(rings: &[Ring], w: DVec3) -> [usize; 4] {
+    let (theta, phi) = (sphere::theta(w).to_degrees(), sphere::phi(w).to_degrees());
+    let side = |theta: f64, phi: f64| {
+        let within = rings.iter().position(|ring| theta < ring.1).unwrap_or(rings.len() - 1);
+        let before: usize = rings[..within].iter().map(|ring| ring.2).sum();
+        let count = rings[within].2;
+        // Patch j reaches half a step to each side of 360 j/n.
+        before + (phi / 360.0 * count as f64 + 0.5).rem_euclid(count as f64) as usize % count
+    };
+    [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]
+        .map(|(t, p)| side(theta + t * BORDER_DEG, phi + p * BORDER_DEG))
+}
+
+impl Brdf for Patchwise {
+    fn colours(&self) -> usize {
+        self.table.colours.len()
+    }
+
+    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
+        let stops = around(&self.light, DVec3::new(-wi.x, -wi.y, wi.z));
+        let bins = around(&self.sensor, wo);
+        let mut sum = [0.0; 3];
+        for at in stops.iter().flat_map(|stop| bins.map(|bin| stop * self.table.grid.bins() + bin)) {
+            let colours = &self.table.colours;
+            sum.iter_mut().zip(colours).for_each(|(s, colour)| *s += f64::from(colour.total[at]) / 16.0);
+        }
+        sum
+    }
+}

@@ -1,0 +1,329 @@
+//! The XML that Radiance and LBNL WINDOW exchange BSDFs in: the frame round a matrix (klems.rs) or a tensor tree
+//! (tensor_tree.rs).
+//!
+//! WINDOW's `Reflection Back` is the side that Radiance calls front, +z; files are written and preferably read so.
+
+use std::str::FromStr;
+
+use quick_xml::Reader;
+use quick_xml::events::{BytesRef, Event};
+
+use crate::interchange::Reason;
+use crate::text_decoding::decode_xml;
+
+/// Elements deeper than any such file has.
+const DEEPEST: usize = 32;
+
+/// Rings of a basis, and characters of a name, that no file exceeds.
+const MOST_RINGS: usize = 360;
+const LONGEST_NAME: usize = 1 << 10;
+
+/// Elements whose text is kept as a name; `Wavelength` is copied to each block.
+const NAMES: [&str; 7] = [
+    "IncidentDataStructure",
+    "AngleBasisName",
+    "WavelengthDataDirection",
+    "ColumnAngleBasis",
+    "RowAngleBasis",
+    "AngleBasis",
+    "Wavelength",
+];
+
+/// Blocks that a message names at most.
+const MOST_NAMED: usize = 6;
+
+pub use crate::instrument::klems::Ring;
+
+/// Which side of the sample, by the file's own words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// `Reflection Back`, +z: what Radiance calls front.
+    Back,
+    /// `Reflection Front`, -z.
+    Front,
+}
+
+impl Side {
+    fn direction(self) -> &'static str {
+        match self {
+            Side::Back => "Reflection Back",
+            Side::Front => "Reflection Front",
+        }
+    }
+}
+
+impl FromStr for Side {
+    type Err = String;
+
+    fn from_str(name: &str) -> Reason<Self> {
+        match name {
+            "back" => Ok(Side::Back),
+            "front" => Ok(Side::Front),
+            _ => Err("front or back needed: the block `Reflection Front` or `Reflection Back`".into()),
+        }
+    }
+}
+
+/// The blocks that become a table, and what is to be said of the others.
+pub struct Reflection<'a> {
+    /// Visible, and the two of colour where both are there.
+    pub blocks: Vec<&'a Block>,
+    /// One sentence each.
+    pub notes: Vec<String>,
+}
+
+/// What a file says.
+#[derive(Debug, Default, PartialEq)]
+pub struct Document {
+    /// `Columns`, `Rows`, `TensorTree3`, `TensorTree4`.
+    pub structure: String,
+    /// Angle bases by name; a tensor tree's has no rings.
+    pub bases: Vec<(String, Vec<Ring>)>,
+    /// The blocks.
+    pub blocks: Vec<Block>,
+}
+
+/// One block of values.
+#[derive(Debug, Default, Clone, PartialEq)]
+pub struct Block {
+    /// `Visible`, `CIE-X`, ..
+    pub wavelength: String,
+    /// `Reflection Back`, ..
+    pub direction: String,
+    /// Basis of the columns and rows, or the only one.
+    pub bases: Vec<String>,
+    /// The values as text.
+    pub data: String,
+}
+
+/// A file with a block for each channel: its wavelength (`Visible`, `CIE-X`, ..), and its values as text. All are
+/// `Reflection Back`.
+pub fn write(structure: &str, basis: &str, block_bases: &str, channels: &[(&str, String)]) -> String {
+    let mut text = format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+         <WindowElement xmlns=\"http://windows.lbl.gov\">\n\
+         <WindowElementType>System</WindowElementType>\n<FileType>BSDF</FileType>\n<Optical>\n<Layer>\n\
+         <Material>\n<Name>gonio</Name>\n<Manufacturer>gonio {}</Manufacturer>\n\
+         <Thickness unit=\"meter\">0</Thickness>\n<DeviceType>Other</DeviceType>\n</Material>\n\
+         <DataDefinition>\n<IncidentDataStructure>{structure}</IncidentDataStructure>\n{basis}</DataDefinition>\n",
+        env!("CARGO_PKG_VERSION")
+    );
+    for (wavelength, data) in channels {
+        let detector = if *wavelength == "Visible" { "ASTM E308 1931 Y.dsp" } else { "none" };
+        text += &format!(
+            "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">{wavelength}</Wavelength>\n\
+             <SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n\
+             <DetectorSpectrum>{detector}</DetectorSpectrum>\n<WavelengthDataBlock>\n\
+             <WavelengthDataDirection>Reflection Back</WavelengthDataDirection>\n{block_bases}\
+             <ScatteringDataType>BRDF</ScatteringDataType>\n<ScatteringData>\n"
+        );
+        text += data;
+        text += "</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n";
+    }
+    text + "</Layer>\n</Optical>\n</WindowElement>\n"
+}
+
+/// Reads a file. Its text is held about twice.
+pub fn read(bytes: &[u8]) -> Reason<Document> {
+    if bytes.is_empty() {
+        return Err("the file is empty".into());
+    }
+    let text = decode_xml(bytes)?;
+    let mut reader = Reader::from_str(&text);
+    // A bare `&` in a name is common, and harmless.
+    reader.config_mut().allow_dangling_amp = true;
+    let (mut document, mut path, mut content) = (Document::default(), Vec::new(), String::new());
+    let (mut ring, mut wavelength) = ((0.0, 0.0, 0), String::new());
+    let mut root_seen = false;
+    // The last entity of the element that nothing declares.
+    let mut undeclared = None;
+    loop {
+        let event = reader
+            .read_event()
+            .map_err(|e| format!("XML at byte {}: {}", reader.buffer_position(), flat(&e)))?;
+        match event {
+            Event::Start(start) => {
+                let name = start.local_name().as_ref().to_string();
+                if path.is_empty() && name != "WindowElement" {
+                    return Err("no WindowElement: not a BSDF of Radiance or WINDOW".into());
+                }
+                root_seen = true;
+                match name.as_str() {
+                    "AngleBasis" => document.bases.push(Default::default()),
+                    "WavelengthDataBlock" => {
+                        document.blocks.push(Block { wavelength: wavelength.clone(), ..Block::default() });
+                    }
+                    _ => {}
+                }
+                path.push(name);
+                if path.len() > DEEPEST {
+                    return Err(format!("elements {DEEPEST} deep: no such file is"));
+                }
+                content.clear();
+                undeclared = None;
+            }
+            Event::Text(text) => content.push_str(&text),
+            Event::CData(text) => content.push_str(&text),
+            Event::GeneralRef(name) if push_reference(&mut content, &name) => {}
+            Event::GeneralRef(name) => undeclared = Some(name.to_string()),
+            Event::End(_) => {
+                let name = path.pop().unwrap_or_default();
+                let text = content.trim();
+                if let Some(entity) = undeclared.take().filter(|_| is_read(&name)) {
+                    let entity = short(&entity);
+                    return Err(format!("{name}: nothing declares `&{entity};`; write the character itself"));
+                }
+                let is_name = NAMES.contains(&name.as_str());
+                if is_name && text.len() > LONGEST_NAME {
+                    return Err(format!("{name} of {} bytes; at most {LONGEST_NAME} are read", text.len()));
+                }
+                if name == "Wavelength" {
+                    wavelength = text.into();
+                }
+                close(&mut document, &mut ring, &name, text)?;
+                content.clear();
+            }
+            Event::Eof if path.is_empty() && root_seen => break,
+            Event::Eof => return Err("the file is cut off".into()),
+            _ => {}
+        }
+    }
+    if document.blocks.is_empty() {
+        return Err("no WavelengthDataBlock".into());
+    }
+    Ok(document)
+}
+
+/// Takes in an element that ends.
+fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Reason<()> {
+    let angle = || -> Reason<f64> {
+        let value: f64 = text.parse().map_err(|_| format!("{name}: {:?} is no number", short(text)))?;
+        if (0.0..=90.0).contains(&value) {
+            Ok(value)
+        } else {
+            Err(format!("{name} = {value} lies outside [0, 90]"))
+        }
+    };
+    match name {
+        "IncidentDataStructure" => document.structure = text.into(),
+        "AngleBasisName" => {
+            if let Some(basis) = document.bases.last_mut() {
+                basis.0 = text.into();
+            }
+        }
+        "LowerTheta" => ring.0 = angle()?,
+        "UpperTheta" => ring.1 = angle()?,
+        "nPhis" => {
+            ring.2 = text.parse().ok().filter(|n| (1..=360).contains(n)).ok_or("nPhis: 1 to 360 needed")?
+        }
+        "AngleBasisBlock" => {
+            if let Some(basis) = document.bases.last_mut() {
+                basis.1.push(*ring);
+                if basis.1.len() > MOST_RINGS {
+                    return Err(format!("AngleBasisBlock: a basis of more than {MOST_RINGS} rings"));
+                }
+            }
+        }
+        _ => {
+            let Some(block) = document.blocks.last_mut() else { return Ok(()) };
+            match name {
+                "WavelengthDataDirection" => block.direction = text.into(),
+                "ColumnAngleBasis" | "RowAngleBasis" | "AngleBasis" => block.bases.push(text.into()),
+                "ScatteringDataType" if text != "BRDF" && text != "BTDF" && text != "BSDF" => {
+                    return Err(format!("ScatteringDataType {:?} is not read", short(text)));
+                }
+                "ScatteringData" => block.data = text.into(),
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Appends the character that a reference names; false where no declaration explains it. In elements that are not read
+/// ([`is_read`]), such as names of products, that does no harm.
+fn push_reference(content: &mut String, name: &BytesRef) -> bool {
+    match (name.resolve_char_ref(), quick_xml::escape::resolve_predefined_entity(name)) {
+        (Ok(Some(character)), _) => content.push(character),
+        (_, Some(known)) => content.push_str(known),
+        _ => return false,
+    }
+    true
+}
+
+/// Whether anything follows from the text of an element.
+fn is_read(name: &str) -> bool {
+    let others = ["LowerTheta", "UpperTheta", "nPhis", "ScatteringDataType", "ScatteringData"];
+    NAMES.contains(&name) || others.contains(&name)
+}
+
+/// The beginning of a text, for messages.
+pub fn short(text: &str) -> String {
+    text.chars().take(40).collect()
+}
+
+fn flat(error: &quick_xml::Error) -> String {
+    error.to_string()
+}
+
+impl Document {
+    /// The blocks of reflected light: visible, and those of the colour `others` (all or none; a file with one of two is
+    /// taken for one without colour, as Radiance has it). Without a wanted side it is +z where the file has it.
+    ///
+    /// Held by: `a_missing_block_is_answered_with_those_that_are_there`, `the_wanted_side_is_read`
+    /// (tests/it/interchange/interchange_radiance.rs).
+    pub fn reflection(&self, others: [&str; 2], side: Option<Side>) -> Reason<Reflection<'_>> {
+        let find = |side: Side, wavelength: &str| {
+            self.blocks
+                .iter()
+                .find(|block| block.is(side.direction()) && block.wavelength.eq_ignore_ascii_case(wavelength))
+        };
+        let wanted = side.map_or(vec![Side::Back, Side::Front], |side| vec![side]);
+        let Some((side, visible)) = wanted.iter().find_map(|&side| Some((side, find(side, "Visible")?)))
+        else {
+            let what = side.map_or("reflection".into(), |side| format!("`{}`", side.direction()));
+            return Err(format!("no block of visible {what}; the file has {}", self.named(|_| true)));
+        };
+        let coloured: Vec<&Block> = others.into_iter().filter_map(|name| find(side, name)).collect();
+        let coloured = if coloured.len() == others.len() { coloured } else { vec![] };
+        let blocks: Vec<&Block> = std::iter::once(visible).chain(coloured).collect();
+        let mut notes = vec![];
+        if side == Side::Front {
+            notes.push("the side -z (`Reflection Front`): x and y are the file's, azimuths run clockwise seen from there".into());
+        }
+        let left = |block: &Block| !blocks.iter().any(|taken| std::ptr::eq(*taken, block));
+        if self.blocks.iter().any(left) {
+            notes.push(format!("`{}` is read; not read: {}", side.direction(), self.named(left)));
+        }
+        Ok(Reflection { blocks, notes })
+    }
+
+    /// Some blocks as a list: direction and wavelength of each.
+    fn named(&self, wanted: impl Fn(&Block) -> bool) -> String {
+        let name = |block: &Block| {
+            let words = format!("{} ({})", short(&block.direction), short(&block.wavelength));
+            words.escape_debug().to_string()
+        };
+        let mut names: Vec<String> = self.blocks.iter().filter(|block| wanted(block)).map(name).collect();
+        if names.len() > MOST_NAMED {
+            let more = names.len() - MOST_NAMED;
+            names.truncate(MOST_NAMED);
+            names.push(format!("{more} more"));
+        }
+        names.join(", ")
+    }
+}
+
+impl Block {
+    fn is(&self, direction: &str) -> bool {
+        self.direction
+            .split_whitespace()
+            .map(str::to_ascii_lowercase)
+            .eq(direction.split(' ').map(str::to_ascii_lowercase))
+    }
+}
+
+/// What is to be said of negative values; `None` where there are none.
+pub fn negative_note(count: usize, of: usize, least: f64) -> Option<String> {
+    (count > 0).then(|| format!("{count} of {of} values are negative (the least {least:.3e}) and become 0"))
+}

@@ -1,0 +1,140 @@
+//! ASTM E1392/E2387 text: one line a pair of directions, angles in radians.
+//!
+//! `KEY value` lines, the last `VARS theta_i,phi_i,theta_s,phi_s,<channels>`, then the samples. The standard's text is
+//! not free; this is the form that its readers share (libbsdf).
+
+use std::io::{BufRead, ErrorKind, Write};
+
+use super::named_columns::{Columns, names_of};
+use super::samples;
+use super::samples::Sample;
+use crate::interchange::read_back::{ReadBack, middles_deg};
+use crate::interchange::{Fail, Reason};
+use crate::table::BrdfTable;
+use crate::text_decoding::decode_text_or_latin1;
+
+/// How the values are meant.
+pub const CONVENTION: &str = "one line a pair of directions, angles in radians, absolute azimuths, phi_s = phi_i + pi is the \
+    mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
+
+const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
+/// The heading line of a table whose azimuths of the light are all alike; other readers pass over keys that they don't know.
+const ISOTROPIC: &str = "ISOTROPIC";
+/// More lines than are worth reading as text.
+const MOST_LINES: usize = 1 << 26;
+
+/// Writes the totals; a gap has no line.
+pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
+    let (stops, bins) = (table.grid.stops(), table.grid.bins());
+    writeln!(out, "LAB_NAME gonio\nSYSTEM_NAME gonio {}\nMEAS_NAME BRDF", table.version)?;
+    writeln!(out, "NUM_POINTS {}", stops * bins - table.gaps())?;
+    if table.grid.is_isotropic() {
+        writeln!(out, "{ISOTROPIC} yes")?;
+    }
+    writeln!(out, "VARS {},{}", ANGLES.join(","), names_of(table).join(","))?;
+    for stop in 0..stops {
+        let (theta_i, phi_i) = table.grid.stop_deg(stop);
+        for (bin, (theta_s, phi_s)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
+            if table.is_gap(stop * bins + bin) {
+                continue;
+            }
+            let angles = [theta_i, phi_i, theta_s, phi_s].map(|deg| format!("{:.12}", deg.to_radians()));
+            let values = table.colours.iter().map(|colour| colour.total[stop * bins + bin].to_string());
+            let line: Vec<String> = angles.into_iter().chain(values).collect();
+            writeln!(out, "{}", line.join(","))?;
+        }
+    }
+    Ok(())
+}
+
+/// The table of points of a file. What a channel holds follows from its name; a negative polar angle is the far side of its
+/// plane; negative values become 0.
+///
+/// Held by: `astm_comes_back`, `damaged_texts_are_refused` (tests/it/interchange/interchange_text.rs).
+pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    let text = decode_text_or_latin1(bytes)?;
+    let mut found = Vec::new();
+    let (columns, isotropic) = each_sample(text.as_bytes(), |sample| {
+        if found.len() == MOST_LINES {
+            return Err(format!("more than {MOST_LINES} lines"));
+        }
+        found.push(sample);
+        Ok(())
+    })?;
+    samples::table(&found, &columns, isotropic)
+}
+
+/// Holds a file of the table's own bins, in their order, to the table, line by line.
+pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
+    // Twelve digits of radians.
+    samples::held_to(table, 1e-8, |each| each_sample(file, each).map(|_| ()))
+}
+
+/// Visits the samples of a file; returns what its channels are and whether the file says that it is isotropic.
+fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) -> Reason<(Columns, bool)> {
+    let unread = |e: std::io::Error| match e.kind() {
+        ErrorKind::InvalidData => "not a text in UTF-8".to_string(),
+        _ => e.to_string(),
+    };
+    let mut lines = file.lines().enumerate().map(|(k, line)| (k + 1, line.map_err(unread)));
+    let (mut isotropic, mut points) = (false, None);
+    let names = loop {
+        let Some((_, line)) = lines.next() else { return Err("no VARS line: not an ASTM file".into()) };
+        let line = line?;
+        isotropic |= line.split_whitespace().eq([ISOTROPIC, "yes"]);
+        if let Some(count) = line.trim().strip_prefix("NUM_POINTS ") {
+            let count = count.trim();
+            points =
+                Some(count.parse::<usize>().map_err(|_| format!("NUM_POINTS {count}: a number needed"))?);
+        }
+        if let Some(names) = line.trim().strip_prefix("VARS ") {
+            break cells(names).map(str::to_string).collect::<Vec<_>>();
+        }
+    };
+    if names.iter().take(ANGLES.len()).ne(&ANGLES) {
+        return Err("VARS theta_i,phi_i,theta_s,phi_s and channels needed".into());
+    }
+    let channels: Vec<&str> = names[ANGLES.len()..].iter().map(String::as_str).collect();
+    let columns = Columns::of(&channels, ANGLES.len()).map_err(|why| format!("VARS: {why}"))?;
+    let mut found = 0;
+    for (number, line) in lines {
+        let line = line?;
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let mut numbers = Vec::with_capacity(names.len());
+        for cell in cells(line) {
+            let value: f64 = cell.parse().map_err(|_| format!("line {number}: `{cell}` is no number"))?;
+            numbers.push(value);
+        }
+        if numbers.len() != names.len() || numbers.iter().any(|value| !value.is_finite()) {
+            return Err(format!(
+                "line {number}: {} finite numbers needed, one for each name of VARS",
+                names.len()
+            ));
+        }
+        for angle in &mut numbers[..4] {
+            // Degrees to eight digits: what twelve digits of radians are worth.
+            *angle = (angle.to_degrees() * 1e8).round() / 1e8;
+        }
+        if let Some(why) = columns.fault(&numbers) {
+            return Err(format!("line {number}: {why}"));
+        }
+        let mut sample = Sample::of(number, &numbers, &columns);
+        sample.values.iter_mut().for_each(|value| *value = value.max(0.0));
+        visit(sample)?;
+        found += 1;
+    }
+    if let Some(points) = points.filter(|&points| points > found) {
+        return Err(format!("NUM_POINTS is {points}, the file has {found} samples: it was cut short"));
+    }
+    Ok((columns, isotropic))
+}
+
+/// The cells of a line: between commas or, where it has none, between blanks.
+fn cells(line: &str) -> impl Iterator<Item = &str> {
+    let commas = line.contains(',');
+    let mark = move |c: char| if commas { c == ',' } else { c.is_whitespace() };
+    line.split(mark).map(str::trim).filter(move |cell| commas || !cell.is_empty())
+}

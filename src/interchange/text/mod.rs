@@ -1,0 +1,10 @@
+//! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax.
+
+pub mod astm;
+pub mod csv;
+pub mod named_columns;
+pub mod pabopto;
+pub mod samples;
+pub(crate) mod seam;
+pub mod ssdd;
+pub mod zemax;

@@ -1,0 +1,289 @@
+//! A list of measured pairs of directions as a table of points: what CSV, ASTM, SSDD and UTIA files hold.
+
+use std::collections::HashMap;
+
+use super::named_columns::{Columns, Values};
+use crate::files::memory;
+use crate::instrument::{Grid, GridKind};
+use crate::interchange::read_back::{Listing, ReadBack, middles_deg, upper};
+use crate::interchange::{Reason, needed, spectral_table};
+use crate::sphere;
+use crate::table::{BrdfTable, check_grid};
+
+/// The largest azimuth either way, degrees.
+const MOST_AZIMUTH: f64 = 3600.0;
+/// Pairs that a list does not have, at most. Each takes the memory of a value in every colour.
+const MOST_GAPS: usize = 1 << 22;
+
+/// The values for (theta_i, phi_i, theta_r, phi_r) in degrees, absolute azimuths.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sample {
+    /// The stop.
+    pub light: [f64; 2],
+    /// The sensor.
+    pub sensor: [f64; 2],
+    /// A value for each colour.
+    pub values: Values,
+    /// Their standard errors; empty where they are unknown.
+    pub errors: Values,
+    /// Arrivals, where they are counted.
+    pub hits: Option<u32>,
+    /// Where it stands in the file.
+    pub line: usize,
+}
+
+impl Sample {
+    /// Four angles, and what the columns say of the numbers. A negative polar angle is the far side of its plane,
+    /// phi + 180.
+    pub fn of(line: usize, numbers: &[f64], columns: &Columns) -> Self {
+        Sample {
+            light: upper([numbers[0], numbers[1]]),
+            sensor: upper([numbers[2], numbers[3]]),
+            values: columns.values(numbers),
+            errors: columns.errors(numbers),
+            hits: columns.hits(numbers),
+            line,
+        }
+    }
+
+    /// Which of its angles is none, if one is not.
+    fn fault(&self) -> Option<String> {
+        for (arm, [theta, phi]) in [("light", self.light), ("sensor", self.sensor)] {
+            if !(0.0..=90.0).contains(&theta) {
+                return Some(format!(
+                    "line {}: polar angle {theta} of the {arm} lies outside [0, 90] degrees",
+                    self.line
+                ));
+            }
+            // Beyond a few turns degrees lose their digits.
+            if phi.abs() > MOST_AZIMUTH {
+                return Some(format!(
+                    "line {}: azimuth {phi} of the {arm} lies outside [-{MOST_AZIMUTH}, {MOST_AZIMUTH}] degrees",
+                    self.line
+                ));
+            }
+        }
+        None
+    }
+
+    /// The sensor's azimuth counted from the light, to ten digits.
+    fn seen_from_light(mut self) -> Self {
+        self.sensor[1] = ((self.sensor[1] - self.light[1]) * 1e10).round() / 1e10;
+        self
+    }
+}
+
+/// The table of points. Stops come in the order of their first sample, and so do directions, in any order at each stop.
+/// A pair that is there twice, as a seam at 0 and 360 degrees, must agree. Where only azimuths from the light are the
+/// same at all stops, the table has those. Pairs that the list does not have are gaps ([`BrdfTable::is_gap`]).
+///
+/// Held by: tests/it/interchange/interchange_angles.rs, tests/it/interchange/ragged_scans.rs.
+pub fn table(samples: &[Sample], columns: &Columns, isotropic: bool) -> Reason<BrdfTable> {
+    if samples.is_empty() {
+        return Err("no samples".into());
+    }
+    if let Some(fault) = samples.iter().find_map(Sample::fault) {
+        return Err(fault);
+    }
+    let from_light = || samples.iter().cloned().map(Sample::seen_from_light).collect::<Vec<_>>();
+    if isotropic {
+        return one_azimuth(Layout::of(&from_light()).table(columns, true)?);
+    }
+    let absolute = Layout::of(samples);
+    if absolute.gaps() == 0 {
+        return absolute.table(columns, false);
+    }
+    let turned = from_light();
+    let relative = Layout::of(&turned);
+    // The azimuths by which the list has fewer gaps are those of the instrument.
+    if relative.gaps() < absolute.gaps() {
+        relative.table(columns, true)
+    } else {
+        absolute.table(columns, false)
+    }
+}
+
+/// Samples over all pairs of their stops and directions.
+struct Layout<'a> {
+    samples: &'a [Sample],
+    stops: Directions,
+    points: Directions,
+    /// Stop and direction of each sample.
+    places: Vec<(usize, usize)>,
+}
+
+impl<'a> Layout<'a> {
+    fn of(samples: &'a [Sample]) -> Self {
+        let (mut stops, mut points) = (Directions::default(), Directions::default());
+        let place = |sample: &Sample| (stops.place(sample.light), points.place(sample.sensor));
+        let places = samples.iter().map(place).collect();
+        Layout { samples, stops, points, places }
+    }
+
+    /// Pairs without a sample, at least.
+    fn gaps(&self) -> usize {
+        self.stops.list.len().saturating_mul(self.points.list.len()).saturating_sub(self.samples.len())
+    }
+
+    fn table(self, columns: &Columns, phi_r_relative: bool) -> Reason<BrdfTable> {
+        let (stop_count, bins) = (self.stops.list.len(), self.points.list.len());
+        if self.gaps() > MOST_GAPS {
+            return Err(format!(
+                "{} samples of {stop_count} lights and {bins} directions of the sensor: most directions belong to one \
+                 light alone, and a table of all pairs would be nearly empty; at most {MOST_GAPS} gaps are kept",
+                self.samples.len()
+            ));
+        }
+        // A few thousand lines may list millions of pairs, each with all colours: no length of a file says it before.
+        memory::check(needed::table(stop_count * bins, columns.colours()))?;
+        let mut first: Vec<Option<&Sample>> = vec![None; stop_count * bins];
+        for (sample, (stop, bin)) in self.samples.iter().zip(self.places) {
+            match &mut first[stop * bins + bin] {
+                Some(earlier) => agree(earlier, sample)?,
+                empty => *empty = Some(sample),
+            }
+        }
+        let number = |sample: &Option<&Sample>, c: usize| sample.map_or(0.0, |sample| sample.values[c]);
+        let total = (0..columns.colours()).map(|c| first.iter().map(|sample| number(sample, c)).collect());
+        let (stops_deg, points_deg) = (self.stops.list, self.points.list);
+        let grid = Grid { kind: GridKind::Points, stops_deg, points_deg, phi_r_relative, ..Grid::default() };
+        let grid = with_axes(grid);
+        check_grid(&grid)?;
+        let mut table = spectral_table(grid, total.collect(), &columns.wavelengths_nm)?;
+        for (entry, sample) in first.into_iter().enumerate() {
+            match sample {
+                Some(sample) => put(&mut table, entry, sample),
+                None => table.set_gap(entry),
+            }
+        }
+        Ok(table)
+    }
+}
+
+/// Errors and arrivals of an entry. Every value counts as an arrival where none are counted.
+fn put(table: &mut BrdfTable, entry: usize, sample: &Sample) {
+    for (colour, &error) in table.colours.iter_mut().zip(&sample.errors) {
+        (colour.stderr[entry], colour.stderr_single[entry]) = (error, error);
+    }
+    table.hits[entry] = sample.hits.unwrap_or(1);
+}
+
+/// Directions by the order in which they come.
+#[derive(Default)]
+struct Directions {
+    list: Vec<[f64; 2]>,
+    places: HashMap<[i64; 2], usize>,
+}
+
+impl Directions {
+    fn place(&mut self, direction: [f64; 2]) -> usize {
+        *self
+            .places
+            .entry(key(direction))
+            .or_insert_with(|| (self.list.push(direction), self.list.len() - 1).1)
+    }
+}
+
+/// A direction to 1e-8 degrees, what twelve digits of radians are worth; azimuths a turn apart are one, those at the
+/// pole are told apart, as an arm's are.
+pub fn key([theta, phi]: [f64; 2]) -> [i64; 2] {
+    let whole = |angle: f64| (angle * 1e8).round() as i64;
+    [whole(theta), whole(sphere::reduced_deg(phi)) % whole(360.0)]
+}
+
+/// Whether two values are one: as far apart as f32 and its decimals may be.
+pub fn alike(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 4.0 * f64::from(f32::EPSILON) * a.abs().max(b.abs())
+}
+
+fn agree(a: &Sample, b: &Sample) -> Reason<()> {
+    match (0..a.values.len()).find(|&c| !alike(f64::from(a.values[c]), f64::from(b.values[c]))) {
+        Some(c) => Err(format!(
+            "lines {} and {}: the same light {:?} and sensor {:?} (degrees) with {} and {}",
+            a.line, b.line, b.light, b.sensor, a.values[c], b.values[c]
+        )),
+        None => Ok(()),
+    }
+}
+
+/// The table with its single azimuth of the light standing for all.
+///
+/// Held by: `the_users_word_makes_a_single_azimuth_isotropic` (tests/it/interchange/interchange_angles.rs).
+pub fn one_azimuth(mut table: BrdfTable) -> Reason<BrdfTable> {
+    let grid = &mut table.grid;
+    if grid.is_isotropic() {
+        return Ok(table);
+    }
+    if grid.kind == GridKind::HalfDifference {
+        return Err("isotropic: half/difference angles say that themselves; leave --isotropic out".into());
+    }
+    if grid.azimuths() > 1 {
+        return Err("isotropic: the file has several azimuths of the light, one needed".into());
+    }
+    let turn = grid.stop_deg(0).1;
+    let back = |phi: &mut f64| *phi = ((*phi - turn) * 1e10).round() / 1e10;
+    grid.phi_r_edges_deg.iter_mut().chain(&mut grid.phi_r_deg).for_each(back);
+    grid.patches_deg.iter_mut().flat_map(|patch| &mut patch[2..]).for_each(back);
+    grid.points_deg.iter_mut().map(|point| &mut point[1]).for_each(back);
+    grid.phi_r_relative = true;
+    check_grid(grid)?;
+    Ok(table)
+}
+
+/// Holds samples of the table's own bins, in their order, to the table; their angles may be off by `digits` degrees.
+pub fn held_to(
+    table: &BrdfTable,
+    digits: f64,
+    visit: impl FnOnce(&mut dyn FnMut(Sample) -> Reason<()>) -> Reason<()>,
+) -> Reason<Option<ReadBack>> {
+    listed(table, digits, visit)?.finish()
+}
+
+/// The same as a listing, for tables of which this is a band.
+pub fn listed<'a>(
+    table: &'a BrdfTable,
+    digits: f64,
+    visit: impl FnOnce(&mut dyn FnMut(Sample) -> Reason<()>) -> Reason<()>,
+) -> Reason<Listing<'a>> {
+    let (grid, bins) = (&table.grid, table.grid.bins());
+    let (mut listing, mut entry, mut middles) = (Listing::new(table), 0, Vec::new());
+    let mut middles_of = None;
+    let mut each = |sample: Sample| {
+        while table.is_gap(entry) {
+            entry += 1;
+        }
+        let (stop, bin) = (entry / bins, entry % bins);
+        if stop >= grid.stops() {
+            return Err("more samples than bins".into());
+        }
+        if middles_of != Some(stop) {
+            (middles, middles_of) = (middles_deg(grid, stop), Some(stop));
+        }
+        let (light, sensor) = (grid.stop_deg(stop), middles[bin]);
+        let wanted = [light.0, light.1, sensor.0, sensor.1];
+        let found = [sample.light, sample.sensor].concat();
+        let off = found.iter().zip(wanted).any(|(found, wanted)| {
+            // A negative azimuth may come back a turn later.
+            let turn = (found - wanted).rem_euclid(360.0);
+            turn.min(360.0 - turn) > digits
+        });
+        if off {
+            return Err(format!("entry {entry} is at {found:?} degrees, the bin at {wanted:?}"));
+        }
+        for colour in 0..table.colours.len() {
+            listing.add(stop, bin, colour, sample.values[colour]);
+        }
+        entry += 1;
+        Ok(())
+    };
+    visit(&mut each)?;
+    Ok(listing)
+}
+
+/// The stops as axes where they are a product.
+pub(crate) fn with_axes(grid: Grid) -> Grid {
+    match crate::interchange::resample::lookup::stop_axes(&grid) {
+        Ok((theta_i_deg, phi_i_deg)) => Grid { theta_i_deg, phi_i_deg, stops_deg: vec![], ..grid },
+        Err(_) => grid,
+    }
+}

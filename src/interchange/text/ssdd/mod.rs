@@ -1,0 +1,150 @@
+//! SSDD 0.2: an open text form of a 3-D or 4-D table over four lists of angles in degrees.
+//!
+//! `KEY value` lines, `PARAM0_LIST` .. `PARAM3_LIST`, `DATA ascii` or `binary`, then one colour a line, the first angle
+//! fastest, the last slowest. Written are spherical coordinates (theta_i, phi_i, theta_o, phi_o); read are these, angles
+//! about the mirror direction and half/difference angles. Source: the SSDD 0.2 specification (libbsdf's repository).
+
+mod azimuths;
+mod half_difference;
+mod header;
+mod lines;
+mod specular;
+mod spherical;
+mod values;
+
+use std::io::{BufRead, Write};
+
+use super::seam;
+use crate::interchange::import::Imported;
+use crate::interchange::radiance::colour;
+use crate::interchange::read_back::{Listing, ReadBack};
+use crate::interchange::resample::lookup::{bin_axes, stop_axes};
+use crate::interchange::{Fail, Reason};
+use crate::sphere;
+use crate::table::BrdfTable;
+use crate::text_decoding::without_mark;
+use header::{Header, Parameters};
+use lines::Lines;
+
+/// How the values are meant.
+pub const CONVENTION: &str = "spherical coordinates in degrees (theta_i, phi_i, theta_o, phi_o), phi_o = phi_i + 180 is the \
+    mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
+
+/// Writes the totals of a table whose stops and bins are products of angles. Azimuths are put into [0, 360) in increasing
+/// order, as the format wants them; of an isotropic table the light has none.
+pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
+    let grid = &table.grid;
+    if grid.phi_r_relative && !grid.is_isotropic() {
+        return Err("phi_r counts from the light at several azimuths; SSDD has absolute ones"
+            .to_string()
+            .into());
+    }
+    let ((theta_i, phi_i), (theta_r, phi_r)) = (stop_axes(grid)?, bin_axes(grid)?);
+    if theta_r.iter().any(|&theta| theta < 0.0) {
+        return Err("an arm with negative polar angles has no list of spherical angles".to_string().into());
+    }
+    let lists = [
+        increasing(&theta_i, false),
+        increasing(&phi_i, true),
+        increasing(&theta_r, false),
+        increasing(&phi_r, true),
+    ];
+    let nm: Vec<String> = table.wavelengths_nm().iter().map(f64::to_string).collect();
+    let model = match table.colours.len() {
+        _ if !nm.is_empty() => format!("spectrum\nWAVELENGTH_LIST {}", nm.join(" ")),
+        1 => "monochrome".into(),
+        _ => "rgb".into(),
+    };
+    writeln!(
+        out,
+        "VERSION 0.2\nDATA_TYPE brdf\nCOLOR_MODEL {model}\nPARAM_TYPE spherical_coordinate_system"
+    )?;
+    for (k, list) in lists.iter().enumerate().filter(|(k, _)| *k != 1 || !grid.is_isotropic()) {
+        let list: Vec<String> = list.iter().map(|(angle, _)| angle.to_string()).collect();
+        writeln!(out, "PARAM{k}_LIST {}", list.join(" "))?;
+    }
+    writeln!(out, "SOURCE_TYPE generated\nDATA ascii")?;
+    let (bins, [theta_i, phi_i, theta_r, phi_r]) = (theta_r.len() * phi_r.len(), &lists);
+    for (_, pr) in phi_r {
+        for (_, tr) in theta_r {
+            for (_, pi) in phi_i {
+                for (_, ti) in theta_i {
+                    let at = (ti * phi_i.len() + pi) * bins + tr * phi_r.len() + pr;
+                    let values: Vec<String> = table.colours.iter().map(|c| c.total[at].to_string()).collect();
+                    writeln!(out, "{}", values.join(" "))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Angles in increasing order, azimuths in [0, 360), each with its place in the table.
+fn increasing(angles: &[f64], azimuths: bool) -> Vec<(f64, usize)> {
+    let written = |&angle: &f64| if azimuths { sphere::reduced_deg(angle) } else { angle };
+    let mut list: Vec<(f64, usize)> = angles.iter().map(written).zip(0..).collect();
+    list.sort_by(|a, b| a.0.total_cmp(&b.0));
+    list
+}
+
+/// The table of a file that has stops and directions, or half vectors and differences, of its own.
+///
+/// Held by: `ssdd_comes_back`, `damaged_texts_are_refused`, tests/it/interchange/interchange_angles.rs.
+pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+    match read_with_notes(bytes)?.0 {
+        Imported::Table(table) => Ok(table),
+        Imported::Function(..) | Imported::Spectrum { .. } => {
+            Err("the file's directions are no list of stops and bins; give a grid with --like".into())
+        }
+    }
+}
+
+/// What a file holds, and what is to be said of it; negative values become 0, X, Y, Z linear R, G, B.
+///
+/// In spherical coordinates it is a table of points: without `PARAM1_LIST` isotropic, azimuths a turn apart one where
+/// their values agree. About the mirror direction it is a function. Half/difference angles are a table of them where
+/// the values are reciprocal, and else a function.
+/// Held by: tests/it/interchange/interchange_ssdd.rs.
+pub fn read_with_notes(bytes: &[u8]) -> Reason<(Imported, Vec<String>)> {
+    let bytes = without_mark(bytes)?;
+    let mut lines = Lines::of(&*bytes);
+    let header = Header::read(&mut lines)?;
+    let (values, mut notes) = values::all(&mut lines, &header, bytes.len())?;
+    let values = if header.xyz { to_rgb(values) } else { values };
+    let (imported, more) = match header.parameters {
+        Parameters::Spherical => {
+            (Imported::Table(seam::dropped(spherical::table(&header, values)?)?), vec![])
+        }
+        Parameters::Specular => specular::function(&header, values)?,
+        Parameters::HalfDifference => half_difference::imported(&header, values)?,
+    };
+    notes.extend(more);
+    Ok((imported, notes))
+}
+
+/// X, Y, Z as linear R, G, B.
+fn to_rgb(mut total: Vec<Vec<f32>>) -> Vec<Vec<f32>> {
+    if let [x, y, z] = &mut total[..] {
+        for ((x, y), z) in x.iter_mut().zip(y).zip(z) {
+            [*x, *y, *z] = colour::rgb([*x, *y, *z].map(f64::from)).map(|value| value as f32);
+        }
+    }
+    total
+}
+
+/// Holds a file of the table's own angles to the table, line by line, each value at its angles.
+pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
+    let mut lines = Lines::of(file);
+    let header = Header::read(&mut lines)?;
+    let grid = spherical::grid(&header)?;
+    let sizes = (grid.stops(), grid.bins(), header.colours);
+    if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {
+        return Err(format!("{} stops of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
+    }
+    let (stops, bins) = seam::places(&grid, &table.grid)?;
+    let mut listing = Listing::new(table);
+    values::each(&mut lines, &header, |stop, bin, colour, value| {
+        listing.add(stops[stop], bins[bin], colour, value)
+    })?;
+    listing.finish()
+}

@@ -1,0 +1,248 @@
+//! From the sums of every realisation to the table: values, error bars, albedos.
+
+use super::fresnel_sums::Colour;
+use super::lost_light;
+use super::slopes;
+use super::slopes::SlopeClass;
+use super::tally::Tally;
+use super::tally_flux::TallyFlux;
+use crate::campaign;
+use crate::campaign::{Campaign, Optics};
+use crate::measure::plan::Plan;
+use crate::measure::rounds::Finished;
+use crate::measure::stopping::{Look, Progress, StoppedBy};
+use crate::stats;
+use crate::table::brdf_table::HITS_OF_AN_EMPTY_BIN;
+use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
+
+/// What a stop shows besides its bins.
+#[derive(Debug, Clone)]
+pub struct StopResult {
+    /// Share of the incident flux in each order, one value for each realisation: \[order\]\[realisation\], mean of the
+    /// colours. No realisation where only the light towards the apertures is followed.
+    pub albedo_by_order: Vec<Vec<f64>>,
+    /// All orders and the cut paths with F = 1: \[realisation\]; empty where only the light towards the apertures is
+    /// followed.
+    pub closure: Vec<f64>,
+    /// Whether F = 1.
+    pub perfect: bool,
+    /// Paths that leave, by order.
+    pub orders: Vec<u64>,
+    /// Paths beyond the last order.
+    pub cut: u64,
+    /// Starts that the light does not see.
+    pub hidden: u64,
+    /// Paths over the edge of an open map.
+    pub left_map: u64,
+    /// What they may have added at most to the albedos of order 1 and of all orders, mean of the colours.
+    pub lost_light: [f64; 2],
+    /// Starts whose facets send light into no aperture, where only that is followed.
+    pub outside: u64,
+    /// Starts in each realisation.
+    pub samples: u64,
+    /// What ended it.
+    pub stopped_by: StoppedBy,
+    /// The relative error where it ended, if one was asked for.
+    pub relative_error: Option<f64>,
+    /// How many realisations would reach it, where the patches are the limit.
+    pub realisations_needed: Option<u64>,
+    /// The relative errors on the way.
+    pub looks: Vec<Look>,
+    /// What the light sees of the facets by their slope; `None` where that is not known.
+    pub seen_by_slope: Option<Vec<SlopeClass>>,
+}
+
+/// A measured table with everything that the summary needs.
+#[derive(Debug, Clone)]
+pub struct Measured {
+    /// The campaign of this table: one roughness, one material.
+    pub campaign: Campaign,
+    /// The table.
+    pub table: BrdfTable,
+    /// Every realisation.
+    pub realisations: Realisations,
+    /// Every stop.
+    pub stops: Vec<StopResult>,
+}
+
+/// The tables of one roughness, one for each material.
+pub(crate) fn assemble(
+    campaign: &Campaign,
+    plan: &Plan,
+    finished: &Finished,
+    patch_digest: &str,
+) -> Vec<Measured> {
+    let flux = finished.flux();
+    let campaign = finished.alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
+    let sizes: Vec<Vec<f64>> = (0..plan.stops)
+        .map(|stop| plan.grid.regions(stop).iter().map(|region| region.projected_solid_angle()).collect())
+        .collect();
+    let hits = total_hits(plan, &flux);
+    let empty = empty_bin_errors(plan, &flux, &sizes);
+    let source = Source { plan, flux: &flux, sizes: &sizes };
+    let of_material = |(material, optics): (usize, &Optics)| {
+        let campaign = campaign.with_optics(optics);
+        let colours = plan.weighing.colours(material);
+        let parts: Vec<RealisationPart> =
+            flux.iter().map(|stops| source.realisation(stops, &colours)).collect();
+        let wavelengths = optics.wavelengths_nm();
+        let channels = |(place, &colour): (usize, &Colour)| {
+            let measured = ColourChannels::of_realisations(&parts, place, &hits, &empty);
+            ColourChannels {
+                orders: source.orders(colour),
+                wavelength_nm: wavelengths.get(place).copied(),
+                ..if campaign.surface.kind.is_open_map() {
+                    lost_light::covered(&source, colour, measured)
+                } else {
+                    measured
+                }
+            }
+        };
+        let table = BrdfTable {
+            grid: plan.grid.clone(),
+            campaign: campaign::to_toml(&campaign),
+            version: env!("CARGO_PKG_VERSION").to_string(),
+            seed: campaign.seed,
+            patch_digest: patch_digest.to_string(),
+            colours: colours.iter().enumerate().map(channels).collect(),
+            hits: hits.clone(),
+            schlick: source.schlick(&flux),
+        }
+        .with_albedo_errors(&parts);
+        let result = |(stop, end)| stop_result(&source, stop, &colours, end);
+        let stops = finished.stops.iter().enumerate().map(result).collect();
+        Measured { campaign, table, realisations: Realisations { parts }, stops }
+    };
+    campaign.optics.each().into_iter().enumerate().map(of_material).collect()
+}
+
+/// What tables are made of: [realisation][stop], and the bins' projected solid angles, [stop][bin].
+pub(crate) struct Source<'a> {
+    pub plan: &'a Plan,
+    pub flux: &'a [Vec<TallyFlux<'a>>],
+    sizes: &'a [Vec<f64>],
+}
+
+impl Source<'_> {
+    /// BRDF values of one realisation: flux over projected solid angle.
+    fn realisation(&self, stops: &[TallyFlux], colours: &[Colour]) -> RealisationPart {
+        let mut part = RealisationPart {
+            total: vec![Vec::new(); colours.len()],
+            single: vec![Vec::new(); colours.len()],
+            schlick: self.schlick(std::slice::from_ref(&stops)),
+        };
+        for (flux, sizes) in stops.iter().zip(self.sizes) {
+            for (bin, size) in sizes.iter().enumerate() {
+                for (place, &colour) in colours.iter().enumerate() {
+                    let single = flux.single(colour, bin) / size;
+                    let multiple = flux.multiple(&self.plan.weighing, colour, bin) / size;
+                    part.single[place].push(single as f32);
+                    part.total[place].push((single + multiple) as f32);
+                }
+            }
+        }
+        part
+    }
+
+    /// Mean over some realisations of a flux, as a BRDF in every bin.
+    pub fn brdf<'b>(
+        &self,
+        realisations: &[impl AsRef<[TallyFlux<'b>]>],
+        flux: impl Fn(&TallyFlux<'b>, usize) -> f64,
+    ) -> Vec<f32> {
+        let count = realisations.len() as f64;
+        entries(self.plan, |stop, bin| {
+            let sum: f64 = realisations.iter().map(|stops| flux(&stops.as_ref()[stop], bin)).sum();
+            (sum / count / self.sizes[stop][bin]) as f32
+        })
+    }
+
+    /// The sums of Schlick's formula over some realisations, where they serve any F0.
+    fn schlick<'b>(&self, realisations: &[impl AsRef<[TallyFlux<'b>]>]) -> Option<SchlickSums> {
+        let weighing = &self.plan.weighing;
+        let group = |group: usize| {
+            let sums = weighing.group(group);
+            sums.map(|sum| self.brdf(realisations, |flux, bin| flux.of(flux.tally.multiple[sum][bin])))
+                .collect()
+        };
+        weighing.serves_any_f0().then(|| SchlickSums {
+            unit: self.brdf(realisations, |flux, bin| flux.of(flux.tally.single[bin])),
+            first: self.brdf(realisations, |flux, bin| flux.of(flux.tally.first[0][bin])),
+            further: (0..weighing.groups()).map(group).collect(),
+        })
+    }
+
+    /// Orders 2, 3, ... of a colour, where they are kept apart.
+    fn orders(&self, colour: Colour) -> Vec<Vec<f32>> {
+        let weighing = &self.plan.weighing;
+        let groups = if weighing.by_order() { weighing.groups() } else { 0 };
+        let order = |group| self.brdf(self.flux, |flux, bin| flux.group(weighing, group, colour, bin));
+        (0..groups).map(order).collect()
+    }
+}
+
+fn total_hits(plan: &Plan, flux: &[Vec<TallyFlux>]) -> Vec<u32> {
+    let of = |stop: usize, bin: usize| flux.iter().map(|stops| stops[stop].tally.hits[bin]).sum::<u64>();
+    entries(plan, |stop, bin| u32::try_from(of(stop, bin)).unwrap_or(u32::MAX))
+}
+
+/// The BRDF of 1.5 hits: what an empty bin's error bar says.
+fn empty_bin_errors(plan: &Plan, flux: &[Vec<TallyFlux>], sizes: &[Vec<f64>]) -> Vec<f32> {
+    let share = |stop: usize| {
+        let counted: (u64, f64) = flux
+            .iter()
+            .flat_map(|stops| {
+                let Tally { orders, outside, left_map, .. } = stops[stop].tally;
+                let orders = orders.iter().map(|order| (order.count, order.flux));
+                let fates = [outside, left_map].map(|fate| (fate.count, fate.flux));
+                orders.chain(fates).map(|(count, units)| (count, stops[stop].of(units)))
+            })
+            .fold((0, 0.0), |(count, flux), more| (count + more.0, flux + more.1));
+        let fold = if plan.folded[stop] { 0.5 } else { 1.0 };
+        if counted.0 == 0 { 1.0 } else { fold * counted.1 / counted.0 as f64 / flux.len() as f64 }
+    };
+    let shares: Vec<f64> = (0..plan.stops).map(share).collect();
+    entries(plan, |stop, bin| (HITS_OF_AN_EMPTY_BIN * shares[stop] / sizes[stop][bin]) as f32)
+}
+
+fn entries<T>(plan: &Plan, of: impl Fn(usize, usize) -> T) -> Vec<T> {
+    (0..plan.stops)
+        .flat_map(|stop| (0..plan.bins).map(move |bin| (stop, bin)))
+        .map(|(s, b)| of(s, b))
+        .collect()
+}
+
+fn stop_result(source: &Source, stop: usize, colours: &[Colour], end: &Progress) -> StopResult {
+    let plan = source.plan;
+    let realisations: Vec<TallyFlux> = source.flux.iter().map(|stops| stops[stop]).collect();
+    let tallies: Vec<&Tally> = realisations.iter().map(|flux| flux.tally).collect();
+    let orders = tallies[0].orders.len();
+    // The light beyond the apertures is not known.
+    let whole = if plan.apertures_only { &[] } else { &realisations[..] };
+    let of_order = |k: usize| {
+        let albedo = |flux: &TallyFlux| {
+            stats::mean(&colours.iter().map(|&colour| flux.order(k, colour)).collect::<Vec<_>>())
+        };
+        whole.iter().map(albedo).collect()
+    };
+    let closure = |flux: &TallyFlux| {
+        (0..orders).map(|order| flux.order(order, Colour::Unit)).sum::<f64>() + flux.truncated()
+    };
+    StopResult {
+        albedo_by_order: (0..orders).map(of_order).collect(),
+        closure: whole.iter().map(closure).collect(),
+        perfect: colours == [Colour::Unit],
+        orders: (0..orders).map(|k| tallies.iter().map(|tally| tally.orders[k].count).sum()).collect(),
+        cut: tallies.iter().map(|tally| tally.cut.count).sum(),
+        hidden: tallies.iter().map(|tally| tally.hidden.count).sum(),
+        left_map: tallies.iter().map(|tally| tally.left_map.count).sum(),
+        lost_light: lost_light::of_albedos(&realisations, colours),
+        outside: tallies.iter().map(|tally| tally.outside.count).sum(),
+        samples: end.blocks * plan.block_starts,
+        stopped_by: end.by.unwrap_or(StoppedBy::Samples),
+        relative_error: end.relative_error,
+        realisations_needed: end.realisations_needed,
+        looks: end.looks.clone(),
+        seen_by_slope: slopes::classes(&tallies),
+    }
+}

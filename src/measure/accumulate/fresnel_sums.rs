@@ -1,0 +1,266 @@
+//! Which sums a measurement keeps of its paths, and how the colours of every table follow from them.
+//!
+//! Every start has the same flux. F = 1 needs nothing but counts. Schlick's reflectance of a path of k bounces is a
+//! polynomial in F0, whose parts (`optics::parts`) are summed: they serve every colour and every material. Fresnel's
+//! equations, and Schlick's formula beyond `HIGHEST` bounces, are worked out for each colour of each material.
+
+use std::ops::Range;
+
+use crate::campaign::{Campaign, Law, Optics};
+use crate::measure::optics::reflectances_of;
+use crate::optics::FacetAngle;
+use crate::optics::fresnel::Fresnel;
+use crate::optics::parts;
+use crate::optics::reflectance::Reflectance;
+
+/// Highest order up to which parts are summed: their number grows with the order.
+pub const HIGHEST: u32 = 8;
+
+/// What is summed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sums {
+    /// Paths.
+    Counts,
+    /// The parts of Schlick's polynomial.
+    Parts,
+    /// The reflectance in every colour.
+    Colours,
+}
+
+/// The sums of a campaign.
+#[derive(Debug, Clone)]
+pub struct Weighing {
+    sums: Sums,
+    bounces: u32,
+    by_order: bool,
+    /// Every colour of every material, one after the other.
+    reflectances: Vec<Reflectance>,
+    /// Colours of each material.
+    of_material: Vec<usize>,
+}
+
+/// How one colour of a table follows from the sums.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Colour {
+    /// F = 1.
+    Unit,
+    /// Schlick, from the parts.
+    Schlick {
+        /// Reflectance at normal incidence.
+        f0: f64,
+    },
+    /// Its own sums.
+    Traced {
+        /// Its place among the colours of all materials.
+        place: usize,
+    },
+}
+
+/// The weights of one path, for sums of shares of its flux.
+#[derive(Debug, Clone, Default)]
+pub struct PathWeights {
+    /// Into the sums of its order.
+    pub order: Vec<f64>,
+    /// Into the sums of its bins, from `first` on.
+    pub bins: Vec<f64>,
+    /// The first of these sums.
+    pub first: usize,
+}
+
+impl Weighing {
+    /// What a campaign needs.
+    pub fn of(campaign: &Campaign) -> Self {
+        let of_material = campaign.optics.each().into_iter().map(Optics::colours).collect();
+        let schlick = |optics: &&Optics| match optics {
+            Optics::Schlick { .. } => true,
+            Optics::Index(index) => index.law == Law::Schlick,
+            Optics::PerfectMirror | Optics::Several(_) => false,
+        };
+        let sums = match campaign.optics {
+            Optics::PerfectMirror => Sums::Counts,
+            _ if campaign.trace.bounces <= HIGHEST && campaign.optics.each().iter().all(schlick) => {
+                Sums::Parts
+            }
+            _ => Sums::Colours,
+        };
+        Weighing {
+            sums,
+            bounces: campaign.trace.bounces,
+            by_order: campaign.trace.by_order,
+            reflectances: reflectances_of(&campaign.optics),
+            of_material,
+        }
+    }
+
+    /// The same with the reflectance of every colour followed along the path, as tests compare it with.
+    pub fn traced(self) -> Self {
+        Weighing { sums: if self.sums == Sums::Counts { self.sums } else { Sums::Colours }, ..self }
+    }
+
+    /// Highest order.
+    pub fn bounces(&self) -> usize {
+        self.bounces as usize
+    }
+
+    /// Whether every order above 1 is kept by itself.
+    pub fn by_order(&self) -> bool {
+        self.by_order
+    }
+
+    /// Whether paths need the angles at their facets.
+    pub fn needs_angles(&self) -> bool {
+        self.sums != Sums::Counts
+    }
+
+    /// Whether every colour has sums of its own.
+    pub fn is_traced(&self) -> bool {
+        self.sums == Sums::Colours
+    }
+
+    /// Whether Schlick's reflectance for any F0 follows from the sums.
+    pub fn serves_any_f0(&self) -> bool {
+        self.sums == Sums::Parts || (self.sums == Sums::Colours && self.bounces == 1)
+    }
+
+    /// Sums of order 1 for each bin, beside the flux with F = 1: (1-c)^5, and traced colours.
+    pub fn first_sums(&self) -> usize {
+        match self.sums {
+            Sums::Counts => 0,
+            Sums::Parts => 1,
+            Sums::Colours => 1 + self.reflectances.len(),
+        }
+    }
+
+    /// Sums of the orders above 1 for each bin.
+    pub fn multiple_sums(&self) -> usize {
+        (0..self.groups()).map(|group| self.group(group).len()).sum()
+    }
+
+    /// Groups of orders above 1 that have sums of their own: each order, or all of them together.
+    pub fn groups(&self) -> usize {
+        match self.bounces {
+            1 => 0,
+            bounces if self.by_order => bounces as usize - 1,
+            _ => 1,
+        }
+    }
+
+    /// The sums of a group.
+    pub fn group(&self, group: usize) -> Range<usize> {
+        let size = |group: usize| match self.sums {
+            Sums::Counts => 1,
+            Sums::Parts => 1 + self.degree(group),
+            Sums::Colours => self.reflectances.len(),
+        };
+        let first = (0..group).map(size).sum();
+        first..first + size(group)
+    }
+
+    /// Degree of a group's polynomial.
+    fn degree(&self, group: usize) -> usize {
+        if self.by_order { group + 2 } else { self.bounces as usize }
+    }
+
+    /// Sums of one order for the albedo.
+    pub fn order_sums(&self, order: usize) -> usize {
+        match self.sums {
+            Sums::Counts => 0,
+            Sums::Parts => order + 1,
+            Sums::Colours => self.reflectances.len(),
+        }
+    }
+
+    /// The colours of one material's table.
+    pub fn colours(&self, material: usize) -> Vec<Colour> {
+        let first: usize = self.of_material[..material].iter().sum();
+        let colour = |place: usize| match (self.sums, self.reflectances[place].fresnel) {
+            (Sums::Counts, _) => Colour::Unit,
+            (Sums::Parts, Fresnel::Schlick { f0 }) => Colour::Schlick { f0 },
+            _ => Colour::Traced { place },
+        };
+        (first..first + self.of_material[material]).map(colour).collect()
+    }
+
+    /// Every colour of every material.
+    pub fn all_colours(&self) -> Vec<Colour> {
+        (0..self.of_material.len()).flat_map(|material| self.colours(material)).collect()
+    }
+
+    /// The weights of a path with these angles at its facets, which left after `order` bounces.
+    pub fn weigh(&self, angles: &[FacetAngle], order: u32, weights: &mut PathWeights) {
+        let PathWeights { order: of_order, bins, first } = weights;
+        bins.clear();
+        of_order.clear();
+        let group = if self.by_order { (order as usize).saturating_sub(2) } else { 0 };
+        *first = if order > 1 { self.group(group).start } else { 0 };
+        match self.sums {
+            Sums::Counts if order == 1 => {}
+            Sums::Counts => bins.push(1.0),
+            Sums::Parts => {
+                parts::of_path(angles, of_order);
+                if order == 1 {
+                    bins.push(of_order[1]);
+                } else {
+                    bins.resize(1 + self.degree(group), 0.0);
+                    parts::add_raised(of_order, self.degree(group), bins);
+                }
+            }
+            Sums::Colours => {
+                let product = |r: &Reflectance| angles.iter().map(|&angle| r.at(angle)).product::<f64>();
+                of_order.extend(self.reflectances.iter().map(product));
+                if order == 1 {
+                    bins.push(angles[0].schlick_weight());
+                }
+                bins.extend_from_slice(of_order);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::campaign;
+
+    fn weighing(optics: &str, trace: &str) -> Weighing {
+        let text = format!(
+            "name = \"w\"\n[surface]\nrealisations = 1\n[surface.ggx]\nalpha = 0.5\n[light]\ntheta_i_deg = [0]\n\
+             [sensor.hemisphere]\n{optics}\n[trace]\n{trace}\n[stop]\nsamples = 1\n"
+        );
+        let parsed = campaign::parse(&text, "w", Path::new("")).unwrap_or_else(|e| panic!("{e}"));
+        Weighing::of(&parsed.campaign)
+    }
+
+    #[test]
+    fn sums_lie_side_by_side_without_a_gap() {
+        let gold = "[optics]\nmaterial = \"gold\"";
+        let exact = "[optics]\nmaterials = [\"gold\", \"silver\"]\nfresnel = \"exact\"";
+        // (first, multiple): counts need none beside the flux; parts of degree 4 are 5, of 2 to 4 are 3 + 4 + 5.
+        for (optics, trace, first, multiple) in [
+            ("", "bounces = 1", 0, 0),
+            ("", "bounces = 4\nby_order = true", 0, 3),
+            (gold, "bounces = 1", 1, 0),
+            (gold, "bounces = 4", 1, 5),
+            (gold, "bounces = 4\nby_order = true", 1, 12),
+            (gold, "bounces = 9", 4, 3),
+            (exact, "bounces = 1", 7, 0),
+            (exact, "bounces = 3\nby_order = true", 7, 12),
+        ] {
+            let weighing = weighing(optics, trace);
+            assert_eq!(
+                (weighing.first_sums(), weighing.multiple_sums()),
+                (first, multiple),
+                "{optics} {trace}"
+            );
+            let mut next = 0;
+            for group in 0..weighing.groups() {
+                assert_eq!(weighing.group(group).start, next);
+                next = weighing.group(group).end;
+            }
+        }
+        assert!(!weighing(gold, "bounces = 9").serves_any_f0());
+        assert_eq!(weighing(exact, "bounces = 1").all_colours().len(), 6);
+    }
+}

@@ -1,0 +1,8 @@
+//! Sums of paths, and tables out of them.
+
+pub mod assemble;
+pub mod fresnel_sums;
+pub mod lost_light;
+pub mod slopes;
+pub mod tally;
+pub mod tally_flux;

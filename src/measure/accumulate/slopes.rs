@@ -1,0 +1,111 @@
+//! Masking given the normal: how often the light sees facets, by their slope along the light.
+//!
+//! Enters: starts, which lie on the facets in proportion to the area turned to the light. Leaves: in each class of
+//! slopes the share of them that the light sees. Smith's masking (Heitz 2014, section 3.3) is the same for all facets
+//! that are turned to the light; a continuous surface need not keep to it. Counted here, compared in `report`.
+
+use serde::{Deserialize, Serialize};
+
+use super::tally::Tally;
+use crate::stats;
+
+/// Edges between the classes, in units of alpha along the light's azimuth; plain slopes of a surface without an alpha. Below 0 a facet is tilted towards the light;
+/// slopes at or above cot(theta_i)/alpha are turned away from it and have no starts.
+const EDGES: [f64; 17] =
+    [-4.0, -3.0, -2.0, -1.5, -1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0];
+const CLASSES: usize = EDGES.len() + 1;
+
+/// Counts of one stop and realisation.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct SeenBySlope {
+    starts: [u64; CLASSES],
+    seen: [u64; CLASSES],
+}
+
+/// One class of facets, over all realisations.
+#[derive(Debug, Clone, Serialize)]
+pub struct SlopeClass {
+    /// Slopes in [lower, upper) along the light's azimuth, units of alpha where there is one; null: without end.
+    pub slope: [Option<f64>; 2],
+    /// Starts in it.
+    pub starts: u64,
+    /// Share that the light sees: mean over the realisations that have starts in it.
+    pub share: Option<f64>,
+    /// Its standard error over these realisations.
+    pub share_se: Option<f64>,
+}
+
+impl SeenBySlope {
+    /// Counts a start on a facet of this slope.
+    pub fn count(&mut self, slope: f64, seen: bool) {
+        let class = EDGES.partition_point(|&edge| edge <= slope);
+        self.starts[class] += 1;
+        self.seen[class] += u64::from(seen);
+    }
+
+    /// Adds the counts of further blocks.
+    pub fn merge(&mut self, other: &Self) {
+        self.starts.iter_mut().zip(&other.starts).for_each(|(mine, theirs)| *mine += theirs);
+        self.seen.iter_mut().zip(&other.seen).for_each(|(mine, theirs)| *mine += theirs);
+    }
+
+    /// Whether no class has more than so many starts, nor sees more than it has.
+    pub fn is_sound(&self, starts: u64) -> bool {
+        self.starts.iter().zip(&self.seen).all(|(here, seen)| here <= &starts && seen <= here)
+    }
+}
+
+/// The classes over the tallies of all realisations of a stop; `None` where one of them has counted nothing: without
+/// visibility, where only some facets are started on, on a statistical surface; and where paths leave an open map, of which
+/// nobody knows what the light would have met.
+///
+/// Held by: `the_light_sees_a_groove_as_torrance_and_sparrow_say`.
+pub(crate) fn classes(tallies: &[&Tally]) -> Option<Vec<SlopeClass>> {
+    let left_map = tallies.iter().any(|tally| tally.left_map.count > 0);
+    let seen: Vec<&SeenBySlope> = tallies.iter().map(|tally| &tally.seen).collect();
+    if left_map { None } else { classes_of(&seen) }
+}
+
+fn classes_of(realisations: &[&SeenBySlope]) -> Option<Vec<SlopeClass>> {
+    let counted = |counts: &&SeenBySlope| counts.starts.iter().any(|&starts| starts > 0);
+    if !realisations.iter().all(counted) {
+        return None;
+    }
+    let class = |k: usize| {
+        let here = realisations.iter().filter(|counts| counts.starts[k] > 0);
+        let shares = here.map(|counts| counts.seen[k] as f64 / counts.starts[k] as f64);
+        let (mean, se) = stats::mean_and_se(shares);
+        let starts = realisations.iter().map(|counts| counts.starts[k]).sum();
+        SlopeClass {
+            slope: [k.checked_sub(1).map(|below| EDGES[below]), EDGES.get(k).copied()],
+            starts,
+            share: (starts > 0).then_some(mean),
+            share_se: se,
+        }
+    };
+    Some((0..CLASSES).map(class).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn classes_are_half_open_and_say_where_nothing_is() {
+        let mut counts = SeenBySlope::default();
+        for (slope, seen) in [(-9.0, true), (0.25, true), (0.25, false), (0.249, true), (4.0, false)] {
+            counts.count(slope, seen);
+        }
+        let classes = classes_of(&[&counts, &counts]).expect("counted");
+        let of = |slope: [Option<f64>; 2]| {
+            let class = classes.iter().find(|class| class.slope == slope).expect("a class");
+            (class.starts, class.share, class.share_se)
+        };
+        assert_eq!(of([None, Some(-4.0)]), (2, Some(1.0), Some(0.0)));
+        assert_eq!(of([Some(0.25), Some(0.5)]), (4, Some(0.5), Some(0.0)));
+        assert_eq!(of([Some(0.0), Some(0.25)]), (2, Some(1.0), Some(0.0)));
+        assert_eq!(of([Some(4.0), None]), (2, Some(0.0), Some(0.0)));
+        assert_eq!(of([Some(1.0), Some(1.5)]), (0, None, None));
+        assert!(classes_of(&[&counts, &SeenBySlope::default()]).is_none());
+    }
+}

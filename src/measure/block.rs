@@ -1,0 +1,143 @@
+//! The blocks of one incidence on one patch: surface samples as the plan's sampler chooses them, followed and tallied.
+
+use glam::DVec3;
+
+use super::accumulate::tally::Tally;
+use super::block_arms::{BlockArms, starts_stream};
+use super::block_tracer::{Followed, with_waves};
+use super::driver::Context;
+use super::optics::Light;
+use super::prepared_patch::{Heights, IntoApertures, PatchSampler};
+use crate::rng;
+use crate::trace::{BySlope, FacetIndex, Place, Selection, SmithWalk, Starts, Together, View};
+
+/// The address of some blocks, and the surface that they are measured on.
+pub(super) struct Work<'a> {
+    pub sampler: &'a PatchSampler<'a>,
+    pub stop: usize,
+    pub realisation: u64,
+    pub blocks: &'a [u64],
+}
+
+impl Context<'_> {
+    /// Adds blocks of samples to the tally of their incidence.
+    pub(super) fn blocks(&self, work: &Work, tally: &mut Tally) {
+        let each = |block: &mut dyn FnMut(u64)| work.blocks.iter().for_each(|&number| block(number));
+        match work.sampler {
+            PatchSampler::Law(walk) => each(&mut |block| self.block_by_law(work, block, walk, tally)),
+            PatchSampler::ByPlace(heights) => {
+                each(&mut |block| self.block_by_place(work, block, heights, tally));
+            }
+            PatchSampler::BySlope(heights, index) => self.blocks_by_slope(work, heights, index, tally),
+            PatchSampler::IntoApertures(into) => {
+                each(&mut |block| self.block_into_apertures(work, block, into, tally));
+            }
+        }
+        (self.session.progress)(self.plan.block_starts * work.blocks.len() as u64);
+    }
+
+    /// Paths through a law.
+    fn block_by_law(&self, work: &Work, block: u64, walk: &SmithWalk, tally: &mut Tally) {
+        let arms = self.arms(work, block);
+        let mut rng = rng::stream(self.starts_stream(work, block));
+        let flux = 1.0 / self.plan.block_starts as f64;
+        let mut followed = Followed::one(self, (arms, work.stop), flux, tally);
+        for _ in 0..self.plan.block_starts {
+            if followed.is_given_up() {
+                return;
+            }
+            let mut light = Light::new(self.plan.weighing.needs_angles());
+            let ending = walk.trace(arms.wi, self.campaign.trace.bounces, &mut rng, &mut light);
+            followed.end(ending, &light);
+        }
+    }
+
+    /// Samples along all facets, row by row.
+    fn block_by_place(&self, work: &Work, block: u64, heights: &Heights, tally: &mut Tally) {
+        let plan = self.plan;
+        let arms = self.arms(work, block);
+        let mut rng = rng::stream(self.starts_stream(work, block));
+        let sample = heights.sample(&arms);
+        let light = sample.to_field(arms.wi);
+        let starts = Starts::new(&heights.patch.field, heights.patch.window, light);
+        let flux = starts.share(plan.block_starts);
+        let mut followed = Followed::one(self, (arms, work.stop), flux, tally);
+        if flux == 0.0 {
+            // A part of an open map may lean away from the light with every facet: nothing falls on it.
+            return followed.all_turned_away(plan.block_starts);
+        }
+        follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |visit| {
+            starts.each(plan.block_starts, &mut rng, |start| visit(0, start));
+        });
+    }
+
+    /// Samples along all facets in the order of their slopes: blocks together.
+    fn blocks_by_slope(&self, work: &Work, heights: &Heights, index: &FacetIndex, tally: &mut Tally) {
+        let (field, count) = (&heights.patch.field, self.plan.block_starts);
+        let mut followed = Followed::new(self, work.stop, tally);
+        let (mut views, mut together) = (Vec::new(), Together::default());
+        for &block in work.blocks {
+            let arms = self.arms(work, block);
+            let sample = heights.sample(&arms);
+            let mut stream = rng::stream(self.starts_stream(work, block));
+            let starts = BySlope::new(index, field, sample.to_field(arms.wi), &mut stream);
+            followed.take(arms, starts.share(count));
+            together.add(&starts, count, stream);
+            views.push(View { sample, wi: arms.wi });
+        }
+        follow_all(&mut followed, heights, &views, |visit| together.each(index, field, visit));
+    }
+
+    /// Samples on the facets alone that can send light into an aperture; the rest of the block is counted without being
+    /// made.
+    fn block_into_apertures(&self, work: &Work, block: u64, into: &IntoApertures, tally: &mut Tally) {
+        let IntoApertures { heights, index, apertures, flux_fractions } = into;
+        let (plan, stop, fraction) = (self.plan, work.stop, flux_fractions[work.stop]);
+        let arms = self.arms(work, block);
+        let sample = heights.sample(&arms);
+        let light = sample.to_field(arms.wi);
+        // Most apertures of a scan in the plane of incidence are their own mirror images.
+        let mirrored = |axis: DVec3| {
+            let image = arms.mirrored(axis);
+            (plan.folded[stop] && image.distance(axis) > f64::EPSILON).then_some(image)
+        };
+        let axes = apertures.axes.iter().flat_map(|&axis| std::iter::once(axis).chain(mirrored(axis)));
+        let axes = axes.map(|axis| arms.from_bins(axis));
+        let selection = Selection::new(index, sample, arms.wi, axes, apertures.half_angle);
+        let step = fraction * light.z * heights.patch.window.cells() as f64;
+        if selection.total() > step * plan.block_starts as f64 {
+            // Nearly everything is wanted. Decided by the arms alone: no bias.
+            return self.block_by_place(work, block, heights, tally);
+        }
+        let mut rng = rng::stream(self.starts_stream(work, block));
+        let mut followed = Followed::one(self, (arms, stop), fraction, tally);
+        follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |visit| {
+            selection.each(step, &mut rng, |start| visit(0, start));
+        });
+        followed.leave_out_up_to(plan.block_starts);
+    }
+
+    fn arms(&self, work: &Work, block: u64) -> BlockArms {
+        BlockArms::new(self.campaign, self.plan, work.stop, work.realisation, block)
+    }
+
+    fn starts_stream(&self, work: &Work, block: u64) -> rng::StreamId {
+        starts_stream(self.campaign, self.plan, work.stop, work.realisation, block)
+    }
+}
+
+/// Follows the starts that `each` visits, each under one of `views`, through the lanes where they serve.
+fn follow_all(
+    blocks: &mut Followed,
+    heights: &Heights,
+    views: &[View],
+    each: impl FnOnce(&mut dyn FnMut(usize, Place)),
+) {
+    match heights.lanes {
+        Some(over) => with_waves(1, |waves| {
+            each(&mut |turn, start| blocks.follow_later(views, &over, (turn, start), &mut waves[0]));
+            blocks.follow_wave(views, &over, &mut waves[0]);
+        }),
+        None => each(&mut |turn, start| blocks.follow(&views[turn].sample, turn, start)),
+    }
+}

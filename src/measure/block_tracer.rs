@@ -1,0 +1,324 @@
+//! Followed of starts of one stop: followed one by one or in waves through the lanes, and tallied in the order of the
+//! starts.
+
+use std::cell::RefCell;
+use std::time::{Duration, Instant};
+
+use glam::{DVec2, DVec3};
+
+use super::accumulate::fresnel_sums::PathWeights;
+use super::accumulate::tally::{Tally, to_units};
+use super::block_arms::BlockArms;
+use super::driver::Context;
+use super::optics::Light;
+use crate::campaign::Campaign;
+use crate::trace::{Ending, LaneWalker, PathWaves, Place, Sample, View, Wave};
+
+/// Starts that are followed together: their rays fit the cache of a core.
+const WAVE: usize = 4096;
+/// Blocks that have taken longer than this when the run is asked to end are not waited for.
+const GRACE: Duration = Duration::from_millis(200);
+
+thread_local! {
+    static WAVES: RefCell<Vec<WaveMemory>> = RefCell::default();
+}
+
+/// Calls `work` with the thread's memory for the waves of `count` stops at once.
+pub(super) fn with_waves<T>(count: usize, work: impl FnOnce(&mut [WaveMemory]) -> T) -> T {
+    WAVES.with_borrow_mut(|waves| {
+        if waves.len() < count {
+            waves.resize_with(count, WaveMemory::default);
+        }
+        work(&mut waves[..count])
+    })
+}
+
+/// What a thread uses for one wave after another.
+#[derive(Default)]
+pub(super) struct WaveMemory {
+    starts: Vec<Place>,
+    /// Which turn each start belongs to.
+    turns: Vec<u16>,
+    paths: PathWaves,
+    lights: Vec<Light>,
+    endings: Vec<Ending>,
+}
+
+/// One block among those that are followed together. All of its starts carry the same flux.
+#[derive(Clone, Copy)]
+pub(super) struct Turn {
+    arms: BlockArms,
+    /// Flux of a path, as a share of the incident flux.
+    flux: f64,
+    /// The same in the tally's units.
+    units: u128,
+    /// What of it goes into a bin: a half where the mirrored arrival has the other half.
+    part: f64,
+    part_units: u128,
+    /// The light's azimuth in the field, a unit vector; `None` before the first start.
+    along: Option<DVec2>,
+}
+
+/// What the paths of some blocks of a stop add to.
+pub(super) struct Followed<'a> {
+    context: &'a Context<'a>,
+    stop: usize,
+    tally: &'a mut Tally,
+    turns: Vec<Turn>,
+    /// The turn of the path at hand.
+    at: usize,
+    /// Starts that were counted.
+    counted: u64,
+    /// When the blocks began.
+    begin: Instant,
+    /// Whether they are given up: no further start is followed.
+    given_up: bool,
+    rays: Rays,
+    weights: PathWeights,
+}
+
+impl<'a> Followed<'a> {
+    /// Of an incidence, without blocks yet.
+    pub fn new(context: &'a Context<'a>, stop: usize, tally: &'a mut Tally) -> Self {
+        let (rays, weights) = (Rays::default(), PathWeights::default());
+        let begin = Instant::now();
+        let (turns, given_up) = (Vec::new(), false);
+        Followed { context, stop, tally, turns, at: 0, counted: 0, begin, given_up, rays, weights }
+    }
+
+    /// One block whose paths carry `flux` each.
+    pub fn one(
+        context: &'a Context<'a>,
+        (arms, stop): (BlockArms, usize),
+        flux: f64,
+        tally: &'a mut Tally,
+    ) -> Self {
+        let mut one = Followed::new(context, stop, tally);
+        one.take(arms, flux);
+        one
+    }
+
+    /// One block more: its paths carry `flux` each.
+    pub fn take(&mut self, arms: BlockArms, flux: f64) {
+        let part = if self.context.plan.folded[self.stop] { 0.5 * flux } else { flux };
+        let (units, part_units) = (to_units(flux), to_units(part));
+        self.turns.push(Turn { arms, flux, units, part, part_units, along: None });
+    }
+
+    fn turn(&self) -> &Turn {
+        &self.turns[self.at]
+    }
+
+    /// Whether the run is to end and the blocks have taken so long that they are given up: the tally misses starts.
+    pub fn is_given_up(&mut self) -> bool {
+        if !self.given_up && self.context.session.is_over() && self.begin.elapsed() > GRACE {
+            self.given_up = true;
+        }
+        self.given_up
+    }
+
+    /// Follows every start by itself.
+    pub fn follow(&mut self, sample: &Sample, turn: usize, start: Place) {
+        if self.is_given_up() {
+            return;
+        }
+        self.at = turn;
+        if self.misses(sample, &start) {
+            return self.leave_out(1);
+        }
+        let (trace, wi) = (&self.context.campaign.trace, self.turn().arms.wi);
+        let mut light = Light::new(self.context.plan.weighing.needs_angles());
+        let ending = if trace.visibility {
+            sample.trace(start, wi, trace.bounces, &mut light)
+        } else {
+            sample.trace_unobstructed(start, wi, &mut light)
+        };
+        self.look(sample, &start, ending);
+        self.end(ending, &light);
+    }
+
+    /// Takes a start of a turn for the next wave, which is followed through the lanes when it is full; paths end in
+    /// the order in which they start. `views` has one for each turn.
+    pub fn follow_later(
+        &mut self,
+        views: &[View],
+        over: &LaneWalker,
+        (turn, start): (usize, Place),
+        wave: &mut WaveMemory,
+    ) {
+        self.at = turn;
+        if self.misses(&views[turn].sample, &start) {
+            return self.leave_out(1);
+        }
+        wave.starts.push(start);
+        wave.turns.push(turn as u16);
+        if wave.starts.len() == WAVE {
+            self.follow_wave(views, over, wave);
+        }
+    }
+
+    /// Follows the starts that `memory` holds.
+    pub fn follow_wave(&mut self, views: &[View], over: &LaneWalker, memory: &mut WaveMemory) {
+        let WaveMemory { starts, turns, paths, lights, endings } = memory;
+        if self.is_given_up() {
+            starts.clear();
+            turns.clear();
+            return;
+        }
+        let weighed = self.context.plan.weighing.needs_angles();
+        lights.clear();
+        lights.resize_with(starts.len(), || Light::new(weighed));
+        let bounces = self.context.campaign.trace.bounces;
+        let wave = Wave { starts, of: turns, views, bounces };
+        paths.trace(over, &wave, lights, endings);
+        for (((start, &turn), &ending), light) in starts.iter().zip(&*turns).zip(&*endings).zip(&*lights) {
+            self.at = usize::from(turn);
+            self.look(&views[self.at].sample, start, ending);
+            self.end(ending, light);
+        }
+        starts.clear();
+        turns.clear();
+    }
+
+    /// Notes whether the light sees the facet of `start`, where facets of every slope are started on.
+    fn look(&mut self, sample: &Sample, start: &Place, ending: Ending) {
+        if !self.context.campaign.trace.visibility || self.context.plan.apertures_only {
+            return;
+        }
+        let turn = &mut self.turns[self.at];
+        let heading = turn.arms.heading;
+        let along = *turn.along.get_or_insert_with(|| {
+            let along = sample.to_field(heading).truncate();
+            // A surface without an alpha is told by its slopes themselves, whatever unit its heights are in.
+            if self.context.campaign.alphas()[0].is_some() { along / along.length() } else { along }
+        });
+        let corners = sample.walker.field().corners(start.facet.x, start.facet.y);
+        let slope = corners.slope(start.facet.upper).dot(along);
+        self.tally.seen.count(slope, ending != Ending::Hidden);
+    }
+
+    /// Whether nothing but apertures counts, and the facet of `start` sends light into none.
+    fn misses(&self, sample: &Sample, start: &Place) -> bool {
+        if !self.context.plan.apertures_only {
+            return false;
+        }
+        let arms = &self.turn().arms;
+        let wo = sample.reflected(arms.wi, start);
+        if wo.z <= 0.0 {
+            return true;
+        }
+        let (sensor, wo) = (&self.context.sensor, arms.in_bins(wo));
+        let folded = self.context.plan.folded[self.stop];
+        let seen = sensor.sees(wo) || (folded && sensor.sees(arms.mirrored(wo)));
+        !seen
+    }
+
+    /// Counts starts that send light into no aperture: they need no ray.
+    fn leave_out(&mut self, starts: u64) {
+        self.counted += starts;
+        self.tally.outside.add_many(starts, self.turn().units);
+        self.rays.skipped += 2 * starts;
+    }
+
+    /// Counts all starts of a block none of whose facets is turned to the light: they carry nothing.
+    pub fn all_turned_away(&mut self, starts: u64) {
+        self.counted += starts;
+        self.tally.hidden.add_many(starts, 0);
+        self.rays.skipped += starts;
+    }
+
+    /// Counts what is missing of `starts` as starts that send light into no aperture.
+    pub fn leave_out_up_to(&mut self, starts: u64) {
+        if !self.given_up {
+            self.leave_out(starts.saturating_sub(self.counted));
+        }
+    }
+
+    /// Counts a path.
+    pub fn end(&mut self, ending: Ending, light: &Light) {
+        self.counted += 1;
+        self.rays.count(&ending, self.context.campaign);
+        let units = self.turn().units;
+        match ending {
+            Ending::Out { wo, order } => self.arrive(wo, order, light, false),
+            Ending::Hidden => self.tally.hidden.add(units),
+            Ending::Cut { .. } => self.tally.cut.add(units),
+            Ending::LeftMap { wo, order, further } => {
+                self.tally.left_map.add(units);
+                if further {
+                    self.tally.left(&self.context.plan.weighing).cut.add(units);
+                }
+                if let Some(wo) = wo {
+                    self.arrive(wo, order, light, true);
+                }
+            }
+            Ending::Lost => self.tally.lost += 1,
+        }
+    }
+
+    /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded. One that
+    /// left an open map on its way goes into the sums of those.
+    fn arrive(&mut self, wo: DVec3, order: u32, light: &Light, left_map: bool) {
+        let (context, weights) = (self.context, &mut self.weights);
+        let tally = if left_map { self.tally.left(&context.plan.weighing) } else { &mut *self.tally };
+        let Turn { arms, flux, units, part, part_units, .. } = &self.turns[self.at];
+        context.plan.weighing.weigh(light.angles(), order, weights);
+        let out = &mut tally.orders[order as usize - 1];
+        out.count += 1;
+        out.flux += units;
+        for (sum, weight) in out.weighted.iter_mut().zip(&weights.order) {
+            *sum += to_units(flux * weight);
+        }
+        let share = |weight: &f64| to_units(part * weight);
+        let into_bin = |bin: usize| {
+            tally.hits[bin] += 1;
+            let sums = if order > 1 {
+                &mut tally.multiple[weights.first..]
+            } else {
+                tally.single[bin] += part_units;
+                &mut tally.first[..]
+            };
+            for (sums, weight) in sums.iter_mut().zip(&weights.bins) {
+                sums[bin] += share(weight);
+            }
+        };
+        let wo = arms.in_bins(wo);
+        if context.plan.folded[self.stop] {
+            context.sensor.each_bin_of_both(wo, arms.mirrored(wo), arms.mirror_deg, into_bin);
+        } else {
+            context.sensor.each_bin(wo, into_bin);
+        }
+    }
+}
+
+impl Drop for Followed<'_> {
+    /// Adds the blocks' rays to the run's.
+    fn drop(&mut self) {
+        self.context.add_rays(self.rays.traced, self.rays.skipped);
+    }
+}
+
+/// Counts rays for the cost report.
+#[derive(Default)]
+struct Rays {
+    traced: u64,
+    skipped: u64,
+}
+
+impl Rays {
+    fn count(&mut self, ending: &Ending, campaign: &Campaign) {
+        let bounces = u64::from(campaign.trace.bounces);
+        // The light's ray, and one after each bounce.
+        let (traced, skipped) = match *ending {
+            Ending::Out { order, .. } | Ending::LeftMap { order, .. } => (1 + u64::from(order), 0),
+            Ending::Cut { down } => (1 + bounces - u64::from(down), u64::from(down)),
+            Ending::Hidden | Ending::Lost => (1, 0),
+        };
+        if campaign.trace.visibility {
+            self.traced += traced;
+            self.skipped += skipped;
+        } else {
+            self.skipped += traced + skipped;
+        }
+    }
+}

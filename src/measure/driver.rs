@@ -1,0 +1,236 @@
+//! The measurement itself: realisations, stops and blocks in parallel, integer sums in any order, round by round.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::accumulate::assemble::{Measured, assemble};
+use super::cost::{Clocks, Cost, cpu_seconds};
+use super::patches::{Patches, Specimen};
+use super::persist::run_state::Ledger;
+use super::plan::Plan;
+use super::prepared_patch::PreparedPatch;
+use super::session::{Keeper, Session, interrupted, locked};
+use super::stopping;
+use crate::campaign::Campaign;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::instrument::Sensor;
+use crate::trace::Kernel;
+
+/// Everything that blocks share.
+pub(super) struct Context<'a> {
+    pub campaign: &'a Campaign,
+    pub plan: &'a Plan,
+    pub session: &'a Session<'a>,
+    pub sensor: Sensor,
+    pub kernel: Kernel,
+    pub ledger: Mutex<Ledger>,
+    clocks: Mutex<Clocks>,
+    rays: AtomicU64,
+    skipped: AtomicU64,
+}
+
+/// Measures a campaign: one result for each roughness and material. `progress` is called with the starts of every finished block.
+///
+/// Errors: those of loading patches; `Internal` if a ray is lost.
+pub fn measure(
+    campaign: &Campaign,
+    plan: &Plan,
+    patches: &Patches,
+    progress: &(dyn Fn(u64) + Sync),
+) -> Result<(Vec<Measured>, Cost)> {
+    let ledger = Ledger::new(campaign, plan);
+    let ledger = go_on(campaign, plan, patches, ledger, &Session::plain(progress))?;
+    Ok(tables(campaign, plan, ledger))
+}
+
+/// Measures what is missing in `ledger`, and keeps what is finished as the session asks.
+///
+/// Errors: as [`measure`]; `Interrupted`; `Io` where the last checkpoint could not be written; `Format` where a patch
+/// is not the one that the ledger's sums are of.
+pub fn go_on(
+    campaign: &Campaign,
+    plan: &Plan,
+    patches: &Patches,
+    ledger: Ledger,
+    session: &Session,
+) -> Result<Ledger> {
+    let context = Context {
+        campaign,
+        plan,
+        session,
+        sensor: Sensor::new(&plan.grid),
+        kernel: Kernel::widest(),
+        clocks: Mutex::new(Clocks::new(ledger.cost.clone())),
+        rays: AtomicU64::new(ledger.cost.rays_traced),
+        skipped: AtomicU64::new(ledger.cost.rays_skipped),
+        ledger: Mutex::new(ledger),
+    };
+    let cost = || context.cost();
+    let keeper = Keeper { session, campaign, plan, ledger: &context.ledger, cost: &cost };
+    let mut run = Run { context: &context, patches, mounted: BTreeMap::new() };
+    let (measured, kept) = thread::scope(|scope| {
+        let (others, end) = mpsc::channel();
+        let keeper = match thread::Builder::new().spawn_scoped(scope, move || keeper.run(end)) {
+            Ok(keeper) => keeper,
+            Err(why) => return (Err(no_thread(&why)), Ok(())),
+        };
+        let measured = run.rounds();
+        drop(others);
+        (measured, keeper.join().unwrap_or_else(|_| Err(Error::Internal("a checkpoint".into()))))
+    });
+    let cost = context.cost();
+    let mut ledger = context.ledger.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    ledger.cost = cost;
+    measured?;
+    if session.is_over() {
+        kept?;
+        return Err(interrupted(&ledger, plan));
+    }
+    // Whoever writes the tables next has the same full disk before him, and says so.
+    Ok(ledger)
+}
+
+fn no_thread(why: &std::io::Error) -> Error {
+    Error::Refused(format!(
+        "the thread that writes checkpoints cannot be started: {why}; raise the limit of processes or of memory (ulimit \
+         -u, ulimit -v), or give fewer --threads"
+    ))
+}
+
+/// The tables of a ledger in which nothing is missing.
+pub fn tables(campaign: &Campaign, plan: &Plan, ledger: Ledger) -> (Vec<Measured>, Cost) {
+    let cost = ledger.cost(plan);
+    let Ledger { tables, digests, .. } = ledger;
+    let digests: Vec<u8> = digests.into_iter().flatten().flatten().collect();
+    let patch_digest = if digests.is_empty() { String::new() } else { files::sha256_hex(&digests) };
+    let finished = tables.finished().into_iter();
+    (finished.flat_map(|table| assemble(campaign, plan, &table, &patch_digest)).collect(), cost)
+}
+
+/// A measurement under way.
+struct Run<'a> {
+    context: &'a Context<'a>,
+    patches: &'a Patches,
+    /// Patches that are looked at again in a further round, by realisation.
+    mounted: BTreeMap<u64, PreparedPatch>,
+}
+
+impl Run<'_> {
+    /// All rounds that are not over yet.
+    fn rounds(&mut self) -> Result<()> {
+        let Context { campaign, plan, session, ledger, .. } = self.context;
+        for round in stopping::rounds(&campaign.stop, plan.blocks) {
+            if locked(ledger).tables.all_ended() {
+                break;
+            }
+            if locked(ledger).tables.is_judged(round.end) {
+                continue;
+            }
+            let clock = Instant::now();
+            self.round(&round)?;
+            if session.is_over() {
+                break;
+            }
+            let mut ledger = locked(ledger);
+            ledger.tables.judge(campaign, plan, round.end);
+            // A further round would take about as long as this one.
+            let spent = self.context.cost().wall_s + clock.elapsed().as_secs_f64();
+            if campaign.stop.seconds.is_some_and(|budget| spent > budget) {
+                ledger.tables.time_is_over();
+            }
+        }
+        Ok(())
+    }
+
+    /// The blocks of one round, for all open stops of all realisations.
+    fn round(&mut self, blocks: &Range<u64>) -> Result<()> {
+        let Context { plan, session, ledger, .. } = self.context;
+        let wanted: Vec<u64> = {
+            let ledger = locked(ledger);
+            (0..u64::from(plan.realisations)).filter(|&k| ledger.tables.misses(k, blocks)).collect()
+        };
+        // As many patches in memory as there are threads to make them.
+        for group in wanted.chunks(rayon::current_num_threads()) {
+            if session.is_over() {
+                break;
+            }
+            let missing: Vec<u64> = group.iter().copied().filter(|k| !self.mounted.contains_key(k)).collect();
+            self.mount(&missing)?;
+            self.trace(group, blocks)?;
+            if blocks.end == plan.blocks {
+                group.iter().for_each(|k| drop(self.mounted.remove(k)));
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes patches and lays them out.
+    fn mount(&mut self, realisations: &[u64]) -> Result<()> {
+        let clock = Instant::now();
+        let made = realisations.par_iter().map(|&k| self.patches.realisation(k));
+        let made = made.collect::<Result<Vec<Specimen>>>()?;
+        let digests: Vec<_> = made.par_iter().map(Specimen::digest).collect();
+        for (&k, digest) in realisations.iter().zip(digests) {
+            self.context.note_digest(k, digest)?;
+        }
+        let cpu = cpu_seconds();
+        let mount = |made: Specimen| PreparedPatch::new(made, self.context.campaign, self.context.plan);
+        let mounted: Vec<PreparedPatch> = made.into_par_iter().map(mount).collect();
+        self.mounted.extend(realisations.iter().copied().zip(mounted));
+        let (wall_s, cpu_s) = (clock.elapsed().as_secs_f64(), cpu_seconds() - cpu);
+        locked(&self.context.clocks).made_patches(wall_s, cpu_s);
+        Ok(())
+    }
+
+    fn trace(&self, realisations: &[u64], blocks: &Range<u64>) -> Result<()> {
+        let context = self.context;
+        locked(&context.clocks).tracing_begins();
+        let tables = locked(&context.ledger).tables.count();
+        let on_stage: Vec<_> = realisations.iter().filter_map(|k| Some((*k, self.mounted.get(k)?))).collect();
+        let traced = (0..tables).try_for_each(|table| {
+            on_stage.par_iter().try_for_each(|&(k, mounted)| context.pass(mounted, (table, k), blocks))
+        });
+        locked(&context.clocks).tracing_ends();
+        traced
+    }
+}
+
+impl Context<'_> {
+    /// Keeps the digest of a patch; where there is one already, it must be the same.
+    fn note_digest(&self, realisation: u64, digest: Option<[u8; 32]>) -> Result<()> {
+        let mut ledger = locked(&self.ledger);
+        let kept = &mut ledger.digests[realisation as usize];
+        if kept.is_some() && *kept != digest {
+            let [here, there] = [digest, *kept].map(|digest| files::hex(&digest.unwrap_or_default()));
+            return Err(Error::Refused(format!(
+                "patch {realisation} has the digest {here}, blocks of {there} are kept: made on another processor, or by \
+                 other --patches; --force starts again"
+            )));
+        }
+        *kept = digest;
+        Ok(())
+    }
+
+    /// Adds to the rays of the cost report.
+    pub(super) fn add_rays(&self, traced: u64, skipped: u64) {
+        self.rays.fetch_add(traced, Ordering::Relaxed);
+        self.skipped.fetch_add(skipped, Ordering::Relaxed);
+    }
+
+    /// What the run has cost up to now.
+    fn cost(&self) -> Cost {
+        Cost {
+            rays_traced: self.rays.load(Ordering::Relaxed),
+            rays_skipped: self.skipped.load(Ordering::Relaxed),
+            ..locked(&self.clocks).cost()
+        }
+    }
+}

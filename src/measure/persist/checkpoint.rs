@@ -1,0 +1,85 @@
+//! Checkpoints: two files that take turns, so that one of them is whole at any moment.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::run_state::{Kept, Ledger};
+use crate::campaign::Campaign;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::measure::plan::Plan;
+
+/// Where a run keeps its finished blocks.
+#[derive(Debug, Clone)]
+pub struct Checkpoint {
+    slots: [PathBuf; 2],
+}
+
+/// A checkpoint that was found.
+#[derive(Debug)]
+pub struct Found {
+    /// Its file.
+    pub path: PathBuf,
+    /// Its content.
+    pub kept: Kept,
+    /// The newer file, and why it was passed over.
+    pub passed_over: Option<String>,
+}
+
+impl Checkpoint {
+    /// What the files begin with; another number is another format.
+    pub const KIND: &str = "gonio checkpoint 3";
+
+    /// The files `<stem>.checkpoint_0` and `_1` of a folder.
+    pub fn of(folder: &Path, stem: &str) -> Self {
+        Checkpoint { slots: [0, 1].map(|slot| folder.join(format!("{stem}.checkpoint_{slot}"))) }
+    }
+
+    /// The file of either, if one is there.
+    pub fn path(&self) -> Option<&Path> {
+        self.slots.iter().map(PathBuf::as_path).find(|path| files::is_there(path))
+    }
+
+    /// The newest one that is whole; `None` where there is none at all.
+    ///
+    /// Errors: `Io`; `Format` where every file that is there is damaged.
+    /// Held by: `a_damaged_checkpoint_gives_way_to_the_one_before`.
+    pub fn load(&self) -> Result<Option<Found>> {
+        let mut whole: Vec<(&PathBuf, Kept)> = Vec::new();
+        let mut damaged = Vec::new();
+        for path in &self.slots {
+            let bytes = match files::read(path) {
+                Err(Error::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => continue,
+                read => read?,
+            };
+            match Kept::from_bytes(Self::KIND, &bytes) {
+                Ok(kept) => whole.push((path, kept)),
+                Err(why) => damaged.push((path, why)),
+            }
+        }
+        whole.sort_by_key(|(_, kept)| kept.heading.number);
+        match (whole.pop(), damaged.pop()) {
+            (Some((path, kept)), damaged) => {
+                let passed_over = damaged.map(|(path, why)| format!("{}: {why}", path.display()));
+                Ok(Some(Found { path: path.clone(), kept, passed_over }))
+            }
+            (None, Some((path, why))) => Err(Error::format(path, format!("{why}; --force starts again"))),
+            (None, None) => Ok(None),
+        }
+    }
+
+    /// Puts these `bytes` in the place of the older file.
+    pub(crate) fn save(&self, number: u64, bytes: &[u8]) -> Result<()> {
+        files::write_atomically(&self.slots[(number % 2) as usize], bytes)
+    }
+
+    /// The bytes of the checkpoint of this `number`.
+    pub fn bytes(ledger: &Ledger, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>> {
+        ledger.to_bytes(Self::KIND, number, campaign, plan)
+    }
+
+    /// Removes both files.
+    pub fn remove(&self) -> Result<()> {
+        self.slots.iter().try_for_each(|path| files::remove(path))
+    }
+}

@@ -1,0 +1,106 @@
+//! What a file of finished blocks says of itself before its sums, and whether a run can go on from it.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::shard::Shard;
+use crate::campaign;
+use crate::campaign::Campaign;
+use crate::error::{Error, Fault, Result};
+use crate::files;
+use crate::files::sealed;
+use crate::measure::cost::Cost;
+use crate::measure::plan::bands::Band;
+
+/// A heading is no longer than this: a campaign's text, and 33 bytes for each patch.
+const LONGEST: usize = 1 << 24;
+
+/// What the bytes of a ledger say of it before its sums.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Heading {
+    /// Version of the program that wrote it.
+    pub version: String,
+    /// The resolved campaign.
+    pub campaign: String,
+    /// A later one has a higher number.
+    pub number: u64,
+    /// Whose stops are measured, if not all.
+    pub shard: Option<Shard>,
+    /// Which band of stops this is, of a run in bands.
+    pub band: Option<Band>,
+    /// Starts that are measured.
+    pub starts: u64,
+    /// Whether errors or the clock have been looked at, which depends on how many realisations there are.
+    pub(crate) looked: bool,
+    /// Blocks per stop and realisation.
+    pub(crate) blocks: u64,
+    /// Whether starts go by slope, which follows from how many there are.
+    pub(crate) by_slope: bool,
+    pub(crate) digests: Vec<Option<[u8; 32]>>,
+    pub(crate) cost: Cost,
+}
+
+impl Heading {
+    /// The heading of a file of this `kind`, which is read to its end and held to its checksum, a piece at a time.
+    pub(crate) fn read(kind: &str, path: &Path) -> Result<Self> {
+        let begin =
+            sealed::checked(kind, &mut files::open(path)?, LONGEST).map_err(|e| Error::io(path, e))?;
+        let begin = begin.map_err(|why| Error::format(path, why))?;
+        let read = postcard::take_from_bytes::<Heading>(&begin);
+        read.map(|(heading, _)| heading).map_err(|e| Error::format(path, unreadable(&e)))
+    }
+
+    /// Why this cannot be gone on from: another version, or a campaign that differs in more than that it has more
+    /// samples or realisations. `file` is the campaign's, `at` where this was read from.
+    pub fn faults(&self, (campaign, shard): (&Campaign, Option<Shard>), file: &str, at: &str) -> Vec<Fault> {
+        let fault = |path: &str, key: &str, value: Option<String>, allowed: String| Fault {
+            path: path.into(),
+            line: None,
+            column: None,
+            key: key.into(),
+            value,
+            allowed,
+            too_large: false,
+        };
+        let version = env!("CARGO_PKG_VERSION");
+        if self.version != version {
+            let allowed =
+                format!("{version} cannot go on with what another version measured; --force starts again");
+            return vec![fault(at, "version", Some(self.version.clone()), allowed)];
+        }
+        if self.shard != shard {
+            let name = |shard: Option<Shard>| shard.map_or("none".into(), |shard| shard.to_string());
+            let allowed = format!("{} in the run that {at} keeps; --force starts again", name(self.shard));
+            return vec![fault(file, "--shard", Some(name(shard)), allowed)];
+        }
+        let differences = campaign::differences(&self.campaign, &campaign::to_toml(campaign));
+        let count = |text: &Option<String>| text.as_ref().and_then(|text| text.parse::<u64>().ok());
+        let refused = differences.into_iter().filter_map(|difference| {
+            let more = count(&difference.second) > count(&difference.first);
+            let why = match difference.key.as_str() {
+                "stop.samples" if more => return None,
+                "surface.realisations" if more && !self.looked => return None,
+                "surface.realisations" if more => ", and errors of so many have been looked at",
+                "stop.samples" | "surface.realisations" => ", of which more are allowed, not fewer",
+                _ => "",
+            };
+            let first = difference.first.as_deref().unwrap_or("not there");
+            let allowed = format!(
+                "{first} in the run that {at} keeps{why}; --force starts again, -o DIR writes elsewhere"
+            );
+            Some(fault(file, &difference.key, difference.second, allowed))
+        });
+        refused.collect()
+    }
+
+    /// Whether this is of the very campaign, not of one with fewer samples or realisations.
+    pub fn is_of_all(&self, campaign: &Campaign) -> bool {
+        self.campaign == campaign::to_toml(campaign)
+    }
+}
+
+/// What is said of a content that cannot be read.
+pub(crate) fn unreadable(why: &postcard::Error) -> String {
+    format!("its content cannot be read: {why}")
+}

@@ -1,0 +1,136 @@
+//! What a run has so far, and the bytes that keep it: sums of finished blocks, digests of patches, costs.
+//!
+//! The sums are integers and blocks are told by their numbers, so that a run that goes on from here ends with the
+//! bytes of one that never stopped.
+
+use super::header::{Heading, unreadable};
+use crate::campaign;
+use crate::campaign::Campaign;
+use crate::error::Error;
+use crate::files::sealed;
+use crate::measure::cost::Cost;
+use crate::measure::plan::Plan;
+use crate::measure::plan::start_sampler::StartSampler;
+use crate::measure::rounds::Tables;
+
+/// A run so far.
+#[derive(Debug, Clone)]
+pub struct Ledger {
+    pub(crate) tables: Tables,
+    /// SHA-256 of the patch of each realisation, where it has been made and has heights.
+    pub(crate) digests: Vec<Option<[u8; 32]>>,
+    /// What the run has cost, in all its parts.
+    pub(crate) cost: Cost,
+}
+
+/// A ledger read from bytes, not yet held against a campaign.
+#[derive(Debug, Clone)]
+pub struct Kept {
+    /// What it is of.
+    pub heading: Heading,
+    tables: Tables,
+}
+
+impl Ledger {
+    /// Nothing measured.
+    pub fn new(campaign: &Campaign, plan: &Plan) -> Self {
+        let digests = vec![None; plan.realisations as usize];
+        Ledger { tables: Tables::new(campaign, plan), digests, cost: Cost::default() }
+    }
+
+    /// Share of the planned starts that are measured, in percent: less than 100 also at the end, where stops ended early.
+    pub fn percent(&self, plan: &Plan) -> f64 {
+        100.0 * self.tables.starts(plan) as f64 / plan.total_samples.max(1) as f64
+    }
+
+    /// Starts that are measured.
+    pub fn starts(&self, plan: &Plan) -> u64 {
+        self.tables.starts(plan)
+    }
+
+    /// Whether every stop has all that it is to have.
+    pub(crate) fn is_at_its_end(&self) -> bool {
+        self.tables.all_ended()
+    }
+
+    /// The same, to be gone on with on these patches alone, as far as they are known.
+    pub(crate) fn on_patches(mut self, digests: &[Option<[u8; 32]>]) -> Self {
+        for (mine, known) in self.digests.iter_mut().zip(digests) {
+            *mine = mine.or(*known);
+        }
+        self
+    }
+
+    /// What the run has cost, in all its parts.
+    pub fn cost(&self, plan: &Plan) -> Cost {
+        Cost { samples: self.starts(plan), ..self.cost.clone() }
+    }
+
+    /// Takes over stops of another ledger (`places`: theirs, here), which must be at their end, or says what is wrong.
+    pub(crate) fn take(&mut self, other: Ledger, places: &[(usize, usize)]) -> Result<(), String> {
+        self.tables.take(other.tables, places)?;
+        for (mine, theirs) in self.digests.iter_mut().zip(other.digests) {
+            *mine = mine.or(theirs);
+        }
+        Ok(())
+    }
+
+    /// The bytes of a file of this `kind`.
+    pub(crate) fn to_bytes(
+        &self,
+        kind: &str,
+        number: u64,
+        campaign: &Campaign,
+        plan: &Plan,
+    ) -> Result<Vec<u8>, Error> {
+        let heading = Heading {
+            version: env!("CARGO_PKG_VERSION").into(),
+            campaign: campaign::to_toml(campaign),
+            number,
+            shard: plan.shard,
+            band: plan.band,
+            starts: self.starts(plan),
+            looked: self.tables.has_looked(campaign),
+            blocks: plan.blocks,
+            by_slope: plan.start_sampler == StartSampler::BySlope,
+            digests: self.digests.clone(),
+            cost: self.cost.clone(),
+        };
+        sealed::seal(kind, self.tables.bytes(), |out| postcard::to_extend(&(heading, &self.tables), out))
+            .map_err(|e| Error::Internal(format!("encoding finished blocks: {e}")))
+    }
+}
+
+impl Kept {
+    /// What the bytes of a file hold, or what is wrong with them.
+    ///
+    /// Memory is bounded by the size of the file. Held by: `damaged_checkpoints_are_errors_and_never_panic`.
+    pub fn from_bytes(kind: &str, bytes: &[u8]) -> Result<Self, String> {
+        let content = sealed::open(kind, bytes)?;
+        let read = postcard::take_from_bytes::<(Heading, Tables)>(content);
+        let ((heading, tables), rest) = read.map_err(|e| unreadable(&e))?;
+        if !rest.is_empty() {
+            return Err(format!("{} bytes too many", rest.len()));
+        }
+        Ok(Kept { heading, tables })
+    }
+
+    /// The ledger, for a campaign that it has no faults with; else what is wrong with the sums.
+    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<Ledger, String> {
+        let Kept { heading: Heading { band, blocks, by_slope, mut digests, cost, .. }, mut tables } = self;
+        if band != plan.band {
+            return Err("other stops at a time than those that were asked for".into());
+        }
+        if by_slope != (plan.start_sampler == StartSampler::BySlope) {
+            return Err("so many samples start in another order on the facets than these did".into());
+        }
+        if blocks > plan.blocks || digests.len() > plan.realisations as usize {
+            return Err("more blocks or patches than were asked for".into());
+        }
+        tables.check(campaign, plan, blocks)?;
+        tables.complete(campaign, plan);
+        tables.extend(campaign, plan, blocks);
+        digests.resize(plan.realisations as usize, None);
+        Ok(Ledger { tables, digests, cost })
+    }
+}

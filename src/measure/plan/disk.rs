@@ -1,0 +1,110 @@
+//! What a run will put on the disk, before it begins.
+
+use serde::Serialize;
+
+use super::{Plan, saturated};
+use crate::campaign::Campaign;
+use crate::table::realisations;
+use crate::table::realisations::{GROUPS, Kept};
+
+/// A sum of 2^-90 in a file, at most 19 digits of base 128 and mostly 12 to 14; a count of a bin, mostly 1 to 3.
+const BYTES_PER_SUM: u128 = 14;
+const BYTES_PER_COUNT: u128 = 4;
+/// Sums of orders and slopes of a stop and patch.
+const BYTES_PER_TALLY: u128 = 512;
+/// What a file says before its sums: the campaign, and for each patch a digest.
+const BYTES_PER_HEADING: u128 = 4 << 10;
+const BYTES_PER_DIGEST: u128 = 34;
+/// Two checkpoints, and the third that is to replace one of them.
+const CHECKPOINTS: u128 = 3;
+/// Summary of a stop; page without pictures and values; a value in it; the largest page.
+const BYTES_PER_STOP: u128 = 3 << 10;
+const BYTES_PER_PAGE: u128 = 300 << 10;
+const BYTES_PER_SHOWN_VALUE: u128 = 4;
+const LARGEST_PAGE: u128 = 6 << 20;
+
+/// Bytes on the disk, at most about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Disk {
+    /// Of the results.
+    pub results_bytes: u64,
+    /// Of one table's realisations among them, at most.
+    pub realisations_bytes: u64,
+    /// Of checkpoints and finished bands, which go when the results are there; a run of a second has none.
+    pub until_then_bytes: u64,
+}
+
+impl Disk {
+    /// What a campaign takes under this plan; a shard's result are its sums. Realisations are kept up to `limit` bytes a
+    /// file (`SIZE_LIMIT` unasked).
+    ///
+    /// Values count as if they did not compress. Held by: `what_a_run_takes_on_the_disk_is_said_before`
+    /// (tests/process/full_disk.rs).
+    pub fn of(campaign: &Campaign, plan: &Plan, limit: u64) -> Self {
+        let weighing = &plan.weighing;
+        let sums = (weighing.first_sums() + weighing.multiple_sums()) as u128;
+        // Of an open map the sums of what leaves it besides.
+        let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
+        let tally =
+            copies * (plan.bins as u128 * (2 * BYTES_PER_COUNT + BYTES_PER_SUM * sums) + BYTES_PER_TALLY);
+        let tallies = u128::from(plan.realisations) * campaign.alphas().len() as u128;
+        let stop = tally.saturating_mul(tallies);
+        let heading = BYTES_PER_HEADING + BYTES_PER_DIGEST * u128::from(plan.realisations);
+        let file = |stops: usize| stop.saturating_mul(stops as u128).saturating_add(heading);
+        let bands = plan.bands();
+        let in_bands = bands.len() > 1;
+        let finished = bands.iter().map(|stops| file(stops.len())).filter(|_| in_bands);
+        let finished = finished.fold(0, u128::saturating_add);
+        let at_a_time = file(if in_bands { plan.band_stops } else { plan.measured.len() });
+        let results = if plan.shard.is_some() { at_a_time } else { tables(campaign, plan, limit) };
+        let until_then = at_a_time.saturating_mul(CHECKPOINTS).saturating_add(finished);
+        let materials = if plan.shard.is_some() { 0 } else { campaign.optics.each().len() };
+        Disk {
+            results_bytes: saturated(results),
+            realisations_bytes: (0..materials).map(|k| realisations_of(plan, k, limit)).max().unwrap_or(0),
+            until_then_bytes: saturated(until_then),
+        }
+    }
+
+    /// All that is there at once.
+    pub fn bytes(self) -> u64 {
+        self.results_bytes.saturating_add(self.until_then_bytes)
+    }
+}
+
+/// Channels of Schlick's formula.
+fn schlick_channels(plan: &Plan) -> usize {
+    if plan.weighing.serves_any_f0() { 2 + plan.weighing.multiple_sums() } else { 0 }
+}
+
+/// The realisations' file of a table.
+fn realisations_of(plan: &Plan, material: usize, limit: u64) -> u64 {
+    let part = 2 * plan.weighing.colours(material).len() + schlick_channels(plan);
+    let count = plan.realisations as usize;
+    match realisations::kept(&plan.grid, part, count, limit) {
+        Kept::All => realisations::file_bytes(&plan.grid, part, count),
+        Kept::Groups => realisations::file_bytes(&plan.grid, part, GROUPS),
+        Kept::Nothing => 0,
+    }
+}
+
+/// Tables, realisations, summaries and pages.
+fn tables(campaign: &Campaign, plan: &Plan, limit: u64) -> u128 {
+    let weighing = &plan.weighing;
+    let schlick = schlick_channels(plan);
+    let (stops, bins) = (plan.stops as u128, plan.bins as u128);
+    let values = stops.saturating_mul(bins);
+    let of_material = |material: usize| {
+        let colours = weighing.colours(material).len();
+        let orders = if weighing.by_order() { weighing.groups() } else { 0 };
+        let left_map = usize::from(campaign.surface.kind.is_open_map());
+        let channels = (colours * (5 + left_map + orders) + 1 + schlick) as u128;
+        let parts = realisations_of(plan, material, limit);
+        let shown = values.saturating_mul(BYTES_PER_SHOWN_VALUE * colours as u128);
+        let page = shown.saturating_add(BYTES_PER_PAGE).min(LARGEST_PAGE);
+        let table = values.saturating_mul(4 * channels);
+        table.saturating_add(u128::from(parts)).saturating_add(page + stops * BYTES_PER_STOP)
+    };
+    let materials = (0..campaign.optics.each().len()).map(of_material).fold(0, u128::saturating_add);
+    materials.saturating_mul(campaign.alphas().len() as u128)
+}

@@ -1,0 +1,192 @@
+//! What a run will need, before it begins: memory and time, from measured costs.
+
+use super::Plan;
+use super::start_sampler::{StartSampler, aperture_fraction};
+use crate::campaign::{Alpha, Campaign, SurfaceKind};
+use crate::measure::prepared_patch::CELLS_PER_START;
+use crate::sphere;
+use crate::surface::io::import;
+use crate::trace::{BLOCK, Together};
+
+// Measured on one core of about 4 GHz, patches of 1024 x 1024 cells, correlation 8.
+const NS_PER_SYNTHESISED_CELL: f64 = 1600.0;
+/// A ray in the lanes, and each cell that it crosses.
+const NS_PER_RAY: f64 = 45.0;
+const NS_PER_CROSSED_CELL: f64 = 0.3;
+/// Cells that a ray towards the light crosses in the mean at most, for each of the range of heights: at grazing light
+/// those few starts that are lit, a share of 2/(alpha tan theta), send rays of range x alpha tan theta cells, the others
+/// are blocked close by.
+const MOST_CROSSED: f64 = 4.0;
+/// A ray over a measured map: each cell that it is followed through one by one, at most so many of them; then each
+/// crossing of the map, at most so many before something is in the way.
+const NS_PER_MAP_CELL: f64 = 5.0;
+const MAP_CELLS: f64 = 64.0;
+const NS_PER_MAP_CROSSING: f64 = 200.0;
+const MAP_CROSSINGS: f64 = 64.0;
+/// Reflection, bin and tally of a start.
+const NS_PER_START: f64 = 60.0;
+/// The search for the starts.
+const NS_PER_FACET: f64 = 2.5;
+/// Lanes' copy and digest of a patch.
+const NS_PER_MOUNTED_CELL: f64 = 30.0;
+/// The index of the facets; a start on a wanted facet, its rays included; the choice of a start by slope.
+const NS_PER_INDEXED_CELL: f64 = 25.0;
+const NS_PER_WANTED_START: f64 = 260.0;
+const NS_PER_START_BY_SLOPE: f64 = 40.0;
+/// A step of the statistical surface's walk.
+const NS_PER_WALK: f64 = 150.0;
+
+// Bytes for each cell.
+const SYNTHESIS: u128 = 45;
+const HEIGHTS: u128 = 8;
+/// f32 heights, and the table of their maxima.
+const LANES: u128 = 12;
+/// Two facets, and their bins while they are sorted.
+const INDEX: u128 = 12;
+/// Sums of turned areas, of a thread.
+const SUMS: u128 = 2;
+/// Starts that a thread follows together.
+const STARTS: u128 = Together::BYTES as u128 / CELLS_PER_START as u128;
+
+/// What a run takes, bytes.
+pub(crate) struct Memory {
+    /// Patches in flight or kept, what is made of them, tallies.
+    pub shared: u128,
+    /// Records and tables of each stop.
+    pub stop: u128,
+    /// What is made of each stop when the table is written: directions and predictions.
+    pub written: u128,
+}
+
+impl Memory {
+    /// All stops at once.
+    pub fn whole(&self, plan: &Plan) -> u128 {
+        self.shared.saturating_add(self.stop.saturating_mul(plan.measured.len() as u128))
+    }
+
+    /// A band of stops at a time.
+    pub fn banded(&self, stops: usize) -> u128 {
+        self.shared.saturating_add((self.stop + self.written).saturating_mul(stops as u128))
+    }
+}
+
+/// Patches in flight or kept, what is made of them, tallies and tables; bytes.
+pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
+    let threads = rayon::current_num_threads() as u128;
+    let cells = plan.cells as u128;
+    let lanes = if campaign.trace.visibility { LANES } else { 0 };
+    let by_slope = plan.start_sampler == StartSampler::BySlope;
+    let mounted = HEIGHTS + lanes + if plan.start_sampler.is_indexed() { INDEX } else { 0 };
+    let rounds = campaign.stop.relative_error.is_some() || campaign.stop.seconds.is_some();
+    // Patches that are looked at again are all kept.
+    let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
+    let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
+    let surface = kept * mounted + threads * synthesis.max(SUMS).max(if by_slope { STARTS } else { 0 });
+    let bins = plan.bins as u128;
+    // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
+    // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.
+    let sums = (1 + plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
+    let (realisations, roughnesses) = (u128::from(plan.realisations), campaign.alphas().len() as u128);
+    // Of an open map the sums of what leaves it besides.
+    let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
+    let records = 2 * copies * bins * realisations * roughnesses * (8 + 16 * sums);
+    let tallies = 4 * copies * threads * bins * (8 + 16 * sums);
+    let kept = if plan.weighing.serves_any_f0() { sums * plan.tables as u128 } else { 0 };
+    let colours = (plan.colours as u128) * roughnesses;
+    let files = bins * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);
+    // Projected solid angles; means of each colour with three maskings; the same as bands are examined one by one.
+    let written = bins * 8 * (1 + 3 * colours);
+    Memory { shared: cells * surface + tallies, stop: records + files, written }
+}
+
+/// Cells of a patch, and how many cells long the shadow of a map's whole relief is at 45 degrees; 0 of a map that cannot
+/// be read, which whoever measures it will say.
+pub(crate) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
+    let cells = match &campaign.surface.kind {
+        SurfaceKind::Ggx(_)
+        | SurfaceKind::Beckmann { .. }
+        | SurfaceKind::StudentT { .. }
+        | SurfaceKind::BlinnPhong { .. } => f64::from(campaign.surface.cells).powi(2),
+        SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64.0,
+        SurfaceKind::File(map) => {
+            let Ok(map) = import::load(map) else { return (0.0, 0.0) };
+            let (low, high) = map.field.range();
+            let cells = (map.field.cells_x() * map.field.cells_y()) as f64;
+            return (cells, (high - low) * map.alpha_x.max(map.alpha_y));
+        }
+    };
+    (cells, 0.0)
+}
+
+/// Lowest and highest height to be expected: measured on patches of 1024 x 1024 cells.
+fn heights(campaign: &Campaign) -> (f64, f64) {
+    let range = match &campaign.surface.kind {
+        SurfaceKind::Ggx(_) | SurfaceKind::StudentT { .. } => 7.0 * campaign.surface.correlation_cells,
+        SurfaceKind::Beckmann { .. } | SurfaceKind::BlinnPhong { .. } => {
+            2.0 * campaign.surface.correlation_cells
+        }
+        _ => 1.0,
+    };
+    (0.0, range)
+}
+
+/// A rough time on two cores, in seconds.
+pub(crate) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
+    let cells = plan.cells;
+    let random = campaign.surface.kind.is_random_heights();
+    let tracing: f64 = campaign.alphas().iter().map(|&alpha| table(campaign, plan, alpha)).sum();
+    let mut patch = if random { NS_PER_MOUNTED_CELL } else { 0.0 };
+    if random && !matches!(campaign.surface.kind, SurfaceKind::Beckmann { .. }) {
+        patch += NS_PER_SYNTHESISED_CELL;
+    }
+    if plan.start_sampler.is_indexed() {
+        patch += NS_PER_INDEXED_CELL;
+    }
+    0.5e-9 * f64::from(plan.realisations) * (tracing + patch * cells)
+}
+
+/// All blocks of all stops on one patch, ns.
+fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
+    let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
+    let block = |stop: usize| block(campaign, plan, stop, alpha);
+    plan.blocks as f64 * plan.measured.iter().copied().map(block).sum::<f64>()
+}
+
+/// One block of a stop, ns.
+fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2) -> f64 {
+    let (cells, starts) = (plan.cells, BLOCK as f64);
+    let further = 0.4 * f64::from(campaign.trace.bounces - 1).min(3.0);
+    if matches!(campaign.surface.kind, SurfaceKind::Smith(_)) {
+        return starts * NS_PER_WALK * (1.0 + further);
+    }
+    let (low, high) = heights(campaign);
+    let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
+    let run_in = (high - low) * alpha.max_element() * sin / cos;
+    let visible = if campaign.trace.visibility { 1.0 } else { 0.0 };
+    let ray = |crossed: f64| {
+        let crossed = crossed.min(MOST_CROSSED * (high - low));
+        visible * (NS_PER_RAY + NS_PER_CROSSED_CELL * crossed)
+    };
+    let over_a_map = |crossed: f64| {
+        let crossings = if cells > 0.0 { crossed / cells.sqrt() } else { 0.0 };
+        let far = NS_PER_MAP_CROSSING * crossings.min(MAP_CROSSINGS);
+        visible * (NS_PER_RAY + NS_PER_MAP_CELL * crossed.min(MAP_CELLS) + far)
+    };
+    // Towards the light, and from the facet.
+    let (to_light, onwards) = if campaign.surface.kind.is_map() {
+        (over_a_map(plan.relief * sin / cos), over_a_map(1.5 * plan.relief))
+    } else {
+        (ray(run_in), ray(1.5 * (high - low) * alpha.max_element()))
+    };
+    let asked_for =
+        if plan.apertures_only { aperture_fraction(&plan.grid.regions(stop)).min(1.0) } else { 1.0 };
+    if matches!(plan.start_sampler, StartSampler::IntoApertures(_)) {
+        // Light falls into the apertures more often than their solid angle says.
+        return starts * (4.0 * asked_for).min(1.0) * NS_PER_WANTED_START;
+    }
+    let path = starts * (NS_PER_START + asked_for * onwards * (1.0 + further));
+    match plan.start_sampler {
+        StartSampler::BySlope => path + starts * (to_light + NS_PER_START_BY_SLOPE),
+        _ => path + starts * to_light + 2.0 * cells * NS_PER_FACET,
+    }
+}

@@ -1,0 +1,128 @@
+//! A patch on the stage: what its roughnesses, incidences and blocks share, and how surface samples are chosen on it.
+
+use glam::DVec2;
+
+use super::block_arms::BlockArms;
+use super::driver::Context;
+use super::patches::{Patch, Specimen};
+use super::plan::Plan;
+use super::plan::start_sampler::{Apertures, StartSampler};
+use crate::campaign::{Alpha, Campaign};
+use crate::trace::{FacetIndex, LaneField, LaneWalker, Peaks, Sample, SmithWalk, Together, Walker};
+
+/// Cells of a patch for each surface sample that is followed together with others.
+pub const CELLS_PER_START: u64 = 4;
+/// Pieces of work that a thread gets at least.
+const WORK_PER_THREAD: usize = 4;
+
+/// A specimen, with what tracing makes of its heights.
+pub(super) struct PreparedPatch {
+    pub specimen: Specimen,
+    lanes: Option<LaneField>,
+    /// For the f64 walk, where there are no lanes.
+    peaks: Option<Peaks>,
+    index: Option<FacetIndex>,
+}
+
+/// The plan's sampler on one patch, for one roughness.
+pub(super) enum PatchSampler<'a> {
+    Law(SmithWalk),
+    ByPlace(Heights<'a>),
+    BySlope(Heights<'a>, &'a FacetIndex),
+    IntoApertures(IntoApertures<'a>),
+}
+
+/// Heights to walk over.
+pub(super) struct Heights<'a> {
+    pub patch: &'a Patch,
+    pub walker: Walker<'a>,
+    /// The same in lanes, where they serve.
+    pub lanes: Option<LaneWalker<'a>>,
+    /// World slope per canonical slope.
+    pub alpha: DVec2,
+}
+
+/// Surface samples on those facets alone that can send light into apertures.
+pub(super) struct IntoApertures<'a> {
+    pub heights: Heights<'a>,
+    pub index: &'a FacetIndex,
+    pub apertures: &'a Apertures,
+    /// For each incidence, the fraction of a block's incident flux that one sample carries.
+    pub flux_fractions: Vec<f64>,
+}
+
+impl PreparedPatch {
+    pub fn new(specimen: Specimen, campaign: &Campaign, plan: &Plan) -> Self {
+        let Specimen::Patch(patch) = &specimen else {
+            return PreparedPatch { specimen, lanes: None, peaks: None, index: None };
+        };
+        let visibility = campaign.trace.visibility;
+        let index = if plan.start_sampler.is_indexed() { FacetIndex::new(&patch.field) } else { None };
+        let lanes = if visibility { LaneField::new(&patch.field) } else { None };
+        let peaks = (visibility && lanes.is_none()).then(|| Peaks::new(&patch.field));
+        PreparedPatch { lanes, peaks, index, specimen }
+    }
+
+    /// The sampler of the run's plan for one roughness of this realisation.
+    pub fn sampler<'a>(
+        &'a self,
+        context: &'a Context,
+        alpha: Option<Alpha>,
+        realisation: u64,
+    ) -> PatchSampler<'a> {
+        let patch = match &self.specimen {
+            Specimen::Patch(patch) => patch,
+            Specimen::Statistical { law, independent_heights } => {
+                return PatchSampler::Law(SmithWalk {
+                    law: *law,
+                    alpha: alpha.map_or(DVec2::ONE, |alpha| DVec2::new(alpha.x, alpha.y)),
+                    independent_heights: *independent_heights,
+                });
+            }
+        };
+        let walker = Walker::new(&patch.field);
+        let walker = self.peaks.as_ref().map_or(walker, |peaks| walker.with_peaks(peaks));
+        let lanes = self.lanes.as_ref().map(|lanes| LaneWalker::new(walker, lanes, context.kernel));
+        let heights = Heights { patch, walker, lanes, alpha: patch.alpha(alpha) };
+        match (&context.plan.start_sampler, &self.index) {
+            (StartSampler::BySlope, Some(index)) => PatchSampler::BySlope(heights, index),
+            (StartSampler::IntoApertures(apertures), Some(index)) => {
+                let of_stop = |stop: usize| {
+                    let arms = BlockArms::new(context.campaign, context.plan, stop, realisation, 0);
+                    heights.flux_fraction(index, &arms, context.plan)
+                };
+                let flux_fractions = (0..context.plan.stops).map(of_stop).collect();
+                PatchSampler::IntoApertures(IntoApertures { heights, index, apertures, flux_fractions })
+            }
+            _ => PatchSampler::ByPlace(heights),
+        }
+    }
+}
+
+impl PatchSampler<'_> {
+    /// How many blocks of an incidence are followed together, where `blocks` of all of them are to be followed on this
+    /// patch: samples that are close enough for their rays to look at the same heights. Every thread has some of them.
+    ///
+    /// The answer changes no sum: each block draws from its own stream.
+    pub fn blocks_together(&self, blocks: usize, plan: &Plan) -> usize {
+        let PatchSampler::BySlope(heights, _) = self else { return 1 };
+        let close = heights.patch.window.cells() as u64 / CELLS_PER_START / plan.block_starts;
+        let shared = blocks / (WORK_PER_THREAD * rayon::current_num_threads());
+        (close as usize).min(shared).clamp(1, Together::MOST_BLOCKS)
+    }
+}
+
+impl Heights<'_> {
+    /// The patch as it lies on the stage for a block.
+    pub fn sample(&self, arms: &BlockArms) -> Sample<'_> {
+        Sample { walker: self.walker, alpha: self.alpha, image: arms.image }
+    }
+
+    /// The fraction of a block's incident flux that one of its samples carries: about that of a block whose samples lie
+    /// on all facets, which is the projected area over light.z x cells x samples. Any fraction is unbiased, as long as
+    /// steps are of that size; it is the same for all blocks of an incidence.
+    fn flux_fraction(&self, index: &FacetIndex, arms: &BlockArms, plan: &Plan) -> f64 {
+        let light = self.sample(arms).to_field(arms.wi);
+        index.turned_about(light) / (light.z * self.patch.window.cells() as f64 * plan.block_starts as f64)
+    }
+}

@@ -1,0 +1,268 @@
+//! The table as the page's pictures and its viewer take it: half floats in base64, reduced where it is large.
+//!
+//! Enters: a scene. Leaves: JSON with the axes of what is drawn and one block of halfs for each layer,
+//! \[colour\]\[stop\]\[theta_r\]\[phi_r\] or \[colour\]\[stop\]\[direction\], values over `scale`; below 0: nothing was measured.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use half::f16;
+use serde_json::{Value, json};
+
+use super::shown::{Places, Raster, Shown, shown};
+use crate::campaign::{Campaign, SurfaceKind};
+use crate::report::plot::plots::spread;
+use crate::report::slices::Scene;
+use crate::table::BrdfTable;
+
+/// The wavelengths that stand for R, G and B, nm.
+const RGB_NM: [f64; 3] = [650.0, 550.0, 450.0];
+/// Bytes of all layers in base64 at most: the rest of a page is below 1 MB.
+const LARGEST: usize = 4_500_000;
+/// Bins are merged down to about so many rows and columns before stops are left out.
+const FEWEST: [usize; 2] = [24, 48];
+/// Light angles and azimuths that the viewer interpolates between.
+const MOST_STOPS: usize = 64;
+/// Stands where nothing was measured; BRDFs are not negative.
+const ABSENT: f64 = -1.0;
+/// Largest half float that stored values may reach.
+const HALF: f64 = 32_768.0;
+
+/// What the page holds of a table.
+pub struct Inline {
+    /// For the script.
+    pub data: Value,
+    /// What was left out, in words; empty where nothing was.
+    pub notes: Vec<String>,
+    /// Whether the sensor's directions are too few to make a hemisphere.
+    pub spots: bool,
+}
+
+/// How a table is reduced.
+#[derive(Debug, Clone, PartialEq)]
+struct Reduction {
+    /// Rows and columns merged into one.
+    merge: [usize; 2],
+    /// The light angles and azimuths that are kept.
+    theta: Vec<usize>,
+    phi: Vec<usize>,
+    /// The maskings that are kept.
+    maskings: Vec<usize>,
+    /// The colours that are shown.
+    colours: Vec<usize>,
+}
+
+/// The table and its models for the page; `None` for grids that it does not know. `masking` is the model that stays
+/// where there is room for one only.
+pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize) -> Option<Inline> {
+    let shown = shown(&scene.table.grid, scene.table.gaps() > 0).filter(|shown| !shown.stops.is_empty())?;
+    let (plan, notes) = reduction(scene, &shown, masking);
+    let notes = [shown.notes.clone(), notes].concat();
+    let layers = layers(scene, &shown, &plan);
+    let highest = layers.iter().flat_map(|layer| &layer.values).copied().fold(0.0, f64::max);
+    let scale = if highest > HALF { 2f64.powf((highest / HALF).log2().ceil()) } else { 1.0 };
+    let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect::<Vec<_>>();
+    let alpha = campaign.and_then(|campaign| campaign.alphas().first().copied().flatten());
+    let mut data = json!({
+        "colours": shown_names(scene.table, &plan.colours),
+        "theta_i": pick(&shown.theta_i_deg, &plan.theta),
+        "phi_i": pick(&shown.phi_i_deg, &plan.phi),
+        "relative": scene.table.grid.phi_r_relative,
+        "mirrored": campaign.is_some_and(|campaign| is_mirrored(campaign, &shown, scene)),
+        "rotation": campaign.map_or(0.0, |campaign| campaign.surface.rotation_deg),
+        "alpha": alpha.map(|alpha| [alpha.x, alpha.y]),
+        "scale": scale,
+        "chosen": scene.maskings().get(masking).map(|name| model_name(name)),
+        "layers": layers.iter().map(|layer| layer.json(scale)).collect::<Vec<_>>(),
+    });
+    let spots = matches!(shown.sensor, Places::Spots { .. });
+    match &shown.sensor {
+        Places::Bins(raster) => {
+            data["theta_edges"] = json!(merged_edges(&raster.theta_deg, plan.merge[0]));
+            data["phi_edges"] = json!(merged_edges(&raster.phi_deg, plan.merge[1]));
+            if let Some([theta, phi]) = raster.nodes_deg.as_ref().filter(|_| plan.merge == [1, 1]) {
+                data["theta_nodes"] = json!(theta);
+                data["phi_nodes"] = json!(phi);
+            }
+        }
+        Places::Spots { directions_deg, aperture_deg, step } => {
+            data["spots"] = json!({ "directions": directions_deg, "aperture": aperture_deg, "step": step });
+        }
+    }
+    Some(Inline { data, notes, spots })
+}
+
+/// Whether azimuths of the light that were not measured follow from those that were: the law of the surface is its
+/// own mirror image about both axes of the sample.
+fn is_mirrored(campaign: &Campaign, shown: &Shown, scene: &Scene) -> bool {
+    let symmetric = !matches!(campaign.surface.kind, SurfaceKind::File(_));
+    let (first, last) = (shown.phi_i_deg[0], shown.phi_i_deg[shown.phi_i_deg.len() - 1]);
+    symmetric && !scene.table.grid.phi_r_relative && last - first < 180.0
+}
+
+/// All colours of a plain table. Of wavelengths the three that stand for R, G and B; of two the longer one.
+fn shown_colours(table: &BrdfTable) -> Vec<usize> {
+    if !table.is_spectral() {
+        return (0..table.colours.len()).collect();
+    }
+    let nearest = |nm: f64| {
+        let off =
+            |colour: usize| table.colours[colour].wavelength_nm.map_or(f64::INFINITY, |at| (at - nm).abs());
+        (0..table.colours.len()).min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0)
+    };
+    let rgb = RGB_NM.map(nearest);
+    if rgb[0] > rgb[1] && rgb[1] > rgb[2] { rgb.to_vec() } else { vec![table.colours.len() / 2] }
+}
+
+fn shown_names(table: &BrdfTable, colours: &[usize]) -> Vec<String> {
+    match colours.len() {
+        1 => vec!["Y".into()],
+        3 => ["R", "G", "B"].map(String::from).to_vec(),
+        _ => table.colour_names(),
+    }
+}
+
+/// Merges bins, leaves out stops, until the layers fit.
+fn reduction(scene: &Scene, shown: &Shown, masking: usize) -> (Reduction, Vec<String>) {
+    let [rows, columns] = match &shown.sensor {
+        Places::Bins(raster) => [raster.theta_deg.len() - 1, raster.phi_deg.len() - 1],
+        Places::Spots { directions_deg, .. } => [1, directions_deg.len()],
+    };
+    let spots = matches!(shown.sensor, Places::Spots { .. });
+    let all = |count: usize| spread(count, MOST_STOPS);
+    let maskings = (0..scene.maskings().len()).collect::<Vec<_>>();
+    let (theta, phi) = (all(shown.theta_i_deg.len()), all(shown.phi_i_deg.len()));
+    let colours = shown_colours(scene.table);
+    let mut plan = Reduction { merge: [1, 1], theta, phi, maskings, colours };
+    let measured = 1 + usize::from(scene.has_multiple());
+    let bytes = |plan: &Reduction| {
+        let bins = rows.div_ceil(plan.merge[0]) * columns.div_ceil(plan.merge[1]);
+        let values = bins * plan.theta.len() * plan.phi.len() * plan.colours.len();
+        values * (measured + plan.maskings.len()) * 2 * 4 / 3
+    };
+    let mut notes = Vec::new();
+    if plan.colours.len() < scene.table.colours.len() {
+        let names = scene.table.colour_names();
+        let shown: Vec<&str> = plan.colours.iter().map(|&colour| names[colour].as_str()).collect();
+        notes.push(format!("of {} wavelengths only {}", names.len(), shown.join(", ")));
+    }
+    if bytes(&plan) > LARGEST && plan.maskings.len() > 1 {
+        plan.maskings = vec![masking];
+        notes.push(format!("only the model with {} masking", scene.maskings()[masking]));
+    }
+    while bytes(&plan) > LARGEST {
+        let [merged_rows, merged_columns] = [rows.div_ceil(plan.merge[0]), columns.div_ceil(plan.merge[1])];
+        if !spots && (merged_rows > FEWEST[0] || merged_columns > FEWEST[1]) {
+            plan.merge[usize::from(merged_columns * FEWEST[0] >= merged_rows * FEWEST[1])] += 1;
+        } else if plan.phi.len() >= plan.theta.len() && plan.phi.len() > 2 {
+            plan.phi = spread(shown.phi_i_deg.len(), plan.phi.len() - 1);
+        } else if plan.theta.len() > 2 {
+            plan.theta = spread(shown.theta_i_deg.len(), plan.theta.len() - 1);
+        } else {
+            break;
+        }
+    }
+    if plan.merge != [1, 1] {
+        notes.push(format!("{} x {} bins merged into one", plan.merge[0], plan.merge[1]));
+    }
+    let kept = plan.theta.len() * plan.phi.len();
+    if kept < shown.stops.len() {
+        notes.push(format!("{kept} of {} light directions", shown.stops.len()));
+    }
+    (plan, notes)
+}
+
+/// Every `merge`th edge, and the last.
+fn merged_edges(edges: &[f64], merge: usize) -> Vec<f64> {
+    let last = edges.len() - 1;
+    let mut kept: Vec<f64> = edges[..last].iter().step_by(merge).copied().collect();
+    kept.push(edges[last]);
+    kept
+}
+
+/// A model's layer by its masking.
+fn model_name(masking: &str) -> String {
+    format!("model, {masking}")
+}
+
+/// One layer of values, 1/sr.
+struct Layer {
+    name: String,
+    kind: &'static str,
+    values: Vec<f64>,
+}
+
+impl Layer {
+    fn json(&self, scale: f64) -> Value {
+        let halfs = self.values.iter().map(|value| f16::from_f64(value / scale));
+        let bytes: Vec<u8> = halfs.flat_map(f16::to_le_bytes).collect();
+        json!({ "name": self.name, "kind": self.kind, "data": STANDARD.encode(bytes) })
+    }
+}
+
+fn layers(scene: &Scene, shown: &Shown, plan: &Reduction) -> Vec<Layer> {
+    let table = scene.table;
+    let bins = table.grid.bins();
+    let stored = |pick: &dyn Fn(usize, usize) -> f32| {
+        let value = |colour: usize, entry: usize| {
+            if table.is_gap(entry) { ABSENT } else { f64::from(pick(colour, entry)) }
+        };
+        reduced(shown, plan, &|colour, stop, bin| value(colour, stop * bins + bin))
+    };
+    let single = stored(&|colour, at| table.colours[colour].single[at]);
+    let mut layers = vec![Layer { name: "measured".into(), kind: "measured", values: single }];
+    if scene.has_multiple() {
+        layers[0].name = "measured, order 1".into();
+        let values = stored(&|colour, at| table.colours[colour].total[at]);
+        layers.push(Layer { name: "measured, all orders".into(), kind: "measured", values });
+    }
+    if let Some(prediction) = scene.prediction {
+        for &index in &plan.maskings {
+            let value =
+                |colour: usize, stop: usize, bin: usize| prediction.means[stop].values[index][colour][bin];
+            let name = model_name(&scene.maskings()[index]);
+            layers.push(Layer { name, kind: "model", values: reduced(shown, plan, &value) });
+        }
+    }
+    layers
+}
+
+/// [colour][stop][bin] after the reduction.
+fn reduced(shown: &Shown, plan: &Reduction, value: &dyn Fn(usize, usize, usize) -> f64) -> Vec<f64> {
+    let columns = shown.phi_i_deg.len();
+    let stops = plan.theta.iter().flat_map(|t| plan.phi.iter().map(move |p| t * columns + p));
+    let stops: Vec<usize> = stops.map(|place| shown.stops[place]).collect();
+    let mut values = Vec::new();
+    for &colour in &plan.colours {
+        for &stop in &stops {
+            let here = |bin: usize| value(colour, stop, bin);
+            match &shown.sensor {
+                Places::Bins(raster) => values.extend(merged(raster, plan.merge, &here)),
+                Places::Spots { directions_deg, .. } => values.extend((0..directions_deg.len()).map(here)),
+            }
+        }
+    }
+    values
+}
+
+/// Means over merged cells by projected solid angle; `ABSENT` where nothing was measured.
+fn merged(raster: &Raster, [by_row, by_column]: [usize; 2], value: &dyn Fn(usize) -> f64) -> Vec<f64> {
+    let sizes = raster.sizes();
+    let [rows, columns] = [raster.theta_deg.len() - 1, raster.phi_deg.len() - 1];
+    let mut values = Vec::new();
+    for row in (0..rows).step_by(by_row) {
+        for column in (0..columns).step_by(by_column) {
+            let (mut flux, mut size) = (0.0, 0.0);
+            for r in row..(row + by_row).min(rows) {
+                for c in column..(column + by_column).min(columns) {
+                    let value = raster.source[r * columns + c].map(value).filter(|&value| value != ABSENT);
+                    if let Some(value) = value {
+                        flux += sizes[r * columns + c] * value;
+                        size += sizes[r * columns + c];
+                    }
+                }
+            }
+            values.push(if size > 0.0 { flux / size } else { ABSENT });
+        }
+    }
+    values
+}

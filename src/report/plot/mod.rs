@@ -1,0 +1,7 @@
+//! Plots as SVG.
+
+pub mod chart;
+pub mod convergence;
+pub mod masking;
+pub mod plots;
+pub mod polar;

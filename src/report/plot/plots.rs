@@ -1,0 +1,211 @@
+//! The plots of the page: which charts a table gives, and which it cannot give, with the reason.
+
+use super::chart::{Axis, Chart, MEASURED, Marker, Series, Style, model_style, ratio_style, series_style};
+use crate::report::slices::{Scene, Sweep, mirror_bin};
+
+/// Light angles and azimuths that get plots of their own at most.
+const MOST_ANGLES: usize = 8;
+const MOST_AZIMUTHS: usize = 3;
+/// Half-width of a ratio's 95 % interval beyond which the ratio is not drawn.
+const WIDEST: f64 = 0.5;
+const SENSOR: &str = "sensor theta_r, degrees (positive: mirror's side)";
+
+/// `count` indices, at most `most` of them, evenly spread with both ends.
+pub fn spread(count: usize, most: usize) -> Vec<usize> {
+    if count <= most {
+        return (0..count).collect();
+    }
+    (0..most).map(|k| k * (count - 1) / (most - 1)).collect()
+}
+
+/// The stops that get plots: some azimuths, some angles of each.
+pub fn shown_stops(scene: &Scene) -> Vec<usize> {
+    shown_sweeps(scene).into_iter().flat_map(|sweep| sweep.stops).collect()
+}
+
+/// The same by azimuth.
+pub fn shown_sweeps(scene: &Scene) -> Vec<Sweep> {
+    let sweeps = scene.sweeps();
+    let some = |sweep: &Sweep| {
+        let stops = spread(sweep.stops.len(), MOST_ANGLES).into_iter().map(|k| sweep.stops[k]).collect();
+        Sweep { stops, ..*sweep }
+    };
+    spread(sweeps.len(), MOST_AZIMUTHS).into_iter().map(|k| some(&sweeps[k])).collect()
+}
+
+/// A light direction in words.
+pub fn stop_name(scene: &Scene, stop: usize) -> String {
+    let (theta, phi) = scene.table.grid.stop_deg(stop);
+    if scene.has_azimuths() {
+        format!("theta_i {theta}°, phi_i {phi}°")
+    } else {
+        format!("theta_i {theta}°")
+    }
+}
+
+/// The lobe in the plane of incidence: order 1 with its 95 % band, all orders, and every model; `None` without light
+/// in the plane.
+pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
+    let cuts = scene.in_plane(stop);
+    if cuts.len() < 2 {
+        return None;
+    }
+    let curve =
+        |value: &dyn Fn(usize) -> f64| cuts.iter().map(|c| [c.theta_deg, value(c.bin)]).collect::<Vec<_>>();
+    let mut series = Vec::new();
+    let error: Option<Vec<f64>> = cuts.iter().map(|cut| scene.half_width(stop, cut.bin)).collect();
+    let measured = curve(&|bin| scene.single(stop, bin));
+    let bars = error.iter().flatten().chain(std::iter::repeat(&0.0));
+    let mut highest = measured.iter().zip(bars).map(|(point, bar)| point[1] + bar).fold(0.0, f64::max);
+    if cuts.iter().all(|cut| scene.total(stop, cut.bin) <= 0.0) {
+        return None;
+    }
+    series.push(Series {
+        label: "measured".into(),
+        points: measured,
+        error: error.unwrap_or_default(),
+        style: MEASURED,
+    });
+    if scene.has_multiple() {
+        let style = Style { colour: "#777", dashes: "2 2", marker: Marker::Ring, line: true };
+        let points = curve(&|bin| scene.total(stop, bin));
+        highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
+        series.push(Series { label: "all orders".into(), points, error: vec![], style });
+    }
+    for (index, label) in scene.maskings().into_iter().enumerate() {
+        let points = curve(&|bin| scene.model(index, stop, bin).unwrap_or(0.0));
+        highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
+        series.push(Series { label, points, error: vec![], style: model_style(index) });
+    }
+    let top = 1.08 * highest;
+    Some(Chart {
+        title: format!("In-plane lobe, {}", stop_name(scene, stop)),
+        x: Axis::degrees(SENSOR, [-90.0, 90.0]),
+        y: Axis::linear(&format!("BRDF{}, 1/sr", scene.colour_note()), [0.0, top]),
+        series,
+    })
+}
+
+/// Measured over model in the plane of incidence, for every masking; the error bars stand on the first.
+///
+/// Bins whose 95 % interval is wider than +-`WIDEST` of the model say nothing of it and are left out.
+pub fn ratio(scene: &Scene, stop: usize) -> Option<Chart> {
+    let cuts = scene.in_plane(stop);
+    let mut series = vec![line_at_one()];
+    for (index, label) in scene.maskings().into_iter().enumerate() {
+        let (mut points, mut error) = (Vec::new(), Vec::new());
+        for cut in &cuts {
+            let (value, model) = (scene.single(stop, cut.bin), scene.model(index, stop, cut.bin)?);
+            let half = scene.half_width(stop, cut.bin).unwrap_or(0.0);
+            if value > 0.0 && half <= WIDEST * model {
+                points.push([cut.theta_deg, value / model]);
+                error.push(half / model);
+            }
+        }
+        if index > 0 {
+            error.clear();
+        }
+        series.push(Series { label, points, error, style: ratio_style(index) });
+    }
+    (series.iter().any(|series| series.points.len() > 2)).then(|| Chart {
+        title: format!("Measured / model, {}", stop_name(scene, stop)),
+        x: Axis::degrees(SENSOR, [-90.0, 90.0]),
+        y: Axis::linear(&format!("ratio{}", scene.colour_note()), [0.5, 1.5]),
+        series,
+    })
+}
+
+fn line_at_one() -> Series {
+    let style = Style { colour: "#999", dashes: "", marker: Marker::Off, line: true };
+    Series { label: String::new(), points: vec![[-90.0, 1.0], [90.0, 1.0]], error: vec![], style }
+}
+
+/// Albedo by order against theta_i at one azimuth of the light, from the summary's stops; models of order 1. `None`
+/// where it is not known, or at one angle only.
+pub fn albedo(scene: &Scene, stops: &serde_json::Value, sweep: &Sweep) -> Option<Chart> {
+    let shown = &sweep.stops;
+    if shown.len() < 2 || shown.iter().all(|&stop| stops[stop]["albedo_single"].is_null()) {
+        return None;
+    }
+    let theta = |stop: usize| scene.table.grid.stop_deg(stop).0;
+    let column = |pick: &dyn Fn(&serde_json::Value) -> Option<f64>| {
+        shown.iter().filter_map(|&stop| Some([theta(stop), pick(&stops[stop])?])).collect::<Vec<_>>()
+    };
+    let mut series = Vec::new();
+    let mut add = |label: String, points: Vec<[f64; 2]>, error: Vec<f64>, style: Style| {
+        if !points.is_empty() {
+            let error = if error.len() == points.len() { error } else { vec![] };
+            series.push(Series { label, points, error, style });
+        }
+    };
+    let errors = |key: &str| shown.iter().filter_map(|&stop| stops[stop][key].as_f64()).collect::<Vec<_>>();
+    // Another program's table does not know how often its light has bounced.
+    let orders_known = !scene.table.campaign.is_empty();
+    let first = if orders_known { "order 1" } else { "measured" };
+    add(first.into(), column(&|s| s["albedo_single"].as_f64()), errors("albedo_single_se"), MEASURED);
+    let orders =
+        shown.iter().filter_map(|&stop| stops[stop]["albedo_by_order"].as_array()).map(Vec::len).max();
+    for order in 1..orders.unwrap_or(1).min(5) {
+        let points = column(&|s| s["albedo_by_order"][order].as_f64());
+        add(format!("order {}", order + 1), points, vec![], series_style(order));
+    }
+    if scene.has_multiple() {
+        add(
+            "all orders".into(),
+            column(&|s| s["albedo_total"].as_f64()),
+            errors("albedo_total_se"),
+            series_style(5),
+        );
+    }
+    for (index, label) in scene.maskings().into_iter().enumerate() {
+        let points = shown.iter().filter_map(|&s| Some([theta(s), scene.model_albedo(index, s)?])).collect();
+        add(label, points, vec![], model_style(index));
+    }
+    let highest = series.iter().flat_map(|s| &s.points).map(|p| p[1]).fold(0.0, f64::max);
+    let at = if scene.has_azimuths() { format!(", phi_i {}°", sweep.angle_deg) } else { String::new() };
+    Some(Chart {
+        title: format!("Albedo against the light's angle{at}"),
+        x: Axis::degrees("light theta_i, degrees", [0.0, 90.0]),
+        y: Axis::linear("share of the light", [0.0, (1.05 * highest).max(1e-6)]),
+        series,
+    })
+}
+
+/// BRDF in the bin of the mirror direction against the light's azimuth, for some theta_i.
+pub fn anisotropy(scene: &Scene) -> Option<Chart> {
+    let grid = &scene.table.grid;
+    let mut rounds = scene.rounds();
+    rounds.retain(|round| round.stops.len() > 1);
+    let mut series = Vec::new();
+    let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (index, row) in spread(rounds.len(), 4).into_iter().enumerate() {
+        let (mut points, mut error, mut models) = (Vec::new(), Vec::new(), Vec::new());
+        for &stop in &rounds[row].stops {
+            let phi = grid.stop_deg(stop).1;
+            let bin = mirror_bin(grid, stop)?;
+            if scene.table.is_gap(stop * grid.bins() + bin) {
+                continue;
+            }
+            (first, last) = (phi.min(first), phi.max(last));
+            points.push([phi, scene.single(stop, bin)]);
+            error.push(scene.half_width(stop, bin).unwrap_or(0.0));
+            models.extend(scene.model(0, stop, bin).map(|value| [phi, value]));
+        }
+        let label = format!("theta_i {}°", rounds[row].angle_deg);
+        let style = Style { line: false, ..series_style(index) };
+        series.push(Series { label, points, error, style });
+        let masking = scene.maskings().into_iter().next().unwrap_or_default();
+        let label = if index == 0 { masking } else { String::new() };
+        if !models.is_empty() {
+            series.push(Series { label, points: models, error: vec![], style: model_style(5) });
+        }
+    }
+    let values = series.iter().flat_map(|s| &s.points).map(|p| p[1]).filter(|&v| v > 0.0);
+    let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
+    (high > 0.0).then(|| Chart {
+        title: "Mirror direction against the light's azimuth".into(),
+        x: Axis::degrees("light phi_i, degrees", [first, last]),
+        y: Axis::decades(&format!("BRDF{}, 1/sr", scene.colour_note()), [low, high]),
+        series,
+    })
+}

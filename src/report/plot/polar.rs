@@ -1,0 +1,135 @@
+//! The polar plot: every lobe of one azimuth of the light over a half circle, each to its own peak.
+
+use super::chart::{Drawing, MEASURED, escaped, model_style};
+use crate::report::slices::Scene;
+
+const RADIUS: f64 = 200.0;
+const CENTRE: [f64; 2] = [240.0, 262.0];
+const HEIGHT: f64 = 330.0;
+
+/// The picture; `None` where fewer than two bins lie in the plane. The model is the one with the masking `masking`.
+pub fn polar(scene: &Scene, stops: &[usize], masking: usize) -> Option<String> {
+    let lobes: Vec<Lobe> = stops.iter().filter_map(|&stop| Lobe::of(scene, stop, masking)).collect();
+    let first = *stops.first()?;
+    if lobes.is_empty() {
+        return None;
+    }
+    let (_, phi) = scene.table.grid.stop_deg(first);
+    let azimuth = if scene.has_azimuths() { format!(", phi_i {phi}°") } else { String::new() };
+    let title = format!("Polar plot in the plane of incidence{azimuth}");
+    let mut out = Drawing::new();
+    let [x, y] = CENTRE;
+    out.add(format_args!(
+        "<svg class=\"chart\" viewBox=\"0 0 480 {HEIGHT}\" role=\"img\" aria-label=\"{title}\">\n\
+         <text x=\"8\" y=\"20\" font-weight=\"bold\">{title}</text>\n<g transform=\"translate({x} {y})\">"
+    ));
+    rings(&mut out);
+    lobes.iter().for_each(|lobe| lobe.draw(&mut out));
+    out.add("</g>");
+    let model = scene.maskings().get(masking).cloned();
+    legend(&mut out, model.as_deref());
+    out.add("</svg>");
+    Some(out.text())
+}
+
+/// A place from signed polar angle and radius.
+fn place(theta_deg: f64, radius: f64) -> [f64; 2] {
+    let (sin, cos) = theta_deg.to_radians().sin_cos();
+    [radius * sin, -radius * cos]
+}
+
+fn rings(out: &mut Drawing) {
+    for part in [0.25, 0.5, 0.75, 1.0] {
+        let r = RADIUS * part;
+        out.add(format_args!(
+            "<path class=\"grid\" fill=\"none\" d=\"M{:.1} 0A{r:.1} {r:.1} 0 0 1 {r:.1} 0\"/>",
+            -r
+        ));
+    }
+    for theta in (-90..=90).step_by(30) {
+        let [x, y] = place(f64::from(theta), RADIUS);
+        let [u, v] = place(f64::from(theta), RADIUS + 14.0);
+        out.add(format_args!(
+            "<path class=\"grid\" d=\"M0 0L{x:.1} {y:.1}\"/>\
+             <text x=\"{u:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{theta}°</text>",
+            v + 5.0
+        ));
+    }
+}
+
+/// One light angle's lobe.
+struct Lobe {
+    theta_i_deg: f64,
+    measured: Vec<[f64; 2]>,
+    model: Vec<[f64; 2]>,
+    peak_deg: f64,
+}
+
+impl Lobe {
+    fn of(scene: &Scene, stop: usize, masking: usize) -> Option<Lobe> {
+        let cuts = scene.in_plane(stop);
+        let peak =
+            cuts.iter().max_by(|a, b| scene.single(stop, a.bin).total_cmp(&scene.single(stop, b.bin)))?;
+        let highest = scene.single(stop, peak.bin);
+        if cuts.len() < 2 || highest <= 0.0 {
+            return None;
+        }
+        let curve = |value: &dyn Fn(usize) -> Option<f64>| {
+            let point = |theta: f64, value: f64| place(theta, RADIUS * (value / highest).min(1.2));
+            cuts.iter().filter_map(|cut| Some(point(cut.theta_deg, value(cut.bin)?))).collect::<Vec<_>>()
+        };
+        Some(Lobe {
+            theta_i_deg: scene.table.grid.stop_deg(stop).0,
+            measured: curve(&|bin| Some(scene.single(stop, bin))),
+            model: curve(&|bin| scene.model(masking, stop, bin)),
+            peak_deg: peak.theta_deg,
+        })
+    }
+
+    fn draw(&self, out: &mut Drawing) {
+        let path = |places: &[[f64; 2]]| {
+            places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ")
+        };
+        let (measured, model) = (path(&self.measured), path(&self.model));
+        let style = model_style(1);
+        out.add(format_args!(
+            "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" points=\"{measured}\"/>",
+            MEASURED.colour
+        ));
+        if !self.model.is_empty() {
+            out.add(format_args!(
+                "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" stroke-dasharray=\"{}\" points=\"{model}\"/>",
+                style.colour, style.dashes
+            ));
+        }
+        let [x, y] = place(self.peak_deg, RADIUS - 16.0);
+        out.add(format_args!(
+            "<text class=\"halo\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" font-size=\"12\">{}</text>",
+            self.theta_i_deg
+        ));
+    }
+}
+
+fn legend(out: &mut Drawing, model: Option<&str>) {
+    let y = HEIGHT - 34.0;
+    out.add(format_args!(
+        "<path stroke=\"{}\" stroke-width=\"1.6\" d=\"M12 {y}h34\"/><text x=\"54\" y=\"{}\">measured</text>",
+        MEASURED.colour,
+        y + 5.0
+    ));
+    if let Some(model) = model {
+        let style = model_style(1);
+        out.add(format_args!(
+            "<path stroke=\"{}\" stroke-width=\"1.8\" stroke-dasharray=\"{}\" d=\"M150 {y}h34\"/>\
+             <text x=\"192\" y=\"{}\">{}</text>",
+            style.colour,
+            style.dashes,
+            y + 5.0,
+            escaped(model)
+        ));
+    }
+    out.add(format_args!(
+        "<text x=\"12\" y=\"{}\">radius: share of the lobe's own peak; numbers: theta_i</text>",
+        y + 27.0
+    ));
+}

@@ -1,0 +1,389 @@
+//! Measured height maps: from a file to a heightfield whose slopes are those of the sample.
+//!
+//! Enters: `[surface.file]`. Leaves: heights in the file's unit with the mean (and, where asked, the mean plane)
+//! taken off, on a grid that is fine enough (`refine`), and the factors that turn a difference of neighbouring heights
+//! into a slope.
+
+use std::path::Path;
+
+use glam::DVec2;
+
+use crate::campaign::{Detrend, HeightMap};
+use crate::error::{Error, Result};
+use crate::files;
+use crate::files::memory;
+
+use super::map_file;
+use super::map_file::{MapFile, Stored};
+use super::outliers;
+use super::refine;
+use super::refine::{AGREEMENT, AUTO_CELLS, Cuts, Refined};
+use crate::surface::Heightfield;
+
+/// Fewest cells along a side.
+const MIN_CELLS: usize = 8;
+/// Fewest steps of the number format that the relief of an f32 map must span.
+const MIN_STEPS: f64 = 65_536.0;
+/// Rms slopes beyond which a map is refused: walls of 88 degrees. Ground and blasted surfaces have 0.1 to 1, so that a
+/// unit that is 1000 times too large ends up here.
+pub const ABSURD_SDQ: f64 = 30.0;
+/// Rms slopes outside of which a map is doubtful: steeper than 72 degrees, or smoother than a polished mirror and yet not
+/// flat.
+const DOUBTFUL_SDQ: [f64; 2] = [1e-3, 3.0];
+/// Change of the rms slope by refinement from which on the samples do not resolve the slopes.
+const RESOLVED: f64 = 0.1;
+
+/// A measured surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportedMap {
+    /// Heights in the file's unit.
+    pub field: Heightfield,
+    /// World slope along x = difference of neighbouring columns times this.
+    pub alpha_x: f64,
+    /// World slope along y = difference of neighbouring rows times this.
+    pub alpha_y: f64,
+    /// Cells for each of the file's own along a side.
+    pub steps: usize,
+    /// Slopes of the refined map.
+    pub cuts: Cuts,
+    /// One unit of height, um; `None` where neither campaign nor file says.
+    pub unit_um: Option<f64>,
+    /// What was done to the map, and what to know about it.
+    pub notes: Vec<String>,
+}
+
+/// A patch as this program wrote it: heights untouched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patch {
+    /// The periodic heights.
+    pub field: Heightfield,
+    /// Distance of neighbouring columns, in the unit of the heights.
+    pub pitch_x: f64,
+    /// Distance of neighbouring rows.
+    pub pitch_y: f64,
+}
+
+/// Reads a measured map.
+///
+/// Scaling heights and pitches by one power of two leaves every slope as it was, bit for bit.
+/// Held by: `scaling_by_a_power_of_two_keeps_every_slope_bit_for_bit`,
+/// `an_offset_in_f64_changes_nothing_and_in_f32_is_refused`.
+pub fn load(map: &HeightMap) -> Result<ImportedMap> {
+    let path = &map.resolved_path;
+    let file = read(path)?;
+    import(map, file).map_err(|why| Error::format(path, why))
+}
+
+/// Reads a patch that this program wrote, with its pitches.
+pub fn load_patch(path: &Path) -> Result<Patch> {
+    let file = read(path)?;
+    let pitch = |name: &str, value: Option<f64>| {
+        let value = value.ok_or_else(|| format!("no attribute `{name}`"))?;
+        positive(name, value)
+    };
+    let pitches = pitch("pitch_x", file.pitch[0]).and_then(|x| Ok((x, pitch("pitch_y", file.pitch[1])?)));
+    let (pitch_x, pitch_y) = pitches.map_err(|why| Error::format(path, why))?;
+    check_size(&file, true).map_err(|why| Error::format(path, why))?;
+    let field = Heightfield::new(file.columns, file.rows, true, file.heights);
+    Ok(Patch { field, pitch_x, pitch_y })
+}
+
+fn read(path: &Path) -> Result<MapFile> {
+    let bytes = files::read(path)?;
+    let wrong = |why: String| Error::format(path, why);
+    memory::check_file(path, map_file::needed(&bytes).map_err(wrong)?)?;
+    map_file::read(&bytes).map_err(wrong)
+}
+
+fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap, String> {
+    let [own_x, own_y] = file.pitch;
+    let no_pitch = |name: &str| match &file.no_pitch {
+        Some(why) => format!("{why}; give surface.file.pitch_x_um, pitch_y_um and height_unit_um"),
+        None => format!("the file has no attribute `{name}`; give surface.file.{name}_um"),
+    };
+    let alpha = |name: &str, pitch_um, own| slope_factor(name, pitch_um, map.height_unit_um, own, no_pitch);
+    let alpha_x = alpha("pitch_x", map.pitch_x_um, own_x)?;
+    let alpha_y = alpha("pitch_y", map.pitch_y_um, own_y)?;
+    let (cells_x, cells_y) = check_size(&file, map.periodic)?;
+    if let Some(why) = outliers::refused(&file.heights, file.columns) {
+        return Err(why);
+    }
+    check_precision(&file)?;
+    let mut notes = vec![format!("{} x {} samples, {cells_x} x {cells_y} cells", file.columns, file.rows)];
+    if file.stored == Stored::Half {
+        notes.push("heights are half floats of 11 bits: slopes are coarse".into());
+    }
+    let mean = take_off_mean(&mut file.heights);
+    notes.push(format!("mean height {mean:.3e} taken off"));
+    match (map.detrend, map.periodic) {
+        (Detrend::None, _) => {}
+        (Detrend::Plane, true) => {
+            notes.push("the map is periodic and cannot be tilted: only its mean was taken off".into());
+        }
+        (Detrend::Plane, false) => {
+            let [x, y] = take_off_plane(&mut file.heights, file.columns);
+            notes.push(format!("plane with slopes {:.2e} and {:.2e} taken off", x * alpha_x, y * alpha_y));
+        }
+    }
+    notes.extend(outliers::named(&file.heights, file.columns));
+    let field = Heightfield::new(cells_x, cells_y, map.periodic, file.heights);
+    let (low, high) = field.range();
+    let unit_um = if map.pitch_x_um.is_some() { map.height_unit_um } else { file.unit_um };
+    let refined = refine::refine(field, DVec2::new(alpha_x, alpha_y), map.refine)?;
+    let steps = refined.steps as f64;
+    let (alpha_x, alpha_y, cuts) = (alpha_x * steps, alpha_y * steps, refined.after);
+    if low == high {
+        notes.push("the map is flat: a mirror".into());
+    } else {
+        check_slopes(map, &refined.before, &mut notes)?;
+        notes.extend(refinement(&refined));
+    }
+    Ok(ImportedMap { field: refined.field, alpha_x, alpha_y, steps: refined.steps, cuts, unit_um, notes })
+}
+
+impl ImportedMap {
+    /// Distance of neighbouring columns and rows of the refined map, in the unit of the heights.
+    pub fn pitch(&self) -> [f64; 2] {
+        [1.0 / self.alpha_x, 1.0 / self.alpha_y]
+    }
+
+    /// Size of the map along x and y, in the unit of the heights.
+    pub fn size(&self) -> [f64; 2] {
+        let [x, y] = self.pitch();
+        [x * self.field.cells_x() as f64, y * self.field.cells_y() as f64]
+    }
+
+    /// Root mean square height about the mean, Sq of ISO 25178, in the unit of the heights.
+    pub fn sq(&self) -> f64 {
+        let heights = self.field.heights();
+        let mean = |f: &dyn Fn(f64) -> f64| heights.iter().map(|&h| f(h)).sum::<f64>() / heights.len() as f64;
+        let centre = mean(&|h| h);
+        mean(&|h| (h - centre).powi(2)).sqrt()
+    }
+}
+
+/// Refuses slopes that only a slip of units makes, and names doubtful ones.
+fn check_slopes(map: &HeightMap, cuts: &Cuts, notes: &mut Vec<String>) -> std::result::Result<(), String> {
+    let sdq = cuts.sdq;
+    let [smooth, steep] = DOUBTFUL_SDQ;
+    let units = match (map.pitch_x_um, map.pitch_y_um, map.height_unit_um) {
+        (Some(x), Some(y), Some(unit)) => format!("height_unit_um = {unit} on a pitch of {x} x {y} um"),
+        _ => "by the file's own pitches and unit of heights".into(),
+    };
+    if sdq.is_nan() || sdq > ABSURD_SDQ {
+        return Err(format!(
+            "rms slope Sdq = {sdq:.3e}, {units}: above {ABSURD_SDQ} (88 degrees) only a slip of units has it; correct \
+             height unit or pitch"
+        ));
+    }
+    if sdq > steep {
+        notes.push(format!(
+            "rms slope Sdq = {sdq:.3}, {units}: steeper than 72 degrees; are the units right?"
+        ));
+    }
+    if sdq < smooth {
+        notes.push(format!(
+            "rms slope Sdq = {sdq:.1e}, {units}: smoother than a polished mirror; are the units right?"
+        ));
+    }
+    Ok(())
+}
+
+/// What refinement did, or could not do.
+fn refinement(refined: &Refined) -> Vec<String> {
+    let Refined { field, steps, before, after } = refined;
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let mut notes = vec![format!(
+        "refine = {steps}: {} x {} cells, slopes under the two diagonals of a cell agree within {} ({} as sampled)",
+        field.cells_x(),
+        field.cells_y(),
+        percent(after.disagreement()),
+        percent(before.disagreement())
+    )];
+    if !after.agree() {
+        let more = if *steps < refine::MOST_STEPS && 4 * field.cells_x() * field.cells_y() > AUTO_CELLS {
+            format!("; auto stops at {} Mi cells, a larger refine goes on", AUTO_CELLS >> 20)
+        } else {
+            String::new()
+        };
+        notes.push(format!(
+            "slopes depend on the diagonal that cells are cut along by {}, above {}: a mirrored map will not give the \
+             mirrored table{more}",
+            percent(after.disagreement()),
+            percent(AGREEMENT)
+        ));
+    }
+    if (after.sdq - before.sdq).abs() > RESOLVED * before.sdq {
+        notes.push(format!(
+            "the samples do not resolve the slopes: rms slope {:.4} from sample to sample, {:.4} of the spline through \
+             them; steps and noise overshoot, refine = 1 leaves them as they are",
+            before.sdq, after.sdq
+        ));
+    }
+    notes
+}
+
+/// Slope per unit of height difference along one axis: height unit over pitch.
+fn slope_factor(
+    name: &str,
+    pitch_um: Option<f64>,
+    height_unit_um: Option<f64>,
+    own: Option<f64>,
+    no_pitch: impl Fn(&str) -> String,
+) -> std::result::Result<f64, String> {
+    let factor = match (pitch_um, own) {
+        (Some(pitch), _) => {
+            let unit = height_unit_um.ok_or_else(|| {
+                format!("surface.file.{name}_um needs surface.file.height_unit_um beside it")
+            })?;
+            positive("height_unit_um", unit)? / positive(name, pitch)?
+        }
+        (None, Some(pitch)) => 1.0 / positive(name, pitch)?,
+        (None, None) => return Err(no_pitch(name)),
+    };
+    positive(&format!("height unit over {name}"), factor)
+}
+
+fn positive(name: &str, value: f64) -> std::result::Result<f64, String> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{name} = {value}: must be positive and finite"))
+    }
+}
+
+/// Cells along x and y.
+fn check_size(file: &MapFile, periodic: bool) -> std::result::Result<(usize, usize), String> {
+    let extra = usize::from(!periodic);
+    let (x, y) = (file.columns.saturating_sub(extra), file.rows.saturating_sub(extra));
+    if x < MIN_CELLS || y < MIN_CELLS {
+        return Err(format!("{x} x {y} cells; at least {MIN_CELLS} x {MIN_CELLS} are needed"));
+    }
+    Ok((x, y))
+}
+
+/// Refuses an f32 map whose offset has eaten the relief: fewer than 16 bits between lowest and highest.
+fn check_precision(file: &MapFile) -> std::result::Result<(), String> {
+    let fold = |f: fn(f64, f64) -> f64, start| file.heights.iter().fold(start, |a, &h| f(a, h));
+    let (low, high) = (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY));
+    let largest = low.abs().max(high.abs()) as f32;
+    if file.stored != Stored::Single || low == high || largest == f32::MAX {
+        return Ok(());
+    }
+    let step = f64::from(largest.next_up() - largest);
+    let steps = (high - low) / step;
+    if steps >= MIN_STEPS {
+        return Ok(());
+    }
+    Err(format!(
+        "heights from {low} to {high} in f32 span only {steps} steps of the format; take the offset off before \
+         saving, or save as f64"
+    ))
+}
+
+/// Takes the mean off and returns it.
+///
+/// The sum is compensated, so that its error does not grow with the number of heights.
+fn take_off_mean(heights: &mut [f64]) -> f64 {
+    let (mut sum, mut rest) = (0.0_f64, 0.0_f64);
+    for &height in heights.iter() {
+        let next = sum + height;
+        rest += if sum.abs() >= height.abs() { (sum - next) + height } else { (height - next) + sum };
+        sum = next;
+    }
+    let mean = (sum + rest) / heights.len() as f64;
+    heights.iter_mut().for_each(|height| *height -= mean);
+    mean
+}
+
+/// Takes the least-squares plane off heights of mean zero; returns its slopes per column and per row.
+///
+/// Coordinates count from the centre, where the normal equations of a full grid are diagonal:
+/// slope = sum u h / sum u^2 along each axis.
+fn take_off_plane(heights: &mut [f64], columns: usize) -> [f64; 2] {
+    let rows = heights.len() / columns;
+    let centred = |i: usize, n: usize| i as f64 - 0.5 * (n - 1) as f64;
+    let squares = |n: usize| (0..n).map(|i| centred(i, n).powi(2)).sum::<f64>();
+    let (mut along_x, mut along_y) = (0.0, 0.0);
+    for (y, row) in heights.chunks(columns).enumerate() {
+        along_x += row.iter().enumerate().map(|(x, h)| centred(x, columns) * h).sum::<f64>();
+        along_y += centred(y, rows) * row.iter().sum::<f64>();
+    }
+    let slope_x = along_x / (squares(columns) * rows as f64);
+    let slope_y = along_y / (squares(rows) * columns as f64);
+    for (y, row) in heights.chunks_mut(columns).enumerate() {
+        for (x, height) in row.iter_mut().enumerate() {
+            *height -= slope_x * centred(x, columns) + slope_y * centred(y, rows);
+        }
+    }
+    [slope_x, slope_y]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn map() -> HeightMap {
+        HeightMap {
+            path: "scan.npy".into(),
+            resolved_path: "scan.npy".into(),
+            pitch_x_um: Some(0.5),
+            pitch_y_um: Some(0.25),
+            height_unit_um: Some(0.001),
+            periodic: false,
+            detrend: Detrend::Plane,
+            refine: None,
+            tiles: 4,
+        }
+    }
+
+    fn file(columns: usize, rows: usize, height: impl Fn(f64, f64) -> f64) -> MapFile {
+        let at = |i: usize| height((i % columns) as f64, (i / columns) as f64);
+        let heights = (0..columns * rows).map(at).collect();
+        MapFile::new(columns, rows, heights, Stored::Exact)
+    }
+
+    #[test]
+    fn a_tilted_plane_is_wholly_taken_off_and_its_slopes_are_said() {
+        let imported = import(&map(), file(20, 31, |x, y| 7.0 + 50.0 * x - 20.0 * y)).expect("sound");
+        let (low, high) = imported.field.range();
+        // Heights reach 1550: residues are a few rounding errors of that size.
+        assert!(low.abs().max(high.abs()) < 1550.0 * 16.0 * f64::EPSILON, "{low} {high}");
+        let plane = imported.notes.iter().find(|note| note.contains("plane")).expect("said");
+        let slopes: Vec<f64> = plane.split(' ').filter_map(|word| word.parse().ok()).collect();
+        approx::assert_relative_eq!(slopes[0], 0.1, max_relative = 1e-12);
+        approx::assert_relative_eq!(slopes[1], -0.08, max_relative = 1e-12);
+        assert_eq!((imported.alpha_x, imported.alpha_y), (0.001 / 0.5, 0.001 / 0.25));
+    }
+
+    #[test]
+    fn a_periodic_map_keeps_its_plane_and_says_so() {
+        let periodic = HeightMap { periodic: true, ..map() };
+        let imported = import(&periodic, file(9, 8, |x, _| x)).expect("sound");
+        assert_eq!((imported.field.cells_x(), imported.field.cells_y()), (9, 8));
+        assert_eq!(imported.field.corners(0, 0).lower_slope().x, 1.0);
+        assert!(imported.notes.iter().any(|note| note.contains("only its mean")));
+    }
+
+    #[test]
+    fn a_flat_map_is_a_mirror_and_a_small_one_is_refused() {
+        let imported = import(&map(), file(9, 9, |_, _| 0.1)).expect("sound");
+        assert!(imported.notes.iter().any(|note| note.contains("mirror")));
+        assert_eq!((imported.field.cells_x(), imported.field.cells_y()), (8, 8));
+        assert!(import(&map(), file(8, 9, |_, _| 0.1)).expect_err("7 cells").contains("7 x 8 cells"));
+    }
+
+    #[test]
+    fn pitches_come_from_the_campaign_or_the_file_or_are_asked_for() {
+        let own = HeightMap { pitch_x_um: None, pitch_y_um: None, height_unit_um: None, ..map() };
+        let mut with_pitch = file(9, 9, |x, _| x);
+        assert!(import(&own, with_pitch.clone()).expect_err("none").contains("surface.file.pitch_x_um"));
+        with_pitch.pitch = [Some(4.0), Some(8.0)];
+        let imported = import(&own, with_pitch.clone()).expect("sound");
+        assert_eq!((imported.alpha_x, imported.alpha_y), (0.25, 0.125));
+        with_pitch.pitch = [Some(f64::NAN), Some(8.0)];
+        assert!(import(&own, with_pitch.clone()).expect_err("NaN").contains("pitch_x = NaN"));
+        let unitless = HeightMap { height_unit_um: None, ..map() };
+        assert!(import(&unitless, with_pitch).expect_err("no unit").contains("height_unit_um"));
+    }
+}

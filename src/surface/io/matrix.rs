@@ -1,0 +1,171 @@
+//! Height maps as a matrix of numbers: a row a line, as Gwyddion and many other programs write them, and Arc grids.
+//!
+//! Gwyddion's lines `# Width: 12.00 µm`, `# Height: ...` and `# Value units: m` give size and unit; without them the
+//! campaign must. An Arc grid has its size at the head (`ncols`, `nrows`, `cellsize` or `dx`, `dy`, `NODATA_value`);
+//! its first row is the one of largest y, and its cell size is in the unit of its heights.
+
+use super::map_file::{MapFile, Stored};
+use super::text::{fields, is_passed_over};
+use super::units;
+
+/// Fewest columns of a matrix: fewer are no map.
+pub const FEWEST_COLUMNS: usize = 8;
+
+/// Names at the head of an Arc grid at most.
+const MOST_NAMES: usize = 32;
+
+/// Reads a matrix; the first line is y = 0.
+pub fn read(text: &str) -> Result<MapFile, String> {
+    let (mut heights, mut columns, mut rows) = (Vec::new(), 0, 0);
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| !is_passed_over(line)) {
+        let before = heights.len();
+        for field in fields(line) {
+            match field.parse::<f64>() {
+                Ok(height) => heights.push(height),
+                // Words above the first row.
+                Err(_) if rows == 0 => break,
+                Err(_) => return Err(format!("matrix: line {}: `{field:.40}` is no number", index + 1)),
+            }
+        }
+        let found = heights.len() - before;
+        if rows == 0 && found < FEWEST_COLUMNS {
+            heights.truncate(before);
+            continue;
+        }
+        if rows > 0 && found != columns {
+            return Err(format!("matrix: line {}: {found} numbers, the first row has {columns}", index + 1));
+        }
+        (columns, rows) = (found, rows + 1);
+    }
+    if rows == 0 {
+        return Err("matrix: no row of numbers".into());
+    }
+    let mut map = MapFile::new(columns, rows, heights, Stored::Exact);
+    match sizes(text) {
+        Ok(Some((size, unit_um))) => {
+            map.pitch = [Some(size[0] / columns as f64), Some(size[1] / rows as f64)];
+            map.unit_um = Some(unit_um);
+        }
+        Ok(None) => {
+            map.no_pitch =
+                Some(format!("a matrix of {columns} x {rows} heights without x y columns or sizes"))
+        }
+        Err(why) => map.no_pitch = Some(format!("a matrix of {columns} x {rows} heights: {why}")),
+    }
+    Ok(map)
+}
+
+/// Width and height in the unit of the values, and that unit in um, of Gwyddion's comments; `None` without them.
+fn sizes(text: &str) -> Result<Option<([f64; 2], f64)>, String> {
+    let comments = text.lines().take_while(|line| is_passed_over(line));
+    let named: Vec<(&str, &str)> =
+        comments.filter_map(|line| line.trim().trim_start_matches('#').trim().split_once(':')).collect();
+    let value = |name: &str| named.iter().find(|(key, _)| *key == name).map(|(_, value)| value.trim());
+    let (Some(width), Some(height)) = (value("Width"), value("Height")) else { return Ok(None) };
+    let Some(unit) = value("Value units") else { return Err("no line `# Value units:`".into()) };
+    let unit_um =
+        1e6 * units::metres(unit).ok_or_else(|| format!("Value units `{unit:.40}` is no length"))?;
+    let length = |name: &str, text: &str| -> Result<f64, String> {
+        let (number, lateral) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+        let number: f64 = number.parse().map_err(|_| format!("{name} `{text:.40}` is no number and unit"))?;
+        Ok(number
+            * units::ratio(lateral.trim(), unit).map_err(|why| format!("{name} `{text:.40}`: {why}"))?)
+    };
+    Ok(Some(([length("Width", width)?, length("Height", height)?], unit_um)))
+}
+
+/// Reads an Arc grid.
+pub fn read_arc_grid(text: &str) -> Result<MapFile, String> {
+    let mut words = text.split_whitespace().peekable();
+    let mut head = Vec::new();
+    while let Some(name) = words.next_if(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())) {
+        let name = name.to_ascii_lowercase();
+        let text = words.next().unwrap_or("");
+        let value: f64 =
+            text.parse().map_err(|_| format!("Arc grid: {name:.40} = {text:.40}: must be a number"))?;
+        head.push((name, value));
+        if head.len() > MOST_NAMES {
+            return Err(format!("Arc grid: more than {MOST_NAMES} names before the heights"));
+        }
+    }
+    let value = |name: &str| head.iter().find(|(key, _)| key == name).map(|(_, value)| *value);
+    let count = |name: &str| match value(name) {
+        Some(count) if count >= 1.0 && count <= f64::from(u32::MAX) && count.fract() == 0.0 => {
+            Ok(count as usize)
+        }
+        Some(count) => Err(format!("Arc grid: {name} = {count}: must be a whole number")),
+        None => Err(format!("Arc grid: no {name}")),
+    };
+    let (columns, rows) = (count("ncols")?, count("nrows")?);
+    let gap = value("nodata_value").unwrap_or(-9999.0);
+    let mut heights = Vec::new();
+    for (k, word) in words.enumerate() {
+        let (row, column) = (k / columns, k % columns);
+        let height: f64 = word
+            .parse()
+            .map_err(|_| format!("Arc grid: row {row}, column {column}: `{word:.40}` is no number"))?;
+        if height == gap {
+            return Err(format!(
+                "Arc grid: no data ({gap}) at row {row}, column {column}; fill the gaps of the scan first"
+            ));
+        }
+        heights.push(height);
+    }
+    if columns.checked_mul(rows) != Some(heights.len()) {
+        return Err(format!("Arc grid: {} heights do not make {columns} x {rows}", heights.len()));
+    }
+    let heights = heights.chunks(columns).rev().flatten().copied().collect();
+    let pitch = [value("dx"), value("dy")].map(|own| own.or(value("cellsize")));
+    let no_pitch = pitch.contains(&None).then(|| "Arc grid: no cellsize".into());
+    Ok(MapFile { pitch, no_pitch, ..MapFile::new(columns, rows, heights, Stored::Exact) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 8 columns, 2 rows, height 10 row + column.
+    fn rows(separator: &str) -> [String; 2] {
+        [0, 10].map(|first| {
+            (0..8).map(|column| (first + column).to_string()).collect::<Vec<_>>().join(separator)
+        })
+    }
+
+    fn expected() -> Vec<f64> {
+        [0, 10].into_iter().flat_map(|first| (0..8).map(move |column| f64::from(first + column))).collect()
+    }
+
+    #[test]
+    fn a_matrix_reads_with_the_sizes_of_its_comments() {
+        let [first, second] = rows("\t");
+        let head = "# Channel: Height\n# Width: 12.00 \u{b5}m\n# Height: 4 um\n# Value units: m\n";
+        let map = read(&format!("{head}{first}\n{second}\n")).expect("a matrix");
+        assert_eq!((map.columns, map.rows, map.heights), (8, 2, expected()));
+        // 1.5 um and 2 um in metres; two quotients round.
+        for (found, expected) in map.pitch.iter().zip([1.5e-6, 2e-6]) {
+            assert!((found.expect("a pitch") - expected).abs() < 4.0 * f64::EPSILON * expected);
+        }
+        assert_eq!(map.unit_um, Some(1e6));
+        let bare = read(&format!("height map\n{first}\n{second}\n")).expect("a matrix");
+        assert_eq!((bare.pitch, bare.rows), ([None, None], 2));
+        assert!(bare.no_pitch.is_some_and(|why| why.contains("8 x 2 heights without x y columns")));
+        let volts = read(&format!("{}{first}\n{second}\n", head.replace(": m", ": V"))).expect("a matrix");
+        assert!(volts.no_pitch.is_some_and(|why| why.contains("`V` is no length")));
+        let ragged = read(&format!("{first}\n{second} 3\n")).expect_err("ragged");
+        assert!(ragged.contains("line 2: 9 numbers, the first row has 8"), "{ragged}");
+    }
+
+    #[test]
+    fn an_arc_grid_begins_at_the_top_and_names_its_gaps() {
+        let [first, second] = rows(" ");
+        let head = "ncols 8\nNROWS 2\nxllcorner 0\nyllcorner 0\ncellsize 0.5\nNODATA_value -9999\n";
+        let map = read_arc_grid(&format!("{head}{second}\n{first}\n")).expect("a grid");
+        assert_eq!((map.heights, map.pitch), (expected(), [Some(0.5), Some(0.5)]));
+        let reason = |text: String| read_arc_grid(&text).expect_err("must be refused");
+        let gap = second.replace("13", "-9999");
+        assert!(reason(format!("{head}{gap}\n{first}\n")).contains("no data (-9999) at row 0, column 3"));
+        assert!(reason(format!("{head}{second}\n")).contains("8 heights do not make 8 x 2"));
+        assert!(reason(format!("ncols 8\ncellsize 1\n{first}\n")).contains("no nrows"));
+        assert!(reason("ncols 1e300\nnrows 2\n1\n".into()).contains("must be a whole number"));
+    }
+}

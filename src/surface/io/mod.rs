@@ -1,0 +1,12 @@
+//! Height maps as files: measured ones read, refined and checked, patches written.
+
+pub mod export;
+pub(crate) mod gsf;
+pub mod import;
+pub mod map_file;
+pub(crate) mod matrix;
+pub mod outliers;
+pub mod refine;
+pub(crate) mod text;
+pub(crate) mod units;
+pub(crate) mod xyz;

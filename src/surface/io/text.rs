@@ -1,0 +1,86 @@
+//! Height maps as text, told apart by what they begin with: lines of x y z, a matrix of heights, an Arc grid, or the
+//! points of a Zygo instrument.
+//!
+//! Text that has no byte order mark and is not UTF-8 is read as Latin-1, which is what older instruments write their
+//! `µm` in.
+
+use super::map_file::MapFile;
+use super::{matrix, xyz};
+
+/// Lines looked at for the first numbers.
+const LONGEST_HEADING: usize = 64;
+
+/// Reads a map from text; `None` where nothing in it looks like one.
+pub fn read(text: &str) -> Option<Result<MapFile, String>> {
+    let beginning = text.trim_start();
+    if beginning.starts_with("Zygo XYZ") {
+        return Some(xyz::read_zygo(text));
+    }
+    if beginning.get(..5).is_some_and(|word| word.eq_ignore_ascii_case("ncols")) {
+        return Some(matrix::read_arc_grid(text));
+    }
+    let heading = text.lines().take(LONGEST_HEADING).filter(|line| !is_passed_over(line));
+    let mut lengths = heading.filter_map(|line| {
+        let parsed: Option<Vec<f64>> = fields(line).map(|field| field.parse().ok()).collect();
+        parsed.map(|numbers| numbers.len())
+    });
+    match lengths.find(|&length| length > 1) {
+        Some(3) => Some(xyz::read(text)),
+        Some(length) if length >= matrix::FEWEST_COLUMNS => Some(matrix::read(text)),
+        Some(length) => Some(Err(format!(
+            "lines of {length} numbers: neither x y z nor a matrix of {} columns or more",
+            matrix::FEWEST_COLUMNS
+        ))),
+        None if has_decimal_commas(text) => {
+            Some(Err("numbers with decimal commas; write them with points".into()))
+        }
+        None => None,
+    }
+}
+
+/// Whether a line is empty or a comment.
+pub fn is_passed_over(line: &str) -> bool {
+    let line = line.trim();
+    line.is_empty() || line.starts_with('#')
+}
+
+/// The fields of a line: parted by blanks, tabs or semicolons, or else by commas. A comma inside a field stays, so that
+/// `0,5` is no number, and never two.
+pub fn fields(line: &str) -> impl Iterator<Item = &str> {
+    let blank = |c: char| c.is_whitespace() || c == ';';
+    let line = line.trim_matches(|c: char| blank(c) || c == ',');
+    let commas = !line.contains(blank);
+    let parted = move |c: char| if commas { c == ',' } else { blank(c) };
+    line.split(parted).map(|field| field.trim_matches(',')).filter(|field| !field.is_empty())
+}
+
+fn has_decimal_commas(text: &str) -> bool {
+    let decimal =
+        |field: &str| field.matches(',').count() == 1 && field.replace(',', ".").parse::<f64>().is_ok();
+    let mut lines = text.lines().take(LONGEST_HEADING).filter(|line| !is_passed_over(line));
+    lines.any(|line| {
+        fields(line).count() > 1 && fields(line).all(|field| field.parse::<f64>().is_ok() || decimal(field))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_parted_by_one_kind_of_separator() {
+        let parted = |line: &str| fields(line).map(String::from).collect::<Vec<_>>();
+        for line in ["1 2 3", "1\t2\t 3\r", "1, 2, 3", "1;2;3", "1,2,3", " 1; 2 ;3;"] {
+            assert_eq!(parted(line), ["1", "2", "3"], "{line}");
+        }
+        assert_eq!(parted("0,5 1,0"), ["0,5", "1,0"]);
+    }
+
+    #[test]
+    fn text_that_is_no_map_is_told_what_it_is() {
+        let reason = |text: &str| read(text).expect("text of numbers").expect_err("must be refused");
+        assert!(reason("1 2 3 4\n5 6 7 8\n").contains("lines of 4 numbers: neither x y z nor a matrix"));
+        assert!(reason("0,5\t1,0\t0,1\n").contains("decimal commas"));
+        assert!(read("GIF89a, and so on\n").is_none());
+    }
+}

@@ -1,0 +1,5 @@
+//! Paths: from a surface sample over their bounces to their end.
+
+pub mod single;
+pub mod smith_walk;
+pub mod wavefront;

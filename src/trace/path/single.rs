@@ -1,0 +1,121 @@
+//! One path from its start to its end: shadow test, mirror bounces, exit.
+
+use glam::{DVec2, DVec3};
+
+use crate::trace::ray::grid_traversal::{Outcome, Place, Walker};
+use crate::trace::symmetry::Image;
+
+/// A patch as it lies on the stage: the field, its slope scales and which image of it. World directions are in the
+/// sample's frame (x along alpha_x).
+#[derive(Debug, Clone, Copy)]
+pub struct Sample<'a> {
+    /// Walks the canonical field.
+    pub walker: Walker<'a>,
+    /// World slope per canonical slope.
+    pub alpha: DVec2,
+    /// Which mirror image of the field lies there.
+    pub image: Image,
+}
+
+/// How a path ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ending {
+    /// The light does not see the start.
+    Hidden,
+    /// It leaves along `wo` (sample's frame) after `order` bounces.
+    Out {
+        /// Unit vector, above the horizon.
+        wo: DVec3,
+        /// Number of bounces.
+        order: u32,
+    },
+    /// It goes on beyond the last order.
+    Cut {
+        /// It goes down: its last ray was not needed.
+        down: bool,
+    },
+    /// A ray of it leaves an open map by its edge: what that meets beyond is not known.
+    LeftMap {
+        /// Where the path arrives if nothing lies beyond the edge, sample's frame; `None` where it does not.
+        wo: Option<DVec3>,
+        /// Bounces on the map.
+        order: u32,
+        /// Whether it may go on from something beyond the edge, and arrive anywhere.
+        further: bool,
+    },
+    /// A fault of the program.
+    Lost,
+}
+
+/// What happens to a path's light at each bounce.
+pub trait Bounce {
+    /// A bounce with directions `wi` (where the light comes from) and `wo`, both away from the facet.
+    fn bounce(&mut self, wi: DVec3, wo: DVec3);
+}
+
+impl Sample<'_> {
+    /// A world direction in canonical field coordinates: (ax wx, ay wy, wz), seen from the field.
+    pub fn to_field(&self, w: DVec3) -> DVec3 {
+        let xy = self.image.to_field(self.alpha * DVec2::new(w.x, w.y));
+        DVec3::new(xy.x, xy.y, w.z)
+    }
+
+    /// The mirror direction of `wi` at a facet: 2 (wi.N) N/(N.N) - wi with N = (-ax p, -ay q, 1), not normalised.
+    pub fn reflected(&self, wi: DVec3, place: &Place) -> DVec3 {
+        let corners = self.walker.field().corners(place.facet.x, place.facet.y);
+        let slope = corners.slope(place.facet.upper);
+        let world = self.alpha * self.image.from_field(slope);
+        let normal = DVec3::new(-world.x, -world.y, 1.0);
+        (2.0 * wi.dot(normal) / normal.length_squared()) * normal - wi
+    }
+
+    /// Follows a path from `start` under light from `wi` through at most `bounces` orders.
+    ///
+    /// Where the light's ray leaves an open map the path is followed as one that the light may see: it ends as
+    /// [`Ending::LeftMap`] with all that is known of it.
+    pub fn trace(&self, start: Place, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> Ending {
+        let perhaps_lit = match self.walker.walk(&start, self.to_field(wi)) {
+            Outcome::Escaped => false,
+            Outcome::Hit(_) => return Ending::Hidden,
+            Outcome::LeftMap => true,
+            Outcome::Lost => return Ending::Lost,
+        };
+        let cut = |down: bool| match perhaps_lit {
+            true => Ending::LeftMap { wo: None, order: bounces, further: false },
+            false => Ending::Cut { down },
+        };
+        let mut place = start;
+        let mut back = wi;
+        for order in 1..=bounces {
+            let wo = self.reflected(back, &place);
+            visit.bounce(back, wo);
+            // A path that goes down must hit again: at the last order there is nothing left to find out.
+            if order == bounces && wo.z <= 0.0 {
+                return cut(true);
+            }
+            match self.walker.walk(&place, self.to_field(wo)) {
+                Outcome::Escaped if perhaps_lit => {
+                    return Ending::LeftMap { wo: Some(wo), order, further: false };
+                }
+                Outcome::Escaped => return Ending::Out { wo, order },
+                Outcome::Hit(next) => place = next,
+                Outcome::LeftMap => return left_map(wo, order, bounces),
+                Outcome::Lost => return Ending::Lost,
+            }
+            back = -wo;
+        }
+        cut(false)
+    }
+
+    /// The first bounce with shadowing and masking switched off.
+    pub fn trace_unobstructed(&self, start: Place, wi: DVec3, visit: &mut impl Bounce) -> Ending {
+        let wo = self.reflected(wi, &start);
+        visit.bounce(wi, wo);
+        if wo.z > 0.0 { Ending::Out { wo, order: 1 } } else { Ending::Cut { down: true } }
+    }
+}
+
+/// The end of a path whose ray along `wo` leaves an open map after `order` of at most `bounces` bounces.
+pub(crate) fn left_map(wo: DVec3, order: u32, bounces: u32) -> Ending {
+    Ending::LeftMap { wo: (wo.z > 0.0).then_some(wo), order, further: order < bounces }
+}

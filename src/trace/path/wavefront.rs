@@ -1,0 +1,158 @@
+//! Paths in waves: the meaning of `Sample::trace` for many starts at once, order by order.
+
+use glam::DVec3;
+
+use super::single::{Bounce, Ending, Sample, left_map};
+use crate::trace::ray::grid_traversal::{Outcome, Place};
+use crate::trace::simd::kernel::Fate;
+use crate::trace::simd::traversal::{LaneWalker, Waves};
+
+/// A path under way: which one, where it is, and a direction.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    path: usize,
+    place: Place,
+    direction: DVec3,
+}
+
+/// A sample under its light: what the paths of one block have in common.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// The field as it lies there, the same one for all views of a wave.
+    pub sample: Sample<'a>,
+    /// To the light, sample's frame.
+    pub wi: DVec3,
+}
+
+/// Paths that are followed together.
+#[derive(Debug, Clone, Copy)]
+pub struct Wave<'a> {
+    /// Where each path starts.
+    pub starts: &'a [Place],
+    /// Which view each path belongs to.
+    pub of: &'a [u16],
+    /// The views.
+    pub views: &'a [View<'a>],
+    /// Highest order.
+    pub bounces: u32,
+}
+
+impl<'a> Wave<'a> {
+    fn view(&self, path: usize) -> &View<'a> {
+        &self.views[usize::from(self.of[path])]
+    }
+
+    /// The direction of a step, seen from the field.
+    fn ray(&self, step: &Step) -> DVec3 {
+        self.view(step.path).sample.to_field(step.direction)
+    }
+}
+
+/// Memory for waves of paths, to be used again.
+#[derive(Debug, Default)]
+pub struct PathWaves {
+    waves: Waves,
+    /// At a facet, with the direction back to where the light comes from.
+    now: Vec<Step>,
+    /// On the way from a facet.
+    rays: Vec<Step>,
+}
+
+impl PathWaves {
+    /// Follows a path from each start of `wave`; `endings` gets their ends in the order of the starts, `visits[k]` the
+    /// bounces of path k in theirs.
+    ///
+    /// `over` is a lane walker over the field of all views. Directions are f64; only the question of what a ray meets
+    /// is f32's.
+    ///
+    /// Held by: `tests/it/trace/lanes.rs` against `Sample::trace`.
+    pub fn trace<B: Bounce>(
+        &mut self,
+        over: &LaneWalker,
+        wave: &Wave,
+        visits: &mut [B],
+        endings: &mut Vec<Ending>,
+    ) {
+        let bounces = wave.bounces;
+        endings.clear();
+        endings.resize(wave.starts.len(), Ending::Hidden);
+        self.light(over, wave, endings);
+        for order in 1..=bounces {
+            let last = order == bounces;
+            self.reflect(wave, last, visits, endings);
+            if last {
+                self.leave(over, wave, order, endings);
+            } else {
+                self.go_on(over, wave, order, endings);
+            }
+        }
+    }
+
+    /// Keeps the starts that the light sees.
+    fn light(&mut self, over: &LaneWalker, wave: &Wave, endings: &mut [Ending]) {
+        let at_start = |(path, &place): (usize, &Place)| {
+            let direction = wave.view(path).wi;
+            Step { path, place, direction }
+        };
+        let starts = wave.starts.iter().enumerate().map(at_start);
+        self.now.clear();
+        let ray = |k: usize| {
+            let View { sample, wi } = wave.view(k);
+            (&wave.starts[k], sample.to_field(*wi))
+        };
+        let fates = self.waves.any_hit(over, wave.starts.len(), ray);
+        for (fate, step) in fates.iter().zip(starts) {
+            match fate {
+                Fate::Escaped => self.now.push(step),
+                Fate::Blocked => {}
+                Fate::Beyond => endings[step.path] = Ending::Lost,
+            }
+        }
+    }
+
+    /// From every facet along its mirror direction.
+    fn reflect<B: Bounce>(&mut self, wave: &Wave, last: bool, visits: &mut [B], endings: &mut [Ending]) {
+        self.rays.clear();
+        for &Step { path, place, direction } in &self.now {
+            let wo = wave.view(path).sample.reflected(direction, &place);
+            visits[path].bounce(direction, wo);
+            // A path that goes down must hit again: at the last order there is nothing left to find out.
+            if last && wo.z <= 0.0 {
+                endings[path] = Ending::Cut { down: true };
+            } else {
+                self.rays.push(Step { path, place, direction: wo });
+            }
+        }
+    }
+
+    /// The last order: only whether anything stops the rays.
+    fn leave(&mut self, over: &LaneWalker, wave: &Wave, order: u32, endings: &mut [Ending]) {
+        let rays = &self.rays;
+        let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
+        let fates = self.waves.any_hit(over, rays.len(), ray);
+        for (step, fate) in rays.iter().zip(fates) {
+            endings[step.path] = match fate {
+                Fate::Escaped => Ending::Out { wo: step.direction, order },
+                Fate::Blocked => Ending::Cut { down: false },
+                Fate::Beyond => Ending::Lost,
+            };
+        }
+    }
+
+    /// An order with more to come: what the rays meet.
+    fn go_on(&mut self, over: &LaneWalker, wave: &Wave, order: u32, endings: &mut [Ending]) {
+        let (rays, now) = (&self.rays, &mut self.now);
+        now.clear();
+        let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
+        self.waves.closest_hit(over, rays.len(), ray, |k, outcome| {
+            let Step { path, direction, .. } = rays[k];
+            match outcome {
+                Outcome::Hit(place) => now.push(Step { path, place, direction: -direction }),
+                Outcome::Escaped => endings[path] = Ending::Out { wo: direction, order },
+                // Lanes hold periodic fields alone; what else there is ends as one path by itself does.
+                Outcome::LeftMap => endings[path] = left_map(direction, order, order + 1),
+                Outcome::Lost => endings[path] = Ending::Lost,
+            }
+        });
+    }
+}

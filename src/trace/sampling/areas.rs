@@ -1,0 +1,195 @@
+//! Where paths start: on the facets, in proportion to the area that they turn to the light.
+//!
+//! A block is one systematic pass over the patch: equal steps along the running sum of max(0, wi.m) A over all
+//! facets, one offset, a uniform point in the facet. All starts of a block carry the same flux.
+
+use glam::DVec3;
+use rand_pcg::Pcg64Dxsm;
+
+use super::systematic_steps::SystematicSteps;
+use crate::rng;
+use crate::surface::Heightfield;
+use crate::trace::ray::grid_traversal::{Facet, Place};
+
+/// Starts in a block.
+pub const BLOCK: u64 = 65_536;
+
+/// A rectangle of cells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Window {
+    /// Columns [first, end).
+    pub x: (usize, usize),
+    /// Rows [first, end).
+    pub y: (usize, usize),
+}
+
+impl Window {
+    /// The whole field.
+    pub fn all(field: &Heightfield) -> Self {
+        Window { x: (0, field.cells_x()), y: (0, field.cells_y()) }
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        (self.x.1 - self.x.0) * (self.y.1 - self.y.0)
+    }
+}
+
+/// Cells whose turned areas are summed together: a start evaluates one such group.
+const GROUP: usize = 4;
+
+/// The areas that the facets of a window turn to one light direction, summed by groups of cells: what a block steps
+/// along. Serves any number of blocks.
+pub struct Starts<'a> {
+    field: &'a Heightfield,
+    window: Window,
+    /// Canonical light direction in field coordinates.
+    light: DVec3,
+    /// `before[k]` = area of the groups before group k, row by row; one entry more than groups.
+    before: Vec<f64>,
+}
+
+impl<'a> Starts<'a> {
+    /// Sums the areas that `field`'s facets in `window` turn to `light` (canonical, field coordinates): a facet of
+    /// slope (p, q) turns max(0, light.z - light.x p - light.y q)/2 of a cell's area to it.
+    pub fn new(field: &'a Heightfield, window: Window, light: DVec3) -> Self {
+        let mut starts = Starts { field, window, light, before: vec![0.0] };
+        let mut areas = vec![[0.0; 2]; window.x.1 - window.x.0];
+        let (mut near, mut far) = (vec![0.0; areas.len() + 1], vec![0.0; areas.len() + 1]);
+        copy_heights(field, window.y.0, window.x.0, &mut far);
+        let mut sum = 0.0;
+        for y in window.y.0..window.y.1 {
+            std::mem::swap(&mut near, &mut far);
+            copy_heights(field, y + 1, window.x.0, &mut far);
+            turned_areas(&near, &far, light, &mut areas);
+            for group in areas.chunks(GROUP) {
+                sum += group.as_flattened().iter().sum::<f64>();
+                starts.before.push(sum);
+            }
+        }
+        starts
+    }
+
+    /// Bytes of its sums.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.before)
+    }
+
+    /// The flux of one start of a block of `count`, as a share of the flux that falls on the window: the turned
+    /// area over light.z x cells x count. Over all starts it sums to at least 1: those that the light does not see
+    /// are counted, and dropped.
+    pub fn share(&self, count: u64) -> f64 {
+        self.total() / (self.light.z * self.window.cells() as f64 * count as f64)
+    }
+
+    fn total(&self) -> f64 {
+        self.before[self.before.len() - 1]
+    }
+
+    /// Calls `visit` with `count` start points of equal flux, in the order of the facets.
+    pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) {
+        let mut steps = SystematicSteps::new(count, self.total() / count as f64, rng::uniform(rng));
+        let mut start = |facet: Facet| {
+            let (u, v) = point_in(facet.upper, rng);
+            visit(Place::on(self.field, facet, u, v));
+        };
+        for (group, ends) in self.before.windows(2).enumerate() {
+            if steps.is_before(ends[1]) {
+                let facets = self.facets(group);
+                while let Some(position) = steps.take(ends[1]) {
+                    start(facets.at(position - ends[0]));
+                }
+            }
+        }
+        // Rounding may leave a step beyond the sum: it belongs to the last facet.
+        if !steps.is_over()
+            && let Some(group) = self.before.windows(2).rposition(|ends| ends[0] < ends[1])
+        {
+            let last = self.facets(group).at(f64::INFINITY);
+            while steps.take(f64::INFINITY).is_some() {
+                start(last);
+            }
+        }
+    }
+
+    /// The facets of a group and the areas that they turn to the light.
+    fn facets(&self, group: usize) -> Facets {
+        let width = self.window.x.1 - self.window.x.0;
+        let in_row = width.div_ceil(GROUP);
+        let (y, left) = (self.window.y.0 + group / in_row, group % in_row * GROUP);
+        let (first, cells) = (self.window.x.0 + left, GROUP.min(width - left));
+        let (mut near, mut far) = ([0.0; GROUP + 1], [0.0; GROUP + 1]);
+        copy_heights(self.field, y, first, &mut near[..=cells]);
+        copy_heights(self.field, y + 1, first, &mut far[..=cells]);
+        let mut areas = [[0.0; 2]; GROUP];
+        turned_areas(&near, &far, self.light, &mut areas);
+        areas[cells..].fill([0.0; 2]);
+        Facets { first, y, areas }
+    }
+}
+
+/// The facets of one group of cells.
+struct Facets {
+    /// Column of the first cell.
+    first: usize,
+    y: usize,
+    areas: [[f64; 2]; GROUP],
+}
+
+impl Facets {
+    /// The facet in which the running sum over the group passes `position`; beyond the sum the last one that is
+    /// turned to the light.
+    fn at(&self, position: f64) -> Facet {
+        let areas = self.areas.as_flattened();
+        let mut sum = 0.0;
+        // Counted, not searched: the processor cannot guess where a search ends.
+        let passed = areas.iter().map(|area| {
+            sum += area;
+            usize::from(sum <= position)
+        });
+        let mut index = passed.sum();
+        if index == areas.len() {
+            index = areas.iter().rposition(|&area| area > 0.0).unwrap_or(0);
+        }
+        Facet { x: self.first + index / 2, y: self.y, upper: index % 2 == 1 }
+    }
+}
+
+/// The areas of the lower and of the upper facet of neighbouring cells, from the heights along their two rows.
+#[inline]
+fn turned_areas(near: &[f64], far: &[f64], light: DVec3, areas: &mut [[f64; 2]]) {
+    let cells = areas.len();
+    let (near, far) = (&near[..=cells], &far[..=cells]);
+    for k in 0..cells {
+        let turned = |p: f64, q: f64| {
+            let turned = 0.5 * (light.z - (light.x * p + light.y * q));
+            // One instruction, unlike `f64::max`, which looks for NaN.
+            if turned > 0.0 { turned } else { 0.0 }
+        };
+        areas[k] = [
+            turned(near[k + 1] - near[k], far[k] - near[k]),
+            turned(far[k + 1] - far[k], far[k + 1] - near[k + 1]),
+        ];
+    }
+}
+
+/// The heights of row `y` from column `first` on: the row after the last of a periodic field is its first, likewise
+/// the column.
+pub(crate) fn copy_heights(field: &Heightfield, y: usize, first: usize, into: &mut [f64]) {
+    let width = field.heights().len() / (field.cells_y() + usize::from(!field.is_periodic()));
+    let y = if field.is_periodic() && y == field.cells_y() { 0 } else { y };
+    let row = &field.heights()[y * width..(y + 1) * width];
+    // One by one for a group: calls that copy cost more than five numbers.
+    if first + into.len() <= width {
+        into.iter_mut().zip(&row[first..]).for_each(|(to, from)| *to = *from);
+    } else {
+        into.iter_mut().zip(row[first..].iter().chain(row)).for_each(|(to, from)| *to = *from);
+    }
+}
+
+/// A uniform point of the lower (u + v <= 1) or of the upper facet: the square folded over its diagonal.
+pub(crate) fn point_in(upper: bool, rng: &mut Pcg64Dxsm) -> (f64, f64) {
+    let (a, b) = (rng::uniform(rng), rng::uniform(rng));
+    let (u, v) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
+    if upper { (1.0 - u, 1.0 - v) } else { (u, v) }
+}

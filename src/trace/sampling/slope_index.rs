@@ -1,0 +1,239 @@
+//! The facets of a field by their slopes: which of them can send light to where it is wanted.
+//!
+//! Enters: a periodic field. Leaves: its facets, both families, sorted into a grid over canonical slopes; one index
+//! serves every roughness, every stop and every block. Steep slopes are rare, so the grid is even in p/(1 + |p|).
+
+use glam::{DVec2, DVec3};
+
+use super::areas::copy_heights;
+use crate::surface::Heightfield;
+use crate::trace::ray::grid_traversal::Facet;
+
+/// Bins along an axis of the grid: a bin's number has 16 bits.
+const SIDE: usize = 256;
+/// Half the bins, a little less: the steepest slope still falls into the last one.
+const HALF: f64 = 127.999;
+/// 2^52: added to a number of [0, 2^51], it leaves the nearest whole number in the low bits.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+
+/// Facets sorted by slope.
+#[derive(Debug, Clone)]
+pub struct FacetIndex {
+    cells_x: usize,
+    /// Facets of bin b are `facets[first[b]..first[b + 1]]`.
+    first: Vec<u32>,
+    /// 2 (y nx + x), and 1 for the upper one; in a bin by row and column.
+    facets: Vec<u32>,
+    /// Sum of the slopes of each bin's facets.
+    sums: Vec<DVec2>,
+    /// Largest |dz/dx| or |dz/dy|.
+    steepest: f64,
+}
+
+/// A rectangle of slopes, canonical, in field coordinates.
+#[derive(Debug, Clone, Copy)]
+pub struct Slopes {
+    /// Lowest dz/dx and dz/dy.
+    pub low: DVec2,
+    /// Highest dz/dx and dz/dy.
+    pub high: DVec2,
+}
+
+impl FacetIndex {
+    /// Sorts the facets of `field`, by counting; `None` for an open field, or one with more than 2^32 facets.
+    ///
+    /// Held by: `every_facet_stands_in_the_bin_of_its_slope`.
+    pub fn new(field: &Heightfield) -> Option<Self> {
+        let (cells_x, cells_y) = (field.cells_x(), field.cells_y());
+        let count = u32::try_from(2 * cells_x * cells_y).ok().filter(|_| field.is_periodic())?;
+        let mut bins = vec![[0u16; 2]; cells_x * cells_y];
+        let (mut near, mut far) = (vec![0.0; cells_x + 1], vec![0.0; cells_x + 1]);
+        copy_heights(field, 0, 0, &mut far);
+        let mut sums = vec![DVec2::ZERO; SIDE * SIDE];
+        let mut steepest = 0.0;
+        for (y, row) in bins.chunks_exact_mut(cells_x).enumerate() {
+            std::mem::swap(&mut near, &mut far);
+            copy_heights(field, y + 1, 0, &mut far);
+            steepest = positive_max(steepest, bins_of_row(&near, &far, row));
+            for (k, &[lower, upper]) in row.iter().enumerate() {
+                sums[usize::from(lower)] += DVec2::new(near[k + 1] - near[k], far[k] - near[k]);
+                sums[usize::from(upper)] += DVec2::new(far[k + 1] - far[k], far[k + 1] - near[k + 1]);
+            }
+        }
+        let mut first = vec![0u32; SIDE * SIDE + 1];
+        for &bin in bins.as_flattened() {
+            first[usize::from(bin) + 1] += 1;
+        }
+        for bin in 0..SIDE * SIDE {
+            first[bin + 1] += first[bin];
+        }
+        let mut next = first.clone();
+        let mut facets = vec![0u32; count as usize];
+        for (facet, &bin) in (0..count).zip(bins.as_flattened()) {
+            let at = &mut next[usize::from(bin)];
+            facets[*at as usize] = facet;
+            *at += 1;
+        }
+        Some(FacetIndex { cells_x, first, facets, sums, steepest })
+    }
+
+    /// Number of bins.
+    pub fn bins(&self) -> usize {
+        SIDE * SIDE
+    }
+
+    /// Bytes of its tables.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.first) + size_of_val(&*self.facets) + size_of_val(&*self.sums)
+    }
+
+    /// Number of facets in a bin.
+    #[inline]
+    pub fn count(&self, bin: usize) -> usize {
+        (self.first[bin + 1] - self.first[bin]) as usize
+    }
+
+    /// Facet `k` of a bin.
+    #[inline]
+    pub fn facet(&self, bin: usize, k: usize) -> Facet {
+        self.at(self.number(bin, k))
+    }
+
+    /// The number of facet `k` of a bin: facets are numbered row by row.
+    #[inline]
+    pub fn number(&self, bin: usize, k: usize) -> u32 {
+        self.facets[self.first[bin] as usize + k]
+    }
+
+    /// The facet of a number.
+    #[inline]
+    pub fn at(&self, number: u32) -> Facet {
+        let cell = number as usize / 2;
+        Facet { x: cell % self.cells_x, y: cell / self.cells_x, upper: number % 2 == 1 }
+    }
+
+    /// Sum of the slopes of a bin's facets.
+    #[inline]
+    pub fn slope_sum(&self, bin: usize) -> DVec2 {
+        self.sums[bin]
+    }
+
+    /// All bins, row after row, every other one backwards: neighbours follow each other.
+    pub fn in_rows_there_and_back(&self) -> impl Iterator<Item = usize> {
+        let along = |row: usize| {
+            (0..SIDE).map(move |k| row * SIDE + if row.is_multiple_of(2) { k } else { SIDE - 1 - k })
+        };
+        (0..SIDE).flat_map(along)
+    }
+
+    /// The slopes that a bin holds; no facet is steeper than the outermost ones say.
+    pub fn slopes(&self, bin: usize) -> Slopes {
+        let (row, column) = (bin / SIDE, bin % SIDE);
+        let edge = |k: usize| edge(k).clamp(-self.steepest, self.steepest);
+        Slopes { low: DVec2::new(edge(column), edge(row)), high: DVec2::new(edge(column + 1), edge(row + 1)) }
+    }
+
+    /// Calls `visit` with every bin that holds slopes of `wanted`.
+    pub fn each_bin(&self, wanted: &Slopes, mut visit: impl FnMut(usize)) {
+        let Slopes { low, high } = wanted;
+        for row in position(low.y)..=position(high.y) {
+            for column in position(low.x)..=position(high.x) {
+                visit(row as usize * SIDE + column as usize);
+            }
+        }
+    }
+
+    /// About the area that all facets turn to `light` (canonical, field coordinates), in cells: as if all slopes of a
+    /// bin were its middle.
+    pub fn turned_about(&self, light: DVec3) -> f64 {
+        let filled = (0..self.bins()).filter(|&bin| self.count(bin) > 0);
+        let turned = filled.map(|bin| {
+            let Slopes { low, high } = self.slopes(bin);
+            let middle = 0.5 * (low + high);
+            let turned = light.z - light.truncate().dot(middle);
+            if turned > 0.0 { 0.5 * turned * self.count(bin) as f64 } else { 0.0 }
+        });
+        turned.sum()
+    }
+}
+
+/// The bins of the lower and of the upper facet of neighbouring cells, and the steepest slope among them.
+fn bins_of_row(near: &[f64], far: &[f64], bins: &mut [[u16; 2]]) -> f64 {
+    let cells = bins.len();
+    let (near, far) = (&near[..=cells], &far[..=cells]);
+    let mut steepest = 0.0;
+    for k in 0..cells {
+        let slopes = [near[k + 1] - near[k], far[k] - near[k], far[k + 1] - far[k], far[k + 1] - near[k + 1]];
+        let [p, q, upper_p, upper_q] = slopes.map(position);
+        bins[k] = [q << 8 | p, upper_q << 8 | upper_p];
+        steepest = slopes.iter().fold(steepest, |steepest, slope| positive_max(steepest, slope.abs()));
+    }
+    steepest
+}
+
+/// The bin of a slope along one axis, rising with it.
+#[inline]
+fn position(slope: f64) -> u16 {
+    let even = slope / (1.0 + slope.abs());
+    // Counted from 1: below 2^52 the low bits would count halves.
+    (HALF * even + (SIDE / 2) as f64 + 0.5 + WHOLE).to_bits() as u16 - 1
+}
+
+/// The slope where bin `k` begins along one axis.
+fn edge(k: usize) -> f64 {
+    let even = (k as f64 - (SIDE / 2) as f64) / HALF;
+    if even.abs() < 1.0 { even / (1.0 - even.abs()) } else { even.signum() * f64::INFINITY }
+}
+
+/// The larger one, as one instruction: `f64::max` also looks for NaN.
+#[inline]
+fn positive_max(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_facet_stands_in_the_bin_of_its_slope() {
+        // Slopes from 1e-3 to 1e3, either way.
+        let height = |k: usize| (0.37 * k as f64).sin() * 10f64.powi((k % 7) as i32 - 3);
+        let (nx, ny) = (37, 20);
+        let field = Heightfield::new(nx, ny, true, (0..nx * ny).map(height).collect());
+        let index = FacetIndex::new(&field).expect("periodic");
+        let mut seen = vec![false; 2 * nx * ny];
+        for bin in 0..index.bins() {
+            let Slopes { low, high } = index.slopes(bin);
+            for k in 0..index.count(bin) {
+                let facet = index.facet(bin, k);
+                let corners = field.corners(facet.x, facet.y);
+                let slope = if facet.upper { corners.upper_slope() } else { corners.lower_slope() };
+                // Edges and bins round by an ulp of 128 in p/(1+|p|), of which a slope of 1e3 makes 1e6 times more.
+                let rounding = 1e-13 * (1.0 + slope.abs()).powf(2.0);
+                assert!(
+                    slope.cmpge(low - rounding).all() && slope.cmple(high + rounding).all(),
+                    "{slope} {low}"
+                );
+                seen[2 * (facet.y * nx + facet.x) + usize::from(facet.upper)] = true;
+            }
+        }
+        assert!(seen.iter().all(|&seen| seen));
+    }
+
+    #[test]
+    fn the_bins_of_a_rectangle_hold_its_slopes() {
+        let field = Heightfield::new(2, 2, true, vec![0.0, 900.0, -900.0, 0.0]);
+        let index = FacetIndex::new(&field).expect("periodic");
+        for (low, high) in [((-0.3, 2.0), (0.1, 2.5)), ((-900.0, -3.0), (-80.0, 900.0))] {
+            let wanted = Slopes { low: DVec2::from(low), high: DVec2::from(high) };
+            let mut found = Vec::new();
+            index.each_bin(&wanted, |bin| found.push(bin));
+            for bin in 0..index.bins() {
+                let Slopes { low, high } = index.slopes(bin);
+                let overlaps = low.cmplt(wanted.high).all() && high.cmpgt(wanted.low).all();
+                assert_eq!(found.contains(&bin), overlaps, "{low} {high}");
+            }
+        }
+    }
+}

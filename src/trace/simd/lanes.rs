@@ -1,0 +1,587 @@
+//! Rays side by side in the lanes of a vector: AVX-512 (16), AVX2 (8), or one at a time.
+//!
+//! Only this file is `unsafe`. It offers the few operations that the kernel (`lane_kernel`) is written in, for each
+//! kind of vector, and picks the widest that the processor has. Every operation is the IEEE one of a single ray's
+//! lane (no fused multiply-add, no reciprocal estimates), so that all widths give the same bits.
+//!
+//! A value of `Avx512` or `Avx2` exists only after the processor was asked (`Kernel::widest`, `Kernel::available`):
+//! that is what makes each intrinsic below safe to call. Memory is read through slices: whole vectors behind a
+//! bounds check, gathers with every index masked by the last one of a table that is not empty.
+#![allow(unsafe_code)]
+#![deny(clippy::undocumented_unsafe_blocks)]
+
+use super::batch::LaneRays;
+use super::kernel;
+use super::kernel::Answers;
+use super::max_pyramid::LaneField;
+use super::vector::One;
+
+/// Which vectors carry the rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kernel {
+    /// 16 lanes.
+    Avx512,
+    /// 8 lanes.
+    Avx2,
+    /// One ray at a time.
+    Scalar,
+}
+
+impl Kernel {
+    /// All kernels, the widest first.
+    pub const ALL: [Kernel; 3] = [Kernel::Avx512, Kernel::Avx2, Kernel::Scalar];
+
+    /// The widest kernel that this processor runs.
+    pub fn widest() -> Self {
+        Self::ALL.into_iter().find(|kernel| kernel.available()).unwrap_or(Kernel::Scalar)
+    }
+
+    /// Whether this processor runs it.
+    pub fn available(self) -> bool {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx512 => Kernel::Avx2.available() && is_x86_feature_detected!("avx512f"),
+            #[cfg(target_arch = "x86_64")]
+            Kernel::Avx2 => {
+                is_x86_feature_detected!("avx2")
+                    && is_x86_feature_detected!("bmi1")
+                    && is_x86_feature_detected!("bmi2")
+                    && is_x86_feature_detected!("lzcnt")
+                    && is_x86_feature_detected!("popcnt")
+            }
+            Kernel::Scalar => true,
+            #[cfg(not(target_arch = "x86_64"))]
+            _ => false,
+        }
+    }
+
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kernel::Avx512 => "avx512",
+            Kernel::Avx2 => "avx2",
+            Kernel::Scalar => "scalar",
+        }
+    }
+
+    /// Runs the kernel over `rays`; with `CLOSEST`, `answers` gets what they hit as well. A kernel that the processor
+    /// lacks is replaced by the scalar one: the answers are the same.
+    pub(crate) fn run<const CLOSEST: bool>(self, field: &LaneField, rays: &LaneRays, answers: &mut Answers) {
+        #[cfg(target_arch = "x86_64")]
+        if self.available() {
+            match self {
+                // SAFETY: available() asked the processor for these very features.
+                Kernel::Avx512 => return unsafe { x86::run_avx512::<CLOSEST>(field, rays, answers) },
+                // SAFETY: available() asked the processor for these very features.
+                Kernel::Avx2 => return unsafe { x86::run_avx2::<CLOSEST>(field, rays, answers) },
+                Kernel::Scalar => {}
+            }
+        }
+        kernel::run::<One, CLOSEST>(One, field, rays, answers);
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::*;
+
+    use super::{Answers, LaneField, LaneRays, kernel};
+    use crate::trace::simd::interleaved::Pair;
+    use crate::trace::simd::vector::{Gathered, Lanes};
+
+    /// A vector's indices in memory.
+    #[repr(C, align(64))]
+    struct Indices([u32; 16]);
+
+    /// 16 lanes. A value exists only inside `run_avx512`, whose features its operations need.
+    #[derive(Clone, Copy)]
+    struct Avx512(());
+
+    /// 8 lanes. A value exists only inside `run_avx2`, whose features its operations need.
+    #[derive(Clone, Copy)]
+    struct Avx2(());
+
+    // The features stay off FMA: a fused product would round unlike the other kernels.
+    #[target_feature(enable = "avx512f,avx2,bmi1,bmi2,lzcnt,popcnt")]
+    pub(crate) fn run_avx512<const CLOSEST: bool>(field: &LaneField, rays: &LaneRays, answers: &mut Answers) {
+        kernel::run::<Pair<Avx512>, CLOSEST>(Pair(Avx512(())), field, rays, answers);
+    }
+
+    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    pub(crate) fn run_avx2<const CLOSEST: bool>(field: &LaneField, rays: &LaneRays, answers: &mut Answers) {
+        kernel::run::<Pair<Avx2>, CLOSEST>(Pair(Avx2(())), field, rays, answers);
+    }
+
+    /// For each mask of 8 lanes: the rank of each lane among those set, and the lanes set in order.
+    static RANKS: [[i32; 8]; 256] = tables().0;
+    static PLACES: [[i32; 8]; 256] = tables().1;
+
+    const fn tables() -> ([[i32; 8]; 256], [[i32; 8]; 256]) {
+        let (mut ranks, mut places) = ([[0; 8]; 256], [[0; 8]; 256]);
+        let mut bits = 0;
+        while bits < 256 {
+            let (mut lane, mut rank) = (0, 0);
+            while lane < 8 {
+                if bits >> lane & 1 != 0 {
+                    ranks[bits][lane] = rank;
+                    places[bits][rank as usize] = lane as i32;
+                    rank += 1;
+                }
+                lane += 1;
+            }
+            bits += 1;
+        }
+        (ranks, places)
+    }
+
+    impl Lanes for Avx512 {
+        type F = __m512;
+        type I = __m512i;
+        type M = __mmask16;
+        const WIDTH: usize = 16;
+
+        #[inline(always)]
+        fn splat(self, value: f32) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_set1_ps(value) }
+        }
+        #[inline(always)]
+        fn splat_i(self, value: i32) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_set1_epi32(value) }
+        }
+        #[inline(always)]
+        fn add(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_add_ps(a, b) }
+        }
+        #[inline(always)]
+        fn sub(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_sub_ps(a, b) }
+        }
+        #[inline(always)]
+        fn mul(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_mul_ps(a, b) }
+        }
+        #[inline(always)]
+        fn div(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_div_ps(a, b) }
+        }
+        #[inline(always)]
+        fn min(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_min_ps(a, b) }
+        }
+        #[inline(always)]
+        fn max(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_max_ps(a, b) }
+        }
+        #[inline(always)]
+        fn sign(self, a: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_srai_epi32::<31>(a) }
+        }
+        #[inline(always)]
+        fn abs(self, a: Self::F) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_abs_ps(a) }
+        }
+        #[inline(always)]
+        fn lt(self, a: Self::F, b: Self::F) -> Self::M {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b) }
+        }
+        #[inline(always)]
+        fn to_f(self, a: Self::I) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_cvtepi32_ps(a) }
+        }
+        #[inline(always)]
+        fn trunc(self, a: Self::F) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_cvttps_epi32(a) }
+        }
+        #[inline(always)]
+        fn add_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_add_epi32(a, b) }
+        }
+        #[inline(always)]
+        fn sub_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_sub_epi32(a, b) }
+        }
+        #[inline(always)]
+        fn and_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_and_si512(a, b) }
+        }
+        #[inline(always)]
+        fn or_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_or_si512(a, b) }
+        }
+        #[inline(always)]
+        fn xor_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_xor_si512(a, b) }
+        }
+        #[inline(always)]
+        fn min_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_min_epi32(a, b) }
+        }
+        #[inline(always)]
+        fn max_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_max_epi32(a, b) }
+        }
+        #[inline(always)]
+        fn shl(self, a: Self::I, by: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_sllv_epi32(a, by) }
+        }
+        #[inline(always)]
+        fn shr(self, a: Self::I, by: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_srlv_epi32(a, by) }
+        }
+        #[inline(always)]
+        fn nonzero(self, a: Self::I) -> Self::M {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_test_epi32_mask(a, a) }
+        }
+        #[inline(always)]
+        fn negative(self, a: Self::I) -> Self::M {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_cmplt_epi32_mask(a, _mm512_setzero_si512()) }
+        }
+        #[inline(always)]
+        fn pick(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_mask_blend_ps(m, b, a) }
+        }
+        #[inline(always)]
+        fn pick_i(self, m: Self::M, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_mask_blend_epi32(m, b, a) }
+        }
+        #[inline(always)]
+        fn and(self, a: Self::M, b: Self::M) -> Self::M {
+            a & b
+        }
+        #[inline(always)]
+        fn or(self, a: Self::M, b: Self::M) -> Self::M {
+            a | b
+        }
+        #[inline(always)]
+        fn xor(self, a: Self::M, b: Self::M) -> Self::M {
+            a ^ b
+        }
+        #[inline(always)]
+        fn without(self, a: Self::M, b: Self::M) -> Self::M {
+            a & !b
+        }
+        #[inline(always)]
+        fn bits(self, m: Self::M) -> u32 {
+            u32::from(m)
+        }
+        #[inline(always)]
+        fn mask(self, bits: u32) -> Self::M {
+            bits as __mmask16
+        }
+        #[inline(always)]
+        fn gather(self, table: &Gathered, index: Self::I) -> Self::F {
+            let index = self.and_i(index, self.splat_i(table.last()));
+            // Single loads: one gather instruction takes longer on some processors, on others as long. The indices
+            // pass through memory, 10 % of a ray's time faster than through the extractions that a plain store
+            // becomes.
+            let mut at = Indices([0; 16]);
+            // SAFETY: 64 bytes of its own, at the alignment of a vector.
+            unsafe { std::ptr::write_volatile((&raw mut at).cast(), index) };
+            // SAFETY: a number and'ed with the last index, which no table lacks, is no larger than that.
+            let of = |k: usize| unsafe { *table.get_unchecked(at.0[k] as usize) };
+            let of = |k: usize| [of(k), of(k + 1), of(k + 2), of(k + 3)];
+            let ([a, b, c, d], [e, f, g, h]) = (of(0), of(4));
+            let ([i, j, k, l], [m, n, o, p]) = (of(8), of(12));
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_setr_ps(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p) }
+        }
+        #[inline(always)]
+        fn load(self, from: &[f32]) -> Self::F {
+            let from = &from[..16];
+            // SAFETY: 16 values behind the bounds check; `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_loadu_ps(from.as_ptr()) }
+        }
+        #[inline(always)]
+        fn load_i(self, from: &[i32]) -> Self::I {
+            let from = &from[..16];
+            // SAFETY: 16 values behind the bounds check; `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_loadu_si512(from.as_ptr().cast()) }
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f32], a: Self::F) {
+            let to = &mut to[..16];
+            // SAFETY: 16 values behind the bounds check; `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_storeu_ps(to.as_mut_ptr(), a) }
+        }
+        #[inline(always)]
+        fn store_i(self, to: &mut [i32], a: Self::I) {
+            let to = &mut to[..16];
+            // SAFETY: 16 values behind the bounds check; `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), a) }
+        }
+        #[inline(always)]
+        fn expand(self, old: Self::F, bits: u32, from: &[f32]) -> Self::F {
+            let from = self.load(from);
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_mask_expand_ps(old, bits as __mmask16, from) }
+        }
+        #[inline(always)]
+        fn expand_i(self, old: Self::I, bits: u32, from: &[i32]) -> Self::I {
+            let from = self.load_i(from);
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            unsafe { _mm512_mask_expand_epi32(old, bits as __mmask16, from) }
+        }
+        #[inline(always)]
+        fn compress(self, to: &mut [f32], bits: u32, a: Self::F) {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            self.store(to, unsafe { _mm512_maskz_compress_ps(bits as __mmask16, a) });
+        }
+        #[inline(always)]
+        fn compress_i(self, to: &mut [i32], bits: u32, a: Self::I) {
+            // SAFETY: `Avx512` exists only where the processor has its features.
+            self.store_i(to, unsafe { _mm512_maskz_compress_epi32(bits as __mmask16, a) });
+        }
+    }
+
+    impl Lanes for Avx2 {
+        type F = __m256;
+        type I = __m256i;
+        type M = __m256i;
+        const WIDTH: usize = 8;
+
+        #[inline(always)]
+        fn splat(self, value: f32) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_set1_ps(value) }
+        }
+        #[inline(always)]
+        fn splat_i(self, value: i32) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_set1_epi32(value) }
+        }
+        #[inline(always)]
+        fn add(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_add_ps(a, b) }
+        }
+        #[inline(always)]
+        fn sub(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_sub_ps(a, b) }
+        }
+        #[inline(always)]
+        fn mul(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_mul_ps(a, b) }
+        }
+        #[inline(always)]
+        fn div(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_div_ps(a, b) }
+        }
+        #[inline(always)]
+        fn min(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_min_ps(a, b) }
+        }
+        #[inline(always)]
+        fn max(self, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_max_ps(a, b) }
+        }
+        #[inline(always)]
+        fn sign(self, a: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_srai_epi32::<31>(a) }
+        }
+        #[inline(always)]
+        fn abs(self, a: Self::F) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), a) }
+        }
+        #[inline(always)]
+        fn lt(self, a: Self::F, b: Self::F) -> Self::M {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) }
+        }
+        #[inline(always)]
+        fn to_f(self, a: Self::I) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_cvtepi32_ps(a) }
+        }
+        #[inline(always)]
+        fn trunc(self, a: Self::F) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_cvttps_epi32(a) }
+        }
+        #[inline(always)]
+        fn add_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_add_epi32(a, b) }
+        }
+        #[inline(always)]
+        fn sub_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_sub_epi32(a, b) }
+        }
+        #[inline(always)]
+        fn and_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_and_si256(a, b) }
+        }
+        #[inline(always)]
+        fn or_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_or_si256(a, b) }
+        }
+        #[inline(always)]
+        fn xor_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_xor_si256(a, b) }
+        }
+        #[inline(always)]
+        fn min_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_min_epi32(a, b) }
+        }
+        #[inline(always)]
+        fn max_i(self, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_max_epi32(a, b) }
+        }
+        #[inline(always)]
+        fn shl(self, a: Self::I, by: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_sllv_epi32(a, by) }
+        }
+        #[inline(always)]
+        fn shr(self, a: Self::I, by: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_srlv_epi32(a, by) }
+        }
+        #[inline(always)]
+        fn nonzero(self, a: Self::I) -> Self::M {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_xor_si256(_mm256_cmpeq_epi32(a, _mm256_setzero_si256()), _mm256_set1_epi32(-1)) }
+        }
+        #[inline(always)]
+        fn negative(self, a: Self::I) -> Self::M {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_srai_epi32::<31>(a) }
+        }
+        #[inline(always)]
+        fn pick(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_blendv_ps(b, a, _mm256_castsi256_ps(m)) }
+        }
+        #[inline(always)]
+        fn pick_i(self, m: Self::M, a: Self::I, b: Self::I) -> Self::I {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_blendv_epi8(b, a, m) }
+        }
+        #[inline(always)]
+        fn and(self, a: Self::M, b: Self::M) -> Self::M {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_and_si256(a, b) }
+        }
+        #[inline(always)]
+        fn or(self, a: Self::M, b: Self::M) -> Self::M {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_or_si256(a, b) }
+        }
+        #[inline(always)]
+        fn xor(self, a: Self::M, b: Self::M) -> Self::M {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_xor_si256(a, b) }
+        }
+        #[inline(always)]
+        fn without(self, a: Self::M, b: Self::M) -> Self::M {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_andnot_si256(b, a) }
+        }
+        #[inline(always)]
+        fn bits(self, m: Self::M) -> u32 {
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_movemask_ps(_mm256_castsi256_ps(m)) as u32 }
+        }
+        #[inline(always)]
+        fn mask(self, bits: u32) -> Self::M {
+            let lane = self.load_i(&[1, 2, 4, 8, 16, 32, 64, 128]);
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_cmpeq_epi32(_mm256_and_si256(lane, _mm256_set1_epi32(bits as i32)), lane) }
+        }
+        #[inline(always)]
+        fn gather(self, table: &Gathered, index: Self::I) -> Self::F {
+            let index = self.and_i(index, self.splat_i(table.last()));
+            // SAFETY: a number and'ed with the last index, which no table lacks, is no larger than that, and not
+            // negative; `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_i32gather_ps::<4>(table.as_ptr(), index) }
+        }
+        #[inline(always)]
+        fn load(self, from: &[f32]) -> Self::F {
+            let from = &from[..8];
+            // SAFETY: 8 values behind the bounds check; `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_loadu_ps(from.as_ptr()) }
+        }
+        #[inline(always)]
+        fn load_i(self, from: &[i32]) -> Self::I {
+            let from = &from[..8];
+            // SAFETY: 8 values behind the bounds check; `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_loadu_si256(from.as_ptr().cast()) }
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f32], a: Self::F) {
+            let to = &mut to[..8];
+            // SAFETY: 8 values behind the bounds check; `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_storeu_ps(to.as_mut_ptr(), a) }
+        }
+        #[inline(always)]
+        fn store_i(self, to: &mut [i32], a: Self::I) {
+            let to = &mut to[..8];
+            // SAFETY: 8 values behind the bounds check; `Avx2` exists only where the processor has its features.
+            unsafe { _mm256_storeu_si256(to.as_mut_ptr().cast(), a) }
+        }
+        #[inline(always)]
+        fn expand(self, old: Self::F, bits: u32, from: &[f32]) -> Self::F {
+            let ranks = self.load_i(&RANKS[bits as usize & 255]);
+            let from = self.load(from);
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            self.pick(self.mask(bits), unsafe { _mm256_permutevar8x32_ps(from, ranks) }, old)
+        }
+        #[inline(always)]
+        fn expand_i(self, old: Self::I, bits: u32, from: &[i32]) -> Self::I {
+            let ranks = self.load_i(&RANKS[bits as usize & 255]);
+            let from = self.load_i(from);
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            self.pick_i(self.mask(bits), unsafe { _mm256_permutevar8x32_epi32(from, ranks) }, old)
+        }
+        #[inline(always)]
+        fn compress(self, to: &mut [f32], bits: u32, a: Self::F) {
+            let places = self.load_i(&PLACES[bits as usize & 255]);
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            self.store(to, unsafe { _mm256_permutevar8x32_ps(a, places) });
+        }
+        #[inline(always)]
+        fn compress_i(self, to: &mut [i32], bits: u32, a: Self::I) {
+            let places = self.load_i(&PLACES[bits as usize & 255]);
+            // SAFETY: `Avx2` exists only where the processor has its features.
+            self.store_i(to, unsafe { _mm256_permutevar8x32_epi32(a, places) });
+        }
+    }
+}

@@ -1,0 +1,200 @@
+//! Many rays at once: the question of what they meet goes to the lanes, geometry stays in f64.
+//!
+//! Enters: rays by index. Leaves: answers in the same order. A ray that is too long for f32 goes on in further legs,
+//! each of which starts where f64 says; what is then still under way is walked in f64.
+
+use glam::DVec3;
+
+use super::batch::LaneRays;
+use super::kernel::{Answers, Fate, LONGEST, LaneHit};
+use super::lanes::Kernel;
+use super::max_pyramid::LaneField;
+use crate::surface::heightfield::Corners;
+use crate::trace::ray::grid_traversal::{Facet, Outcome, Place, Walker};
+use crate::trace::ray::tile_traversal;
+
+/// A field that both the lanes and the f64 walk know.
+#[derive(Debug, Clone, Copy)]
+pub struct LaneWalker<'a> {
+    walker: Walker<'a>,
+    lanes: &'a LaneField,
+    kernel: Kernel,
+}
+
+impl<'a> LaneWalker<'a> {
+    /// Rays over one field: `lanes` is made of the field of `walker`.
+    pub fn new(walker: Walker<'a>, lanes: &'a LaneField, kernel: Kernel) -> Self {
+        LaneWalker { walker, lanes, kernel }
+    }
+
+    /// The f64 walk.
+    pub fn walker(&self) -> &Walker<'a> {
+        &self.walker
+    }
+
+    /// The f64 walk of a ray that is too long for the lanes: the answer of `Walker::walk`, sooner.
+    ///
+    /// Held by: `tests/it/trace/long_rays.rs`.
+    pub fn walk_long(&self, start: &Place, d: DVec3) -> Outcome {
+        tile_traversal::walk(&self.walker, self.lanes, start, d)
+    }
+
+    /// Whether a ray crosses more than one leg's edges before it is above everything.
+    fn is_long(&self, start: &Place, d: DVec3) -> bool {
+        self.walker.clear_at(start.z, d.z) * (d.x.abs() + d.y.abs()) > f64::from(LONGEST)
+    }
+
+    /// The point of a ray after about so many `edges`, over the facet there.
+    fn further(&self, start: &Place, d: DVec3, edges: f64) -> Place {
+        let t = edges / (d.x.abs() + d.y.abs());
+        let field = self.walker.field();
+        let of = |cell: usize, place: f64, d: f64, cells: usize| {
+            let to = place + t * d;
+            ((cell as i64 + to.floor() as i64).rem_euclid(cells as i64) as usize, to - to.floor())
+        };
+        let (x, u) = of(start.facet.x, start.u, d.x, field.cells_x());
+        let (y, v) = of(start.facet.y, start.v, d.y, field.cells_y());
+        Place { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z: start.z + t * d.z }
+    }
+
+    /// Bytes of the lanes' tables.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.lanes.heights) + size_of_val(&*self.lanes.maxima)
+    }
+
+    /// The corner heights of a cell: those of the field, from the lanes' smaller copy.
+    #[inline]
+    pub fn corners(&self, facet: &Facet) -> Corners {
+        self.lanes.corners(facet.x, facet.y)
+    }
+
+    /// Where a ray from `start` along `d` meets the facet of `hit`: on the facet's plane, within its stretch.
+    #[inline]
+    fn place(&self, start: &Place, d: DVec3, hit: &LaneHit) -> Place {
+        let (x, y) = self.lanes.cell(start.facet.x, start.facet.y, hit);
+        let facet = Facet { x, y, upper: hit.upper };
+        let corners = self.lanes.corners(x, y);
+        let (u, v) = (start.u - f64::from(hit.cells_x), start.v - f64::from(hit.cells_y));
+        let (slope, base) = if hit.upper {
+            let slope = corners.upper_slope();
+            (slope, corners.h11 - slope.x - slope.y)
+        } else {
+            (corners.lower_slope(), corners.h00)
+        };
+        let above = start.z - (base + slope.x * u + slope.y * v);
+        let length = d.x.abs() + d.y.abs();
+        let t = above / (slope.x * d.x + slope.y * d.y - d.z);
+        // The stretch was found in f32, for |dx| + |dy| = 1; the plane is met at one of its ends if not inside.
+        let scale = 1.0 / length;
+        let (from, to) = (f64::from(hit.from) * scale, f64::from(hit.to) * scale);
+        let t = if t > from { t.min(to) } else { from };
+        // The ends are known to 2^-23 of the ray's length: a point of the facet's edge may come out beyond it.
+        let (u, v) = ((u + t * d.x).clamp(0.0, 1.0), (v + t * d.y).clamp(0.0, 1.0));
+        Place { facet, u, v, z: base + slope.x * u + slope.y * v }
+    }
+}
+
+/// Edges from the start of a leg to that of the next, which begins where the last one has seen that nothing is near.
+const LEG: f64 = LONGEST as f64 - 16.0;
+/// Legs of a ray after its first, 2.6e5 edges: those of light from 89.7 degrees that crosses the whole height of a GGX
+/// patch of 1024 x 1024 cells, alpha 1.
+const FURTHER_LEGS: u32 = 64;
+
+/// Memory for batches of rays, to be used again.
+#[derive(Debug, Default)]
+pub struct Waves {
+    rays: LaneRays,
+    answers: Answers,
+    /// Rays that are under way, and what became of their last leg.
+    under_way: Vec<usize>,
+    leg: Answers,
+}
+
+impl Waves {
+    /// Whether each of `count` rays is blocked, in order; `Beyond` is left for rays that even the f64 walk loses.
+    ///
+    /// Held by: `tests/it/trace/lanes.rs`.
+    pub fn any_hit<'p>(
+        &mut self,
+        over: &LaneWalker,
+        count: usize,
+        ray: impl Fn(usize) -> (&'p Place, DVec3),
+    ) -> &[Fate] {
+        self.load(count, &ray);
+        over.lanes.any_hit(over.kernel, &self.rays, &mut self.answers);
+        self.go_on(over, &ray);
+        &self.answers.fates
+    }
+
+    /// Follows the rays that are too long for one leg.
+    fn go_on<'p>(&mut self, over: &LaneWalker, ray: &impl Fn(usize) -> (&'p Place, DVec3)) {
+        let Waves { rays, answers: Answers { fates, .. }, under_way, leg } = self;
+        let too_long = |&(index, fate): &(usize, &Fate)| {
+            *fate == Fate::Beyond && {
+                let (start, d) = ray(index);
+                over.is_long(start, d)
+            }
+        };
+        under_way.clear();
+        under_way.extend(fates.iter().enumerate().filter(too_long).map(|(index, _)| index));
+        for number in 1..=FURTHER_LEGS {
+            if under_way.is_empty() {
+                break;
+            }
+            rays.clear();
+            for &index in &*under_way {
+                let (start, d) = ray(index);
+                rays.push(&over.further(start, d, f64::from(number) * LEG), d);
+            }
+            over.lanes.any_hit(over.kernel, rays, leg);
+            for (&index, &fate) in under_way.iter().zip(&leg.fates) {
+                fates[index] = fate;
+            }
+            under_way.retain(|&index| fates[index] == Fate::Beyond);
+        }
+        for (index, fate) in fates.iter_mut().enumerate().filter(|(_, fate)| **fate == Fate::Beyond) {
+            let (start, d) = ray(index);
+            *fate = match over.walk_long(start, d) {
+                Outcome::Escaped => Fate::Escaped,
+                Outcome::Hit(_) => Fate::Blocked,
+                Outcome::LeftMap | Outcome::Lost => Fate::Beyond,
+            };
+        }
+    }
+
+    /// What each of `count` rays meets first: calls `visit` with index and outcome, in order.
+    ///
+    /// Held by: `tests/it/trace/lanes.rs`.
+    pub fn closest_hit<'p>(
+        &mut self,
+        over: &LaneWalker,
+        count: usize,
+        ray: impl Fn(usize) -> (&'p Place, DVec3),
+        mut visit: impl FnMut(usize, Outcome),
+    ) {
+        self.load(count, &ray);
+        over.lanes.closest_hit(over.kernel, &self.rays, &mut self.answers);
+        for (index, (fate, hit)) in self.answers.fates.iter().zip(&self.answers.hits).enumerate() {
+            let outcome = match fate {
+                Fate::Escaped => Outcome::Escaped,
+                Fate::Blocked => {
+                    let (start, d) = ray(index);
+                    Outcome::Hit(over.place(start, d, hit))
+                }
+                Fate::Beyond => {
+                    let (start, d) = ray(index);
+                    over.walk_long(start, d)
+                }
+            };
+            visit(index, outcome);
+        }
+    }
+
+    fn load<'p>(&mut self, count: usize, ray: &impl Fn(usize) -> (&'p Place, DVec3)) {
+        self.rays.clear();
+        for index in 0..count {
+            let (start, d) = ray(index);
+            self.rays.push(start, d);
+        }
+    }
+}

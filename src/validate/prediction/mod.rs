@@ -1,0 +1,8 @@
+//! What the models say of a table: their means over its bins, and what apertures and Schlick's formula do to them.
+
+pub mod aperture;
+pub mod bin_mean;
+pub mod gauss_legendre;
+pub mod model;
+pub mod quadrature;
+pub mod schlick_error;
