@@ -6,7 +6,7 @@ mod patches;
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use gonio::trace::{BLOCK, Starts, Window};
+use gonio::trace::{AreaSampler, BLOCK, Window};
 use patches::{ProcessorTime, light, numbers, patch};
 
 /// Per start of a block.
@@ -19,13 +19,13 @@ fn block(c: &mut Criterion<ProcessorTime>) {
             let light = light(theta, 20.0, 0.5);
             group.bench_function(format!("one block {theta}"), |b| {
                 b.iter(|| {
-                    let starts = Starts::new(&field, Window::all(&field), light);
+                    let starts = AreaSampler::new(&field, Window::all(&field), light);
                     starts.each(BLOCK, &mut numbers(1), |place| {
                         black_box(place);
                     });
                 });
             });
-            let starts = Starts::new(&field, Window::all(&field), light);
+            let starts = AreaSampler::new(&field, Window::all(&field), light);
             group.bench_function(format!("further block {theta}"), |b| {
                 b.iter(|| {
                     starts.each(BLOCK, &mut numbers(1), |place| {

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 use gonio::rng;
-use gonio::trace::{Facet, LONGEST, LaneWalker, Outcome, Place, Waves};
+use gonio::trace::{Facet, LONGEST, Outcome, SimdTraversal, SurfacePoint, Waves};
 use rand_pcg::Pcg64Dxsm;
 
 /// Rays that are followed together.
@@ -14,7 +14,7 @@ const ASIDE: f64 = 1.5;
 
 /// A beam of parallel rays, of equal flux each.
 pub struct FromAbove<'a> {
-    over: LaneWalker<'a>,
+    over: SimdTraversal<'a>,
     /// Towards the light, field coordinates.
     light: DVec3,
     /// From a point at the highest height back to where the ray starts; none for a beam from the zenith.
@@ -23,7 +23,7 @@ pub struct FromAbove<'a> {
 
 impl<'a> FromAbove<'a> {
     /// A beam from `light` (canonical, field coordinates; light.z > 0) over a periodic field.
-    pub fn new(over: LaneWalker<'a>, light: DVec3) -> Self {
+    pub fn new(over: SimdTraversal<'a>, light: DVec3) -> Self {
         let across = light.x.abs().max(light.y.abs());
         FromAbove { over, light, back: (across > 0.0).then(|| light * (ASIDE / across)) }
     }
@@ -32,8 +32,8 @@ impl<'a> FromAbove<'a> {
     /// rows and these into equal parts, with a uniform point in each part: less noise than points anywhere.
     ///
     /// A beam from the zenith needs no rays: what it meets stands straight below. Returns the rays without an answer.
-    pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) -> u64 {
-        let mut wave: Vec<Place> = Vec::with_capacity(WAVE);
+    pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(SurfacePoint)) -> u64 {
+        let mut wave: Vec<SurfacePoint> = Vec::with_capacity(WAVE);
         let mut waves = Waves::default();
         let mut lost = 0;
         let rows = (count as f64).sqrt().floor().max(1.0) as u64;
@@ -44,8 +44,8 @@ impl<'a> FromAbove<'a> {
                 let y = (row as f64 + rng::uniform(rng)) / rows as f64;
                 let start = self.start(x, y);
                 if self.back.is_none() {
-                    let Place { facet, u, v, .. } = start;
-                    visit(Place::on(self.over.walker().field(), facet, u, v));
+                    let SurfacePoint { facet, u, v, .. } = start;
+                    visit(SurfacePoint::on(self.over.walker().field(), facet, u, v));
                     continue;
                 }
                 wave.push(start);
@@ -58,7 +58,7 @@ impl<'a> FromAbove<'a> {
     }
 
     /// The start of the ray that comes down to the highest height at (x, y), shares of the patch's sides.
-    fn start(&self, x: f64, y: f64) -> Place {
+    fn start(&self, x: f64, y: f64) -> SurfacePoint {
         let field = self.over.walker().field();
         let back = self.back.unwrap_or(DVec3::ZERO);
         let of = |share: f64, cells: usize, back: f64| {
@@ -67,11 +67,16 @@ impl<'a> FromAbove<'a> {
         };
         let ((x, u), (y, v)) = (of(x, field.cells_x(), back.x), of(y, field.cells_y(), back.y));
         let z = self.over.walker().range().1 + back.z;
-        Place { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z }
+        SurfacePoint { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z }
     }
 
     /// Follows the rays of `wave`, and empties it; returns how many have no answer.
-    fn follow(&self, waves: &mut Waves, wave: &mut Vec<Place>, visit: &mut impl FnMut(Place)) -> u64 {
+    fn follow(
+        &self,
+        waves: &mut Waves,
+        wave: &mut Vec<SurfacePoint>,
+        visit: &mut impl FnMut(SurfacePoint),
+    ) -> u64 {
         let mut lost = 0;
         let mut end = |outcome| match outcome {
             Outcome::Hit(place) => visit(place),

@@ -15,8 +15,8 @@ use glam::{DVec2, DVec3};
 use gonio::measure::cost::cpu_seconds;
 use gonio::sphere;
 use gonio::trace::{
-    BLOCK, Bounce, BySlope, Ending, FacetIndex, Image, Kernel, LaneField, LaneWalker, PathWaves, Place,
-    Sample, Together, View, Walker, Wave,
+    BLOCK, BatchedStarts, Bounce, GridTraversal, Kernel, MaxPyramid, PatchSymmetry, PathEnd, PathWaves,
+    SimdTraversal, SlopeIndex, SlopeSampler, SurfacePoint, TracedPatch, View, Wave,
 };
 use patches::{numbers, patch};
 
@@ -37,14 +37,14 @@ impl Bounce for Unseen {
 }
 
 /// The flux in every bin that samples of this flux bring.
-fn arrivals(over: &LaneWalker, view: View, starts: &[Place], flux: f64) -> Vec<f64> {
+fn arrivals(over: &SimdTraversal, view: View, starts: &[SurfacePoint], flux: f64) -> Vec<f64> {
     let of = vec![0; starts.len()];
     let wave = Wave { starts, of: &of, views: &[view], bounces: 1 };
     let (mut seen, mut endings) = (vec![Unseen; starts.len()], Vec::new());
     PathWaves::default().trace(over, &wave, &mut seen, &mut endings);
     let mut bins = vec![0.0; BINS.0 * BINS.1];
     for ending in endings {
-        if let Ending::Out { wo, .. } = ending {
+        if let PathEnd::Out { wo, .. } = ending {
             let (theta, phi) = (wo.z.acos().to_degrees(), wo.y.atan2(wo.x).to_degrees().rem_euclid(360.0));
             let row = ((theta / 90.0 * BINS.0 as f64) as usize).min(BINS.0 - 1);
             bins[row * BINS.1 + ((phi / 360.0 * BINS.1 as f64) as usize).min(BINS.1 - 1)] += flux;
@@ -77,9 +77,10 @@ impl Blocks {
 
 fn main() {
     let field = patch(CELLS);
-    let (index, lanes) = (FacetIndex::new(&field).expect("periodic"), LaneField::new(&field).expect("2^10"));
-    let over = LaneWalker::new(Walker::new(&field), &lanes, Kernel::widest());
-    let sample = Sample { walker: *over.walker(), alpha: DVec2::splat(ALPHA), image: Image::default() };
+    let (index, lanes) = (SlopeIndex::new(&field).expect("periodic"), MaxPyramid::new(&field).expect("2^10"));
+    let over = SimdTraversal::new(GridTraversal::new(&field), &lanes, Kernel::widest());
+    let sample =
+        TracedPatch { walker: *over.walker(), alpha: DVec2::splat(ALPHA), image: PatchSymmetry::default() };
     println!("theta_i  bins  time  variance  time to an equal error  largest |t| of the means");
     for theta in [0.0, 30.0, 60.0, 75.0] {
         let wi = sphere::direction_deg(theta, 20.0);
@@ -88,9 +89,9 @@ fn main() {
         for replicate in 0..REPLICATES as u64 {
             let mut rng = numbers(replicate);
             by_slope.add(|| {
-                let starts = BySlope::new(&index, &field, light, &mut rng);
+                let starts = SlopeSampler::new(&index, &field, light, &mut rng);
                 let flux = starts.share(BLOCK);
-                let (mut together, mut places) = (Together::default(), Vec::new());
+                let (mut together, mut places) = (BatchedStarts::default(), Vec::new());
                 together.add(&starts, BLOCK, rng);
                 together.each(&index, &field, |_, place| places.push(place));
                 arrivals(&over, view, &places, flux)

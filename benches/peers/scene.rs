@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use gonio::surface::Heightfield;
-use gonio::trace::{Facet, Kernel, LaneField, LaneWalker, Place, Walker};
+use gonio::trace::{Facet, GridTraversal, Kernel, MaxPyramid, SimdTraversal, SurfacePoint};
 use rustix::time::{ClockId, clock_gettime};
 
 use super::array;
@@ -94,10 +94,10 @@ impl Scene {
         let path = self.folder.join(format!("{}_{}.npy", work.file(), self.cells));
         let values = array::read(&path, &[None, Some(6)])?;
         let rays: Vec<[f32; 6]> = values.as_chunks().0.to_vec();
-        let lanes = LaneField::new(&self.field)
+        let lanes = MaxPyramid::new(&self.field)
             .ok_or_else(|| format!("{} cells a side: the lanes take powers of two from 8", self.cells))?;
-        let walker = Walker::new(&self.field);
-        let over = LaneWalker::new(walker, &lanes, kernel);
+        let walker = GridTraversal::new(&self.field);
+        let over = SimdTraversal::new(walker, &lanes, kernel);
         let mut seconds = Vec::new();
         let mut found = Tracing::default();
         for repetition in 0..=repetitions {
@@ -128,7 +128,7 @@ fn thread_seconds() -> f64 {
 
 /// A ray of the scene as the walk takes it: start and direction.
 #[inline]
-pub fn start_of(field: &Heightfield, ray: &[f32; 6]) -> (Place, DVec3) {
+pub fn start_of(field: &Heightfield, ray: &[f32; 6]) -> (SurfacePoint, DVec3) {
     let ((x, u), (y, v)) = (cell_of(ray[0]), cell_of(ray[1]));
     // Sides are powers of two: a mask wraps negative cells too.
     let facet = Facet {
@@ -137,7 +137,7 @@ pub fn start_of(field: &Heightfield, ray: &[f32; 6]) -> (Place, DVec3) {
         upper: u + v > 1.0,
     };
     let [z, dx, dy, dz] = [ray[2], ray[3], ray[4], ray[5]].map(f64::from);
-    (Place { facet, u: f64::from(u), v: f64::from(v), z }, DVec3::new(dx, dy, dz))
+    (SurfacePoint { facet, u: f64::from(u), v: f64::from(v), z }, DVec3::new(dx, dy, dz))
 }
 
 /// The cell of a coordinate, and the place inside it.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use gonio::surface::heightfield::Corners;
-use gonio::trace::{Fate, LaneWalker, Outcome, Place, Walker, Waves};
+use gonio::trace::{GridTraversal, Outcome, RayOutcome, SimdTraversal, SurfacePoint, Waves};
 
 use super::scene::{Workload, start_of};
 
@@ -55,10 +55,10 @@ impl Tracing {
 }
 
 /// A path under way.
-type Ray = (Place, DVec3);
+type Ray = (SurfacePoint, DVec3);
 
 /// Traces a workload in the lanes.
-pub fn trace(work: Workload, over: &LaneWalker, rays: &[[f32; 6]]) -> Tracing {
+pub fn trace(work: Workload, over: &SimdTraversal, rays: &[[f32; 6]]) -> Tracing {
     let mut found = Tracing::of(work, rays.len());
     let mut waves = Waves::default();
     let mut now: Vec<Ray> = Vec::new();
@@ -69,7 +69,7 @@ pub fn trace(work: Workload, over: &LaneWalker, rays: &[[f32; 6]]) -> Tracing {
         now.extend(batch.iter().map(|ray| start_of(field, ray)));
         if matches!(work, Workload::Mask | Workload::Shadow) {
             let fates = waves.any_hit(over, now.len(), |k| (&now[k].0, now[k].1));
-            found.blocked.extend(fates.iter().map(|&fate| fate == Fate::Blocked));
+            found.blocked.extend(fates.iter().map(|&fate| fate == RayOutcome::Blocked));
             found.rays += now.len() as u64;
             continue;
         }
@@ -78,7 +78,7 @@ pub fn trace(work: Workload, over: &LaneWalker, rays: &[[f32; 6]]) -> Tracing {
             found.rays += now.len() as u64;
             if work == Workload::Full && bounce == 1 {
                 let fates = waves.any_hit(over, now.len(), |k| (&now[k].0, now[k].1));
-                let left = now.iter().zip(fates).filter(|(_, fate)| **fate == Fate::Escaped);
+                let left = now.iter().zip(fates).filter(|(_, fate)| **fate == RayOutcome::Escaped);
                 left.for_each(|((_, d), _)| found.arrive(*d));
                 break;
             }
@@ -103,7 +103,7 @@ pub fn trace(work: Workload, over: &LaneWalker, rays: &[[f32; 6]]) -> Tracing {
 }
 
 /// Traces a workload ray by ray in f64.
-pub fn trace_by_walk(work: Workload, walker: &Walker, rays: &[[f32; 6]]) -> Tracing {
+pub fn trace_by_walk(work: Workload, walker: &GridTraversal, rays: &[[f32; 6]]) -> Tracing {
     let mut found = Tracing::of(work, rays.len());
     let field = walker.field();
     for ray in rays {
@@ -131,7 +131,7 @@ pub fn trace_by_walk(work: Workload, walker: &Walker, rays: &[[f32; 6]]) -> Trac
 
 /// The direction of a ray along `d` after its bounce.
 #[inline]
-fn mirrored(corners: &Corners, place: &Place, d: DVec3) -> DVec3 {
+fn mirrored(corners: &Corners, place: &SurfacePoint, d: DVec3) -> DVec3 {
     let slope = if place.facet.upper { corners.upper_slope() } else { corners.lower_slope() };
     let normal = DVec3::new(-slope.x, -slope.y, 1.0);
     d - (2.0 * d.dot(normal) / normal.length_squared()) * normal

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 use gonio::surface::Heightfield;
-use gonio::trace::{Facet, Peaks, Place, Walker};
+use gonio::trace::{Facet, GridTraversal, SurfacePoint, TilePeaks};
 
 /// Traces the ray both ways; panics where they differ.
 pub fn trace(bytes: &[u8]) {
@@ -21,12 +21,12 @@ pub fn trace(bytes: &[u8]) {
     let facet = Facet { x: usize::from(*x) % nx, y: usize::from(*y) % ny, upper: flags & 2 != 0 };
     let (a, b) = (f64::from(*u) / 256.0, f64::from(*v) / 256.0);
     let (u, v) = if (a + b > 1.0) == facet.upper { (a, b) } else { (1.0 - a, 1.0 - b) };
-    let place = Place::on(&field, facet, u, v);
+    let place = SurfacePoint::on(&field, facet, u, v);
     let part = |byte: u8| f64::from(byte) - 128.0;
     let d = DVec3::new(part(*dx), part(*dy), part(*dz));
-    let walker = Walker::new(&field);
+    let walker = GridTraversal::new(&field);
     if walker.step_limit(place.z, d) < 1 << 20 {
-        let peaks = Peaks::new(&field);
+        let peaks = TilePeaks::new(&field);
         let (plain, tiles) = (walker.walk(&place, d), walker.with_peaks(&peaks).walk(&place, d));
         assert!(d.z == 0.0 || plain == tiles, "{plain:?} or {tiles:?}: {place:?} along {d:?}");
     }

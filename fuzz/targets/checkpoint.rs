@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use gonio::campaign::{self, Campaign};
 use gonio::files::sealed;
-use gonio::measure::{self, Checkpoint, Kept, Plan};
+use gonio::measure::{self, Checkpoint, StoredRun, Plan};
 use libfuzzer_sys::fuzz_target;
 
 /// The campaign that `tests/it/fuzzed.rs` writes seeds of.
@@ -20,7 +20,7 @@ static CAMPAIGN: LazyLock<(Campaign, Plan)> = LazyLock::new(|| {
 fuzz_target!(|bytes: &[u8]| {
     let (campaign, plan) = &*CAMPAIGN;
     let sealed = sealed::seal(Checkpoint::KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()));
-    gonio_fuzz::reason(sealed.and_then(|sealed| Kept::from_bytes(Checkpoint::KIND, &sealed)).and_then(
+    gonio_fuzz::reason(sealed.and_then(|sealed| StoredRun::from_bytes(Checkpoint::KIND, &sealed)).and_then(
         |kept| {
             kept.heading.faults((campaign, None), "small.toml", "out").iter().for_each(|fault| {
                 gonio_fuzz::reason::<()>(Err(fault.to_string()));

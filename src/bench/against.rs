@@ -57,7 +57,7 @@ impl fmt::Display for Other {
 
 /// One way, measured.
 #[derive(Debug, Clone, Serialize)]
-pub struct Way {
+pub struct Variant {
     /// `planned`, or the other's name.
     pub name: &'static str,
     /// Processor seconds of one run, median of the replicates, the making of the patches left out.
@@ -94,7 +94,7 @@ pub struct Against {
     /// Runs of each way.
     pub replicates: u32,
     /// As planned, and the other.
-    pub ways: [Way; 2],
+    pub ways: [Variant; 2],
     /// Every stop.
     pub stops: Vec<StopNoise>,
     /// Variance of the other over that of the plan, for one run of each.
@@ -106,13 +106,13 @@ pub struct Against {
 }
 
 /// The values of one bin: [replicate][realisation].
-type Values = Vec<Vec<f64>>;
+type BinValues = Vec<Vec<f64>>;
 
 /// A bin that counts: of which stop, and what each way found.
-struct Bin {
+struct JudgedBin {
     stop: usize,
     mean: f64,
-    ways: [Values; 2],
+    ways: [BinValues; 2],
 }
 
 /// Measures `campaign` (one roughness) `replicates` times as planned and `replicates` times by `other`. `progress` is
@@ -146,7 +146,9 @@ pub fn against(
     let cpu_s = costs.each_ref().map(|costs| median(costs.iter().map(|cost| cost.tracing_cpu_s)));
     let rays = costs.each_ref().map(|costs| costs[0].rays_traced);
     let names = ["planned", other.name()];
-    let way = |way: usize| Way::of(names[way], cpu_s[way], rays[way], target, &Spread { way, bins: &bins });
+    let way = |way: usize| {
+        Variant::of(names[way], cpu_s[way], rays[way], target, &VariantBins { way, bins: &bins })
+    };
     let ways = [way(0), way(1)];
     let variance = |[plan, other]: [f64; 2]| (other / plan).powi(2);
     let without = |left_out: usize| {
@@ -184,30 +186,30 @@ pub fn plans(campaign: &Campaign, other: Other, replicates: u32) -> Result<[Plan
 }
 
 /// The bins as one of the ways found them.
-struct Spread<'a> {
+struct VariantBins<'a> {
     way: usize,
-    bins: &'a [Bin],
+    bins: &'a [JudgedBin],
 }
 
-impl Way {
-    fn of(name: &'static str, cpu_s: f64, rays: u64, target: f64, spread: &Spread) -> Self {
-        let Spread { way, bins } = *spread;
+impl Variant {
+    fn of(name: &'static str, cpu_s: f64, rays: u64, target: f64, spread: &VariantBins) -> Self {
+        let VariantBins { way, bins } = *spread;
         let noise = median(bins.iter().map(|bin| bin.noise(way, None)));
         let error = median(bins.iter().map(|bin| bin.error(way)));
-        Way { name, cpu_s, rays, error, noise, to_target_s: cpu_s * (noise / target).powi(2) }
+        Variant { name, cpu_s, rays, error, noise, to_target_s: cpu_s * (noise / target).powi(2) }
     }
 }
 
-fn of_stop(plan: &Plan, bins: &[Bin], stop: usize) -> StopNoise {
+fn of_stop(plan: &Plan, bins: &[JudgedBin], stop: usize) -> StopNoise {
     let (theta_i_deg, phi_i_deg) = plan.grid.stop_deg(stop);
-    let here: Vec<&Bin> = bins.iter().filter(|bin| bin.stop == stop).collect();
+    let here: Vec<&JudgedBin> = bins.iter().filter(|bin| bin.stop == stop).collect();
     let noise = |way: usize| median(here.iter().map(|bin| bin.noise(way, None)));
     StopNoise { theta_i_deg, phi_i_deg, bins: here.len(), noise: [noise(0), noise(1)] }
 }
 
 /// The bins above 1 % of their stop's and colour's peak, by the mean of all runs of both ways.
-fn counted(runs: &[Vec<Measured>; 2], plan: &Plan) -> Vec<Bin> {
-    let values = |way: usize, colour: usize, at: usize| -> Values {
+fn counted(runs: &[Vec<Measured>; 2], plan: &Plan) -> Vec<JudgedBin> {
+    let values = |way: usize, colour: usize, at: usize| -> BinValues {
         let of_run = |run: &Measured| {
             run.realisations.parts.iter().map(|part| f64::from(part.total[colour][at])).collect()
         };
@@ -220,9 +222,9 @@ fn counted(runs: &[Vec<Measured>; 2], plan: &Plan) -> Vec<Bin> {
                 let ways = [0, 1].map(|way| values(way, colour, stop * plan.bins + k));
                 let values: Vec<f64> = ways.iter().flatten().flatten().copied().collect();
                 let mean = stats::mean(&values);
-                Bin { stop, mean, ways }
+                JudgedBin { stop, mean, ways }
             };
-            let bins: Vec<Bin> = (0..plan.bins).map(bin).collect();
+            let bins: Vec<JudgedBin> = (0..plan.bins).map(bin).collect();
             let peak = bins.iter().fold(0.0f64, |peak, bin| peak.max(bin.mean));
             counted.extend(bins.into_iter().filter(|bin| bin.mean > COUNTED_ABOVE * peak));
         }
@@ -230,7 +232,7 @@ fn counted(runs: &[Vec<Measured>; 2], plan: &Plan) -> Vec<Bin> {
     counted
 }
 
-impl Bin {
+impl JudgedBin {
     /// The standard error of a run's mean over the realisations that draws alone make, relative: from the spread of the
     /// replicates of each realisation. One realisation may be left out.
     fn noise(&self, way: usize, left_out: Option<usize>) -> f64 {
@@ -279,7 +281,7 @@ mod tests {
     #[test]
     fn noise_is_what_replicates_show() {
         let runs = vec![vec![1.0, 6.0], vec![3.0, 6.0]];
-        let bin = Bin { stop: 0, mean: 4.0, ways: [runs.clone(), runs] };
+        let bin = JudgedBin { stop: 0, mean: 4.0, ways: [runs.clone(), runs] };
         // A run's mean over both has the variance (2 + 0)/4.
         assert_eq!(bin.noise(0, None), 0.5f64.sqrt() / 4.0);
         assert_eq!(bin.noise(0, Some(0)), 0.0);

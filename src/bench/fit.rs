@@ -22,7 +22,7 @@ pub struct Point {
 
 /// err^2 = a/N + b^2, and the slope.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Fit {
+pub struct LadderFit {
     /// Squared error times samples: the noise.
     pub a: f64,
     /// Lower end of its 95 % interval.
@@ -52,7 +52,7 @@ const SMALLEST: f64 = -27.0;
 /// profile need u alone. At u all s with n (log s - best)^2 <= limit - S(u) are inside; a = s (1-u) c and b^2 = s u of
 /// all of them are the intervals.
 /// Held by: `the_intervals_hold_the_true_noise_and_bias`, `pure_noise_has_slope_minus_a_half_and_no_bias`.
-pub fn fit(points: &[Point]) -> Option<Fit> {
+pub fn fit(points: &[Point]) -> Option<LadderFit> {
     let mut counts: Vec<f64> = points.iter().map(|point| point.samples).collect();
     counts.sort_by(f64::total_cmp);
     counts.dedup();
@@ -68,7 +68,16 @@ pub fn fit(points: &[Point]) -> Option<Fit> {
     let [_, b] = extent(points, largest, &shares, best.squares, inflation[1]);
     let (noise, bias) = best.noise_and_bias(best.log_scale.exp(), largest);
     let (slope, slope_se) = slope(points);
-    Some(Fit { a: noise, a_low: a[0], a_high: a[1], b: bias, b_low: b[0], b_high: b[1], slope, slope_se })
+    Some(LadderFit {
+        a: noise,
+        a_low: a[0],
+        a_high: a[1],
+        b: bias,
+        b_low: b[0],
+        b_high: b[1],
+        slope,
+        slope_se,
+    })
 }
 
 /// Smallest and largest a and b with S <= S_min (1 + inflation t^2/(n - 2)).

@@ -19,10 +19,10 @@ pub mod scale;
 pub mod truth;
 
 pub use against::{Against, Other, against};
-pub use fit::{Fit, Point, fit};
+pub use fit::{LadderFit, Point, fit};
 pub use ladder::{Ladders, Range, Varies, planned};
 pub use resolution::{Flatness, ResolutionRow, flatness, resolution};
-pub use run::{Bench, Ladder, Row, bench};
+pub use run::{Bench, Ladder, MeasuredRung, bench};
 pub use scale::{Scale, ScalePatch, ScaleRow, scale};
 pub use truth::{Truth, TruthKind};
 

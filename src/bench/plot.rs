@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::ERROR_MEASURE;
-use super::fit::Fit;
+use super::fit::LadderFit;
 use super::ladder::Varies;
 use super::run::{Bench, Ladder};
 
@@ -77,7 +77,7 @@ fn title(name: &str, bench: &Bench, ladder: &Ladder) -> [String; 2] {
         }
     };
     let fit = ladder.fit.map_or("no fit".into(), |fit| {
-        let Fit { slope, slope_se, b, b_low, b_high, .. } = fit;
+        let LadderFit { slope, slope_se, b, b_low, b_high, .. } = fit;
         format!("slope {slope:.3} ± {slope_se:.3}, b = {b:.2e} [{b_low:.1e}, {b_high:.1e}]")
     });
     [format!("{name}: {fixed}"), format!("truth: {}; {fit}", bench.truth.name)]
@@ -176,7 +176,7 @@ fn curves(out: &mut Svg, axes: &Axes, ladder: &Ladder) {
     };
     let guide = ladder.fit.map_or(first.error, |fit| (fit.a / low).sqrt());
     let mut shown = vec![(curve(&|n| guide * (low / n).sqrt()), "#888", "7 5", "1/√N")];
-    if let Some(Fit { a, b, .. }) = ladder.fit {
+    if let Some(LadderFit { a, b, .. }) = ladder.fit {
         shown.push((curve(&|n| (a / n + b * b).sqrt()), FIT, "none", "√(a/N + b²)"));
         shown.push((curve(&|_| b), FIT, "2 4", "b"));
     }

@@ -3,7 +3,7 @@
 use rand::Rng;
 use serde::Serialize;
 
-use super::fit::{Fit, Point, fit};
+use super::fit::{LadderFit, Point, fit};
 use super::ladder::{Ladders, Rung, Varies};
 use super::truth::Truth;
 use crate::campaign::Campaign;
@@ -14,7 +14,7 @@ use crate::stats;
 
 /// One rung, measured.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
+pub struct MeasuredRung {
     /// The ladder it belongs to.
     pub varies: Varies,
     /// Samples of one stop, all realisations together.
@@ -41,9 +41,9 @@ pub struct Ladder {
     /// What changes along it.
     pub varies: Varies,
     /// Its rungs, fewest samples first.
-    pub rows: Vec<Row>,
+    pub rows: Vec<MeasuredRung>,
     /// Noise and bias; null where an error is 0.
-    pub fit: Option<Fit>,
+    pub fit: Option<LadderFit>,
 }
 
 /// A finished bench.
@@ -112,7 +112,7 @@ fn row(
     truth: &Truth,
     patches: &mut Patches,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Row> {
+) -> Result<MeasuredRung> {
     let (mut errors, mut seconds, mut rays, mut closure) = (Vec::new(), 0.0, 0.0, None::<f64>);
     for &seed in seeds {
         let (measured, cost) = rung.run(patches, seed, progress)?;
@@ -126,7 +126,7 @@ fn row(
     let squared = stats::mean(&errors.iter().map(|error| error * error).collect::<Vec<_>>());
     let rays_per_s = rays / seconds;
     seconds /= seeds.len() as f64;
-    Ok(Row {
+    Ok(MeasuredRung {
         varies,
         samples: rung.samples(),
         realisations: rung.plan.realisations,

@@ -11,7 +11,9 @@ use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::measure::{self, CELLS_PER_START, Patches, cost};
 use crate::surface::Heightfield;
-use crate::trace::{BLOCK, FacetIndex, Kernel, LaneField, LaneWalker, Starts, Together, Walker, Window};
+use crate::trace::{
+    AreaSampler, BLOCK, BatchedStarts, GridTraversal, Kernel, MaxPyramid, SimdTraversal, SlopeIndex, Window,
+};
 
 /// One stop, or all of them, on a patch of one size.
 #[derive(Debug, Clone, Serialize)]
@@ -116,12 +118,13 @@ fn made(campaign: &Campaign) -> Result<(ScalePatch, Patches)> {
 ///
 /// Held by: `tracing_takes_at_most_40_bytes_for_each_cell`.
 pub fn tracing_bytes(field: &Heightfield) -> usize {
-    let in_lanes = |lanes: LaneField| LaneWalker::new(Walker::new(field), &lanes, Kernel::Scalar).bytes();
-    let lanes = LaneField::new(field).map_or(0, in_lanes);
+    let in_lanes =
+        |lanes: MaxPyramid| SimdTraversal::new(GridTraversal::new(field), &lanes, Kernel::Scalar).bytes();
+    let lanes = MaxPyramid::new(field).map_or(0, in_lanes);
     let light = DVec3::new(0.1, 0.0, 1.0);
-    let starts = Starts::new(field, Window::all(field), light).bytes();
-    let together = field.cells_x() * field.cells_y() / CELLS_PER_START as usize * Together::BYTES;
-    let index = FacetIndex::new(field).map_or(0, |index| index.bytes() + together);
+    let starts = AreaSampler::new(field, Window::all(field), light).bytes();
+    let together = field.cells_x() * field.cells_y() / CELLS_PER_START as usize * BatchedStarts::BYTES;
+    let index = SlopeIndex::new(field).map_or(0, |index| index.bytes() + together);
     size_of_val(field.heights()) + lanes + starts.max(index)
 }
 

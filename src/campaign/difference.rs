@@ -5,7 +5,7 @@ const LONGEST: usize = 60;
 
 /// A key with other values in two campaigns; no value where it is not there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Difference {
+pub struct KeyDifference {
     /// Dotted key, as `surface.ggx.alpha`.
     pub key: String,
     /// Its value in the first campaign, as text.
@@ -15,7 +15,7 @@ pub struct Difference {
 }
 
 /// The keys in which two resolved campaigns ([`to_toml`](super::to_toml)) differ, in the order of the second.
-pub fn differences(first: &str, second: &str) -> Vec<Difference> {
+pub fn differences(first: &str, second: &str) -> Vec<KeyDifference> {
     let [first, second] = [first, second].map(leaves);
     let value = |leaves: &[(String, String)], key: &str| {
         leaves.iter().find(|(other, _)| other == key).map(|(_, value)| value.clone())
@@ -25,7 +25,7 @@ pub fn differences(first: &str, second: &str) -> Vec<Difference> {
     let differing = keys.filter_map(|key| {
         let (a, b) = (value(&first, key), value(&second, key));
         let [first, second] = [&a, &b].map(|value| value.as_deref().map(shown));
-        (a != b).then(|| Difference { key: key.clone(), first, second })
+        (a != b).then(|| KeyDifference { key: key.clone(), first, second })
     });
     differing.collect()
 }

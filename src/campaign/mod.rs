@@ -16,13 +16,13 @@ mod presets;
 pub mod schema;
 mod to_toml;
 
-pub use difference::{Difference, differences};
+pub use difference::{KeyDifference, differences};
 pub use presets::Preset;
 pub use schema::*;
 pub use to_toml::to_toml;
 
 use parse::faults::Report;
-use parse::reader::Table;
+use parse::reader::TableReader;
 
 /// Largest campaign file, bytes: two axes of 100,000 angles with room to spare.
 const LARGEST_FILE: u64 = 16 << 20;
@@ -83,7 +83,7 @@ pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> 
     let text = &*decode_text(bytes).map_err(|why| no_text(name_for_messages, bytes, why))?;
     let report = Report::new(name_for_messages, text);
     let campaign = match DeTable::parse(text) {
-        Ok(root) => parse::campaign::campaign(Table::root(&report, root.get_ref()), folder),
+        Ok(root) => parse::campaign::campaign(TableReader::root(&report, root.get_ref()), folder),
         Err(error) => {
             syntax_fault(&report, text, &error);
             None

@@ -5,10 +5,10 @@
 
 use serde::Serialize;
 
-use super::parse::angles::{Axis, HALF_TURN, PHI, THETA_I, THETA_R, TO_SIXTY, axis};
+use super::parse::angles::{AxisRules, HALF_TURN, PHI, THETA_I, THETA_R, TO_SIXTY, axis};
 use super::parse::arms::{APERTURE, OPEN, above_horizon, klems_light, light_azimuth, table_fits};
-use super::parse::reader::{Slot, Table};
-use super::schema::{Azimuth, BinLayout, Light, PhiFrom, Sensor};
+use super::parse::reader::{Slot, TableReader};
+use super::schema::{Azimuth, BinLayout, LightArm, PhiFrom, SensorArm};
 
 /// What a preset imitates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -77,7 +77,7 @@ const PRESETS: [Preset; 7] = [
 pub(super) fn arms(
     slot: &Slot<'_>,
     isotropic: Option<bool>,
-) -> Option<(Preset, Option<Light>, Option<Sensor>)> {
+) -> Option<(Preset, Option<LightArm>, Option<SensorArm>)> {
     let table = || slot.table();
     let words = PRESETS.map(|preset| (preset.name, preset));
     let preset = table()?.slot("name").required("the instrument, such as \"utia\"")?.choice(&words)?;
@@ -96,7 +96,7 @@ pub(super) fn arms(
     Some((preset, light, sensor))
 }
 
-type Arms = (Option<Light>, Option<Sensor>);
+type Arms = (Option<LightArm>, Option<SensorArm>);
 
 /// `count` angles from `from` in equal steps.
 fn steps(from: f64, step: f64, count: u32) -> Vec<f64> {
@@ -114,12 +114,12 @@ struct LightKeys<'a> {
 
 impl LightKeys<'_> {
     /// Parallel light, at `default` where no angles are given.
-    fn light(&self, default: Vec<f64>, rules: &Axis, isotropic: Option<bool>) -> Option<Light> {
+    fn light(&self, default: Vec<f64>, rules: &AxisRules, isotropic: Option<bool>) -> Option<LightArm> {
         let theta_i_deg = self.theta_i.or(default, |i| axis(i, rules));
         let average_azimuth = self.average.or(false, |i| i.boolean());
         let azimuth = light_azimuth(&self.azimuth, &self.phi_i, &self.average, isotropic);
         let (theta_i_deg, azimuth) = (theta_i_deg?, azimuth?);
-        Some(Light { theta_i_deg, azimuth, average_azimuth: average_azimuth?, aperture_deg: 0.0 })
+        Some(LightArm { theta_i_deg, azimuth, average_azimuth: average_azimuth?, aperture_deg: 0.0 })
     }
 }
 
@@ -130,26 +130,26 @@ fn arm(
     theta_r_deg: Option<Vec<f64>>,
     phi_r_deg: Option<Vec<f64>>,
     phi_r_from: PhiFrom,
-) -> Option<Sensor> {
+) -> Option<SensorArm> {
     let aperture_deg = aperture.or(default_deg, |i| i.float(&OPEN));
     let (theta_r_deg, aperture_deg) = (theta_r_deg?, aperture_deg?);
     above_horizon(aperture, "aperture", &theta_r_deg, aperture_deg)?;
-    Some(Sensor::Arm { theta_r_deg, phi_r_deg: phi_r_deg?, aperture_deg, phi_r_from })
+    Some(SensorArm::Arm { theta_r_deg, phi_r_deg: phi_r_deg?, aperture_deg, phi_r_from })
 }
 
-fn utia(table: Table<'_>) -> Arms {
+fn utia(table: TableReader<'_>) -> Arms {
     let [_, aperture, light_aperture] = table.keys(["name", "aperture_deg", "light_aperture_deg"]);
     let (theta, phi) = (steps(0.0, 15.0, 6), steps(0.0, 7.5, 48));
     let light = light_aperture.or(0.0, |i| i.float(&APERTURE)).and_then(|aperture_deg| {
         above_horizon(&light_aperture, "source cone", &theta, aperture_deg)?;
         let azimuth = Azimuth::Absolute(phi.clone());
-        Some(Light { theta_i_deg: theta.clone(), azimuth, average_azimuth: false, aperture_deg })
+        Some(LightArm { theta_i_deg: theta.clone(), azimuth, average_azimuth: false, aperture_deg })
     });
     (light, arm(&aperture, 2.0, Some(theta), Some(phi), PhiFrom::Sample))
 }
 
 /// Two degrees either way: the steps of `configs/ground_truth_merl.toml`.
-fn merl(table: Table<'_>, isotropic: Option<bool>) -> Arms {
+fn merl(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
     let azimuth = table.slot("azimuth");
     let [_, theta_i, phi_i, average, rows, columns] =
         table.keys(["name", "theta_i_deg", "phi_i_deg", "average_azimuth", "theta_r_bins", "phi_r_bins"]);
@@ -157,7 +157,7 @@ fn merl(table: Table<'_>, isotropic: Option<bool>) -> Arms {
     (keys.light(steps(0.0, 5.0, 18), &THETA_I, isotropic), hemisphere(&rows, 45, &columns, 180))
 }
 
-fn rgl(table: Table<'_>, isotropic: Option<bool>) -> Arms {
+fn rgl(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
     let [azimuth, theta_i] = ["azimuth", "theta_i_deg"].map(|never| table.slot(never));
     let [_, count, phi_i, average, rows, columns] =
         table.keys(["name", "theta_i_count", "phi_i_deg", "average_azimuth", "theta_r_bins", "phi_r_bins"]);
@@ -170,14 +170,14 @@ fn rgl(table: Table<'_>, isotropic: Option<bool>) -> Arms {
     (light, hemisphere(&rows, 45, &columns, 120))
 }
 
-fn hemisphere(rows: &Slot<'_>, theta_r: u32, columns: &Slot<'_>, phi_r: u32) -> Option<Sensor> {
+fn hemisphere(rows: &Slot<'_>, theta_r: u32, columns: &Slot<'_>, phi_r: u32) -> Option<SensorArm> {
     let theta_r_bins = rows.or(theta_r, |i| i.count(1..=9000));
     let phi_r_bins = columns.or(phi_r, |i| i.count(1..=36_000));
     let bins = BinLayout::Centred;
-    Some(Sensor::Hemisphere { theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins })
+    Some(SensorArm::Hemisphere { theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins })
 }
 
-fn onera(table: Table<'_>, isotropic: Option<bool>) -> Arms {
+fn onera(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
     let azimuth = table.slot("azimuth");
     let [_, theta_i, phi_i, average, theta_r, phi_r, aperture] = table.keys([
         "name",
@@ -195,7 +195,7 @@ fn onera(table: Table<'_>, isotropic: Option<bool>) -> Arms {
     (light, arm(&aperture, 2.0, theta_r, phi_r, PhiFrom::Light))
 }
 
-fn rosi(table: Table<'_>, isotropic: Option<bool>) -> Arms {
+fn rosi(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
     let azimuth = table.slot("azimuth");
     let [_, theta_i, phi_i, average, theta_r, phi_r, aperture] = table.keys([
         "name",
@@ -215,12 +215,12 @@ fn rosi(table: Table<'_>, isotropic: Option<bool>) -> Arms {
     (light, arm(&aperture, 0.5, theta_r, phi_r, PhiFrom::Light))
 }
 
-fn klems(table: Table<'_>) -> Arms {
+fn klems(table: TableReader<'_>) -> Arms {
     let [_, light_aperture] = table.keys(["name", "light_aperture_deg"]);
-    (klems_light(&light_aperture), Some(Sensor::KlemsFull))
+    (klems_light(&light_aperture), Some(SensorArm::KlemsFull))
 }
 
-fn in_plane(table: Table<'_>, isotropic: Option<bool>) -> Arms {
+fn in_plane(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
     let azimuth = table.slot("azimuth");
     let [_, theta_i, phi_i, average, theta_r, aperture] =
         table.keys(["name", "theta_i_deg", "phi_i_deg", "average_azimuth", "theta_r_deg", "aperture_deg"]);

@@ -4,7 +4,8 @@ use std::fmt::{Debug, Display};
 
 use super::parse::{arms, campaign, optics, surface};
 use super::schema::{
-    Alpha, Azimuth, Campaign, Expect, HeightMap, Index, Light, Medium, Optics, Sensor, Surface, SurfaceKind,
+    Alpha, Azimuth, Campaign, Expect, HeightMap, LightArm, Medium, Optics, RefractiveIndex, SensorArm,
+    Surface, SurfaceKind,
 };
 
 /// The campaign as resolved, in the schema that [`parse`](super::parse) reads: parsing it gives the campaign again.
@@ -144,7 +145,7 @@ fn file_table(text: &mut Text, map: &HeightMap) {
     text.line("tiles", map.tiles);
 }
 
-fn light_table(text: &mut Text, light: &Light) {
+fn light_table(text: &mut Text, light: &LightArm) {
     text.table("light");
     if light.azimuth != Azimuth::KlemsFull {
         text.floats("theta_i_deg", &light.theta_i_deg);
@@ -163,22 +164,22 @@ fn light_table(text: &mut Text, light: &Light) {
     text.floats("aperture_deg", light.aperture_deg);
 }
 
-fn sensor_table(text: &mut Text, sensor: &Sensor) {
+fn sensor_table(text: &mut Text, sensor: &SensorArm) {
     match sensor {
-        Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
+        SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
             text.table("sensor.hemisphere");
             text.line("theta_r_bins", theta_r_bins);
             text.line("phi_r_bins", phi_r_bins);
             text.line("bins", word(&arms::LAYOUTS, bins));
         }
-        Sensor::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from } => {
+        SensorArm::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from } => {
             text.table("sensor.arm");
             text.floats("theta_r_deg", theta_r_deg);
             text.floats("phi_r_deg", phi_r_deg);
             text.floats("aperture_deg", aperture_deg);
             text.line("phi_r_from", word(&arms::PHI_FROM, phi_r_from));
         }
-        Sensor::KlemsFull => {
+        SensorArm::KlemsFull => {
             text.table("sensor.patches");
             text.line("basis", quoted("klems_full"));
         }
@@ -206,7 +207,7 @@ fn optics_table(text: &mut Text, optics: &Optics) {
 }
 
 /// The numbers themselves for an index that came from a file or the campaign: a table needs no other file.
-fn index_lines(text: &mut Text, index: &Index) {
+fn index_lines(text: &mut Text, index: &RefractiveIndex) {
     let nm: Vec<f64> = index.media.iter().filter_map(|medium| medium.wavelength_nm).collect();
     if let Some(name) = &index.material {
         text.line("material", quoted(name));

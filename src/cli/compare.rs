@@ -12,7 +12,9 @@ use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, Realisations, TableRows};
 use crate::validate::prediction::aperture::{Extrapolated, extrapolate};
-use crate::validate::two_tables::{Difference, DifferenceFigures, Side, difference, difference_of_rows};
+use crate::validate::two_tables::{
+    ComparedTable, DifferenceFigures, TableDifference, difference, difference_of_rows,
+};
 
 /// Compare two tables on the same grid bin by bin, with the errors of both
 #[derive(Args)]
@@ -60,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     say_difference(&mut out, &found, arguments.json)
 }
 
-fn say_difference(out: &mut Output, found: &Difference, json: bool) -> Result<u8> {
+fn say_difference(out: &mut Output, found: &TableDifference, json: bool) -> Result<u8> {
     if json {
         out.json(&to_json(found)?)?;
     } else {
@@ -100,8 +102,8 @@ impl Read {
         Ok(Read { table, campaign, parts })
     }
 
-    fn side(&self) -> Side<'_> {
-        Side { table: &self.table, campaign: self.campaign.as_ref(), parts: self.parts.as_ref() }
+    fn side(&self) -> ComparedTable<'_> {
+        ComparedTable { table: &self.table, campaign: self.campaign.as_ref(), parts: self.parts.as_ref() }
     }
 }
 
@@ -141,7 +143,7 @@ fn interval(figures: &DifferenceFigures) -> Option<String> {
     })
 }
 
-fn lines(found: &Difference) -> Vec<String> {
+fn lines(found: &TableDifference) -> Vec<String> {
     let errors = if found.paired { "paired by realisation" } else { "of both tables in quadrature" };
     let mut lines =
         vec![format!("{} bins of all orders, errors {errors}; distances relative to B:", found.bins)];

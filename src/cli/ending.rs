@@ -19,7 +19,7 @@ use signal_hook::{SigId, flag};
 use super::text::output;
 use crate::error::{Error, Result};
 use crate::files;
-use crate::measure::Ending;
+use crate::measure::ProcessEnd;
 
 /// How long the work has to end by itself.
 const GRACE: Duration = Duration::from_millis(300);
@@ -137,7 +137,7 @@ fn leave(error: &Error) {
 /// Ends the process for a run that measures; the function makes of the run's error what is said.
 pub struct Leaving<F>(pub F);
 
-impl<F: Fn(Error) -> Error + Sync> Ending for Leaving<F> {
+impl<F: Fn(Error) -> Error + Sync> ProcessEnd for Leaving<F> {
     fn hold(&self) {
         *locked(&HELD) = true;
     }

@@ -7,7 +7,7 @@ use clap::Args;
 use super::table_file;
 use super::text::output::{Output, columns, or_na, to_json, wrapped};
 use crate::error::{Error, Result};
-use crate::fit::{self, Data, Fit, Fits, Law, NAMES};
+use crate::fit::{self, Fit, FitData, FitLaw, Fits, NAMES};
 use crate::stats;
 
 /// L1 from which on the best model is called no good one.
@@ -45,13 +45,13 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let table = table_file::load(path)?;
     let campaign = table_file::campaign_if_any(path, &table)?;
     let parts = table_file::realisations_beside(path, &table)?;
-    let data = Data::new(&table, campaign.as_ref(), parts.as_ref());
+    let data = FitData::new(&table, campaign.as_ref(), parts.as_ref());
     if data.value.iter().flatten().all(|&value| value == 0.0) {
         return Err(Error::format(path, "channel `single` is 0 everywhere: nothing can be fitted"));
     }
-    let own = campaign.as_ref().map_or(Vec::new(), |c| Law::of_surface(&c.surface.kind, &data));
-    let laws = Law::all(&data).into_iter().chain(own);
-    let laws: Vec<Law> =
+    let own = campaign.as_ref().map_or(Vec::new(), |c| FitLaw::of_surface(&c.surface.kind, &data));
+    let laws = FitLaw::all(&data).into_iter().chain(own);
+    let laws: Vec<FitLaw> =
         laws.filter(|law| arguments.model.as_ref().is_none_or(|name| name == law.name())).collect();
     if laws.is_empty() {
         return Err(Error::format(

@@ -11,7 +11,7 @@ use super::text::output::{Output, to_json, warn, wrapped};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
-use crate::interchange::radiance::xml::Side;
+use crate::interchange::radiance::xml::SampleSide;
 use crate::interchange::{self, Format, Options, maps};
 use crate::table::{TableRows, store};
 
@@ -45,7 +45,7 @@ pub struct Arguments {
     merl_centre: bool,
     /// Klems, tensor tree: the block `Reflection Back` (+z) or `Front` (-z)
     #[arg(long, value_name = "back|front")]
-    side: Option<Side>,
+    side: Option<SampleSide>,
     /// Maps: a texel that becomes a campaign; several times for several
     #[arg(long, value_name = "X,Y")]
     texel: Vec<String>,

@@ -4,34 +4,39 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::ending::{self, Leaving};
-use super::kept::{self, Keeping, Unfinished};
+use super::kept::{self, ResumableRun, RunStore};
 use super::measure::Arguments;
 use super::results::{self, Results};
-use super::targets::Target;
+use super::targets::TablePaths;
 use super::text::output::{Output, warn};
 use super::text::plan;
-use super::text::progress::Progress;
+use super::text::progress::RunProgress;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
-use crate::measure::{self, BandRun, Disk, Ending, Ledger, Patches, Plan, Session};
+use crate::measure::{self, BandRun, Disk, Patches, Plan, ProcessEnd, RunState, Session};
 use crate::report::html::specimen;
 use crate::validate::prediction::aperture::worst;
 
 /// What is measured in one run.
-pub struct Job<'a> {
+pub struct MeasureJob<'a> {
     pub arguments: &'a Arguments,
-    pub keeping: &'a Keeping,
+    pub keeping: &'a RunStore,
     pub campaign: Campaign,
 }
 
-impl Job<'_> {
+impl MeasureJob<'_> {
     /// Measures what is missing, after what was found.
-    pub fn run(&self, unfinished: Unfinished, plan: &Plan, out: &mut Output) -> Result<(Ledger, Patches)> {
-        let Job { campaign, .. } = self;
+    pub fn run(
+        &self,
+        unfinished: ResumableRun,
+        plan: &Plan,
+        out: &mut Output,
+    ) -> Result<(RunState, Patches)> {
+        let MeasureJob { campaign, .. } = self;
         let number = unfinished.number();
         let ledger = unfinished.ledger(campaign, plan)?;
         let patches = self.patches(plan, out)?;
-        let progress = Progress::after(ledger.starts(plan), plan.total_samples, "samples");
+        let progress = RunProgress::after(ledger.starts(plan), plan.total_samples, "samples");
         let add = |starts| progress.add(starts);
         let leaving = Leaving(|error| self.with_advice(error));
         let session = self.session(&add, &leaving, number)?;
@@ -44,7 +49,7 @@ impl Job<'_> {
     fn session<'a>(
         &'a self,
         progress: &'a (dyn Fn(u64) + Sync),
-        ending: &'a dyn Ending,
+        ending: &'a dyn ProcessEnd,
         number: u64,
     ) -> Result<Session<'a>> {
         let (checkpoint, pace) = (Some((&self.keeping.checkpoint, number)), kept::pace()?);
@@ -59,8 +64,8 @@ impl Job<'_> {
     /// Measures all stops, and writes their tables.
     pub fn run_at_once(
         &self,
-        (unfinished, plan): (Unfinished, &Plan),
-        open: &[&Target],
+        (unfinished, plan): (ResumableRun, &Plan),
+        open: &[&TablePaths],
         out: &mut Output,
     ) -> Result<()> {
         let (ledger, patches) = self.run(unfinished, plan, out)?;
@@ -72,18 +77,18 @@ impl Job<'_> {
     /// A table that does not fit the memory: measured and written in bands, each kept until the end.
     pub fn run_in_bands(
         &self,
-        (unfinished, plan): (Unfinished, &Plan),
-        open: &[&Target],
+        (unfinished, plan): (ResumableRun, &Plan),
+        open: &[&TablePaths],
         out: &mut Output,
     ) -> Result<()> {
-        let Job { arguments, keeping, campaign } = self;
+        let MeasureJob { arguments, keeping, campaign } = self;
         let (number, first) = (unfinished.number(), unfinished.path().map(Path::to_path_buf));
-        let Unfinished { found, bands } = unfinished;
+        let ResumableRun { found, bands } = unfinished;
         let files = (&keeping.bands, &keeping.checkpoint);
         let mut run = BandRun::new((campaign, plan), files, bands, found)?;
         first.iter().for_each(|path| kept::goes_on(path, run.starts(), plan));
         let patches = self.patches(plan, out)?.for_bands(campaign, arguments.memory())?;
-        let progress = Progress::after(run.starts(), plan.total_samples, "samples");
+        let progress = RunProgress::after(run.starts(), plan.total_samples, "samples");
         let add = |starts| progress.add(starts);
         let leaving = Leaving(|error| self.with_advice(error));
         let session = self.session(&add, &leaving, number)?;
@@ -98,14 +103,14 @@ impl Job<'_> {
         self.results(plan, open).write_all(band, |table| specimen::of_patches(&patches, &table.campaign), out)
     }
 
-    fn results<'a>(&self, plan: &'a Plan, open: &'a [&'a Target]) -> Results<'a> {
+    fn results<'a>(&self, plan: &'a Plan, open: &'a [&'a TablePaths]) -> Results<'a> {
         let (memory, limit) = (self.arguments.memory(), self.arguments.realisations_limit());
         Results { plan, open, json: self.arguments.json, memory, realisations_limit: limit }
     }
 
     /// The patches, with what is to be said of the campaign before it runs.
     fn patches(&self, plan: &Plan, out: &mut Output) -> Result<Patches> {
-        let Job { arguments, campaign, .. } = self;
+        let MeasureJob { arguments, campaign, .. } = self;
         let disk = Disk::of(campaign, plan, arguments.realisations_limit());
         results::realisations_fit(disk, arguments.memory())?;
         let mut notes = Vec::new();

@@ -4,17 +4,17 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use super::measure::Arguments;
-use super::targets::Target;
+use super::targets::TablePaths;
 use super::text::output::{bytes, grouped, say, warn};
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::measure::{
-    Band, BandFiles, Checkpoint, Disk, Finished, Found, Heading, Ledger, Pace, Plan, Shard,
+    Band, BandFiles, Checkpoint, Disk, FinishedBands, FoundCheckpoint, Pace, Plan, RunHeader, RunState, Shard,
 };
 
 /// Where a run keeps what it has measured: the blocks under way and, of a run in bands, those that are finished.
-pub struct Keeping {
+pub struct RunStore {
     folder: PathBuf,
     pub checkpoint: Checkpoint,
     pub bands: BandFiles,
@@ -22,37 +22,37 @@ pub struct Keeping {
 
 /// An unfinished run: nothing, blocks, bands, or bands and the blocks of a further one.
 #[derive(Default)]
-pub struct Unfinished {
-    pub found: Option<Found>,
-    pub bands: Finished,
+pub struct ResumableRun {
+    pub found: Option<FoundCheckpoint>,
+    pub bands: FinishedBands,
 }
 
-impl Keeping {
+impl RunStore {
     /// The files whose names begin with `stem`.
     pub fn of(folder: &Path, stem: &str) -> Self {
         let folder = folder.to_path_buf();
-        Keeping { checkpoint: Checkpoint::of(&folder, stem), bands: BandFiles::of(&folder, stem), folder }
+        RunStore { checkpoint: Checkpoint::of(&folder, stem), bands: BandFiles::of(&folder, stem), folder }
     }
 
     /// The unfinished run that lies there, if it is asked for. One that is not asked for is in the way, or removed by
     /// force.
-    pub fn find(&self, resume: bool, force: bool) -> Result<Unfinished> {
+    pub fn find(&self, resume: bool, force: bool) -> Result<ResumableRun> {
         if resume {
             return self.load();
         }
         match self.path()? {
-            Some(_) if force => self.remove().map(|()| Unfinished::default()),
+            Some(_) if force => self.remove().map(|()| ResumableRun::default()),
             Some(path) => {
                 let what = "keeps an unfinished run; --resume goes on with it, --force starts again, -o DIR writes \
                             elsewhere";
                 Err(Error::format(&path, what))
             }
-            None => Ok(Unfinished::default()),
+            None => Ok(ResumableRun::default()),
         }
     }
 
-    fn load(&self) -> Result<Unfinished> {
-        let unfinished = Unfinished { found: self.checkpoint.load()?, bands: self.bands.headings()? };
+    fn load(&self) -> Result<ResumableRun> {
+        let unfinished = ResumableRun { found: self.checkpoint.load()?, bands: self.bands.headings()? };
         if let Some(found) = &unfinished.found {
             found.passed_over.iter().for_each(|why| {
                 warn(format_args!("{why}; the one before, {}, is used", found.path.display()));
@@ -100,7 +100,7 @@ impl Keeping {
 
     /// Removes what a run keeps whose tables are all there; that of another campaign stays.
     pub fn remove_finished(&self, campaign: &Campaign, shard: Option<Shard>) -> Result<()> {
-        let of_this = |heading: &Heading| heading.faults((campaign, shard), "", "").is_empty();
+        let of_this = |heading: &RunHeader| heading.faults((campaign, shard), "", "").is_empty();
         if matches!(self.checkpoint.load(), Ok(Some(found)) if of_this(&found.kept.heading)) {
             self.checkpoint.remove()?;
         }
@@ -111,20 +111,21 @@ impl Keeping {
     }
 }
 
-impl Unfinished {
-    fn headings(&self) -> impl Iterator<Item = (&Path, &Heading)> {
+impl ResumableRun {
+    fn headings(&self) -> impl Iterator<Item = (&Path, &RunHeader)> {
         let found = self.found.iter().map(|found| (found.path.as_path(), &found.kept.heading));
         found.chain(self.bands.values().map(|(path, heading)| (path.as_path(), heading)))
     }
 
     /// Which of `all` tables it measured: `open` may be fewer, where it was ended while it wrote them.
-    pub fn measured<'a>(&self, all: &'a [Target], open: Vec<&'a Target>) -> Vec<&'a Target> {
+    pub fn measured<'a>(&self, all: &'a [TablePaths], open: Vec<&'a TablePaths>) -> Vec<&'a TablePaths> {
         let Some((_, heading)) = self.headings().next() else { return open };
         let parsed = campaign::parse(&heading.campaign, "campaign", Path::new(""));
         let Ok(kept) = parsed.map(|parsed| parsed.campaign) else { return open };
         let (alphas, optics) = (kept.alphas(), kept.optics.each());
-        let measured = |target: &&Target| alphas.contains(&target.alpha) && optics.contains(&&target.optics);
-        let measured: Vec<&Target> = all.iter().filter(measured).collect();
+        let measured =
+            |target: &&TablePaths| alphas.contains(&target.alpha) && optics.contains(&&target.optics);
+        let measured: Vec<&TablePaths> = all.iter().filter(measured).collect();
         let covers = open.iter().all(|open| measured.iter().any(|target| target.table == open.table));
         if covers { measured } else { open }
     }
@@ -132,7 +133,7 @@ impl Unfinished {
     /// Refuses what cannot be gone on from, by the key of `file` that differs.
     pub fn check(&self, campaign: &Campaign, shard: Option<Shard>, file: &Path) -> Result<()> {
         let file = file.display().to_string();
-        let faults = |(path, heading): (&Path, &Heading)| {
+        let faults = |(path, heading): (&Path, &RunHeader)| {
             heading.faults((campaign, shard), &file, &path.display().to_string())
         };
         let refused = self.headings().map(faults).find(|faults| !faults.is_empty());
@@ -155,8 +156,10 @@ impl Unfinished {
     }
 
     /// The ledger to go on with, for a run that is checked.
-    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<Ledger> {
-        let Some(Found { path, kept, .. }) = self.found else { return Ok(Ledger::new(campaign, plan)) };
+    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<RunState> {
+        let Some(FoundCheckpoint { path, kept, .. }) = self.found else {
+            return Ok(RunState::new(campaign, plan));
+        };
         let ledger = kept.ledger(campaign, plan);
         let ledger = ledger.map_err(|why| Error::format(&path, format!("{why}; --force starts again")))?;
         goes_on(&path, ledger.starts(plan), plan);
@@ -187,7 +190,7 @@ pub fn pace() -> Result<Pace> {
 }
 
 /// An interruption with the command that goes on.
-pub fn with_advice(error: Error, keeping: &Keeping, arguments: &Arguments) -> Error {
+pub fn with_advice(error: Error, keeping: &RunStore, arguments: &Arguments) -> Error {
     match error {
         Error::Interrupted(when) if matches!(keeping.path(), Ok(Some(_))) => {
             Error::Interrupted(format!("{when}; go on with: {}", arguments.again()))
@@ -198,7 +201,7 @@ pub fn with_advice(error: Error, keeping: &Keeping, arguments: &Arguments) -> Er
 }
 
 /// What is said where a run is ended and does not measure just then.
-pub fn advice(keeping: &Keeping, again: &str) -> String {
+pub fn advice(keeping: &RunStore, again: &str) -> String {
     match keeping.path() {
         Ok(Some(_)) => format!("before its end; go on with: {again}"),
         _ => "before its end; nothing is kept to go on from".into(),

@@ -6,10 +6,10 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::ending;
-use super::job::Job;
-use super::kept::{self, Keeping};
+use super::job::MeasureJob;
+use super::kept::{self, RunStore};
 use super::results::cost_lines;
-use super::targets::{self, Target};
+use super::targets::{self, TablePaths};
 use super::text::output;
 use super::text::output::{Output, say, warn};
 use crate::campaign::{self, Campaign, Optics, Parsed};
@@ -71,8 +71,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign));
     let _lock = Lock::take(&folder, &stem)?;
-    let keeping = Keeping::of(&folder, &stem);
-    let (again, kept_there) = (arguments.again(), Keeping::of(&folder, &stem));
+    let keeping = RunStore::of(&folder, &stem);
+    let (again, kept_there) = (arguments.again(), RunStore::of(&folder, &stem));
     ending::advise(move || kept::advice(&kept_there, &again));
     let mut out = Output::default();
     match arguments.shard {
@@ -86,16 +86,16 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 fn whole(
     arguments: &Arguments,
     campaign: &Campaign,
-    (folder, keeping): (&Path, &Keeping),
+    (folder, keeping): (&Path, &RunStore),
     out: &mut Output,
 ) -> Result<()> {
-    let all = Target::of(campaign, folder);
+    let all = TablePaths::of(campaign, folder);
     for target in &all {
         targets::spare_inputs(&target.paths(), &arguments.campaign, campaign)?;
     }
     let finished =
         all.iter().map(|target| Ok(!arguments.force && target.is_finished()?)).collect::<Result<Vec<_>>>()?;
-    let open: Vec<&Target> =
+    let open: Vec<&TablePaths> =
         all.iter().zip(&finished).filter(|(_, done)| !**done).map(|(target, _)| target).collect();
     for target in all.iter().zip(&finished).filter(|(_, done)| **done).map(|(target, _)| target) {
         let text = format!("{} is finished: nothing to do", target.table.display());
@@ -106,7 +106,7 @@ fn whole(
     } else {
         let unfinished = keeping.find(arguments.resume, arguments.force)?;
         let measured = unfinished.measured(&all, open.clone());
-        let job = Job { arguments, keeping, campaign: of_targets(campaign, &measured) };
+        let job = MeasureJob { arguments, keeping, campaign: of_targets(campaign, &measured) };
         unfinished.check(&job.campaign, None, &arguments.campaign)?;
         let plan = match unfinished.stops_at_a_time() {
             // Whatever memory is free by now.
@@ -114,7 +114,7 @@ fn whole(
             None => arguments.plan(&job.campaign)?,
         };
         let in_bands = plan.bands().len() > 1;
-        let run = if in_bands { Job::run_in_bands } else { Job::run_at_once };
+        let run = if in_bands { MeasureJob::run_in_bands } else { MeasureJob::run_at_once };
         run(&job, (unfinished, &plan), &open, out)?;
         keeping.remove()?;
     }
@@ -126,7 +126,7 @@ fn one_shard(
     arguments: &Arguments,
     campaign: Campaign,
     shard: Shard,
-    (path, keeping): (&Path, &Keeping),
+    (path, keeping): (&Path, &RunStore),
     out: &mut Output,
 ) -> Result<()> {
     targets::spare_inputs(&[path], &arguments.campaign, &campaign)?;
@@ -148,7 +148,7 @@ fn one_shard(
     }
     let unfinished = keeping.find(arguments.resume, arguments.force)?;
     unfinished.check(&campaign, Some(shard), &arguments.campaign)?;
-    let job = Job { arguments, keeping, campaign };
+    let job = MeasureJob { arguments, keeping, campaign };
     let plan = arguments.plan(&job.campaign)?;
     let (ledger, _) = job.run(unfinished, &plan, out)?;
     shard::save(path, &ledger, &job.campaign, &plan)?;
@@ -206,7 +206,7 @@ impl Arguments {
 
 /// The campaign with the roughnesses and materials of `open` alone. They share patches and draws: the tables stay the
 /// same.
-fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
+fn of_targets(campaign: &Campaign, open: &[&TablePaths]) -> Campaign {
     let mut some = campaign.clone();
     if let Some(alphas) = some.surface.kind.alphas_mut() {
         alphas.retain(|alpha| open.iter().any(|target| target.alpha == Some(*alpha)));
@@ -221,7 +221,7 @@ fn of_targets(campaign: &Campaign, open: &[&Target]) -> Campaign {
 }
 
 /// The summaries of finished tables: one document, or a list of them.
-pub fn summaries(all: &[Target]) -> Result<Value> {
+pub fn summaries(all: &[TablePaths]) -> Result<Value> {
     let mut summaries =
         all.iter().map(|target| output::read_json(&target.summary)).collect::<Result<Vec<Value>>>()?;
     let single = if summaries.len() == 1 { summaries.pop() } else { None };

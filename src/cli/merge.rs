@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::measure::summaries;
 use super::results::{self, Results};
-use super::targets::{self, Target};
+use super::targets::{self, TablePaths};
 use super::text::output::{Output, say, warn};
 use crate::campaign;
 use crate::error::{Error, Result};
@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let _lock = Lock::take(&folder, &campaign.name)?;
-    let all = Target::of(&campaign, &folder);
+    let all = TablePaths::of(&campaign, &folder);
     let open = open(&all, arguments, !missing.is_empty())?;
     let mut out = Output::default();
     let realisations_limit = realisations::limit(arguments.keep_realisations);
@@ -124,7 +124,7 @@ fn names(missing: &[Shard]) -> String {
 }
 
 /// The tables that are not there yet. Those of some of the shards give way to those of more.
-fn open<'a>(all: &'a [Target], arguments: &Arguments, partial: bool) -> Result<Vec<&'a Target>> {
+fn open<'a>(all: &'a [TablePaths], arguments: &Arguments, partial: bool) -> Result<Vec<&'a TablePaths>> {
     let mut open = Vec::new();
     for target in all {
         if arguments.force || !target.is_finished()? || partial {

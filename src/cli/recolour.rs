@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if arguments.json {
         let files = json!({ "table": output.display().to_string(), "material": arguments.material, "f0": f0,
             "realisations": parts.as_ref().map(|_| beside.display().to_string()),
-            "stops": rows.iter().map(Row::json).collect::<Vec<_>>() });
+            "stops": rows.iter().map(RecolouredStop::json).collect::<Vec<_>>() });
         out.json(&files)?;
         return Ok(0);
     }
@@ -108,12 +108,12 @@ fn wanted(arguments: &Arguments) -> Result<[f64; 3]> {
 }
 
 /// Albedos of a stop with their errors: order 1, and all orders. `None` for sensors that do not see all light.
-struct Row {
+struct RecolouredStop {
     stop_deg: (f64, f64),
     albedos: Option<[(f64, Option<f64>); 2]>,
 }
 
-impl Row {
+impl RecolouredStop {
     fn json(&self) -> Value {
         let [single, total] = match self.albedos {
             Some(albedos) => albedos.map(|(mean, se)| (Some(mean), se)),
@@ -134,7 +134,7 @@ impl Row {
     }
 }
 
-fn albedos(table: &BrdfTable, parts: Option<&Realisations>) -> Vec<Row> {
+fn albedos(table: &BrdfTable, parts: Option<&Realisations>) -> Vec<RecolouredStop> {
     let bins = table.grid.bins();
     let row = |stop: usize| {
         let sizes: Vec<f64> = table.grid.regions(stop).iter().map(|r| r.projected_solid_angle()).collect();
@@ -157,7 +157,7 @@ fn albedos(table: &BrdfTable, parts: Option<&Realisations>) -> Vec<Row> {
         let single = of(mean(&mut table.colours.iter().map(|colour| &colour.single)), |part| &part.single);
         let total = of(mean(&mut table.colours.iter().map(|colour| &colour.total)), |part| &part.total);
         let whole = table.grid.kind == GridKind::Hemisphere;
-        Row { stop_deg: table.grid.stop_deg(stop), albedos: whole.then_some([single, total]) }
+        RecolouredStop { stop_deg: table.grid.stop_deg(stop), albedos: whole.then_some([single, total]) }
     };
     (0..table.grid.stops()).map(row).collect()
 }

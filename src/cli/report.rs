@@ -163,7 +163,7 @@ pub struct Sources<'a> {
     /// What theory says of it.
     pub prediction: Option<&'a Prediction>,
     /// Its first patch.
-    pub specimen: specimen::Shown,
+    pub specimen: specimen::ShownSpecimen,
 }
 
 /// The page, alike for a table just measured and for one from its file.

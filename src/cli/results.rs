@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::sheet::Sheet;
-use super::targets::Target;
+use super::sheet::TableOutput;
+use super::targets::TablePaths;
 use super::text::lobes;
 use super::text::optics;
 use super::text::output;
@@ -14,16 +14,16 @@ use crate::error::{Error, Result};
 use crate::instrument::StopAngles;
 use crate::measure::{Cost, Disk, Measured, Plan, StopResult, StoppedBy};
 use crate::report::Scene;
-use crate::report::html::specimen::Shown;
+use crate::report::html::specimen::ShownSpecimen;
 use crate::table::BrdfTable;
-use crate::table::realisations::{self, Kept};
+use crate::table::realisations::{self, StoredRealisations};
 use crate::validate::{self, Prediction, Verdict};
 
 /// What all tables of a run have in common.
 pub struct Results<'a> {
     pub plan: &'a Plan,
     /// The tables that are written.
-    pub open: &'a [&'a Target],
+    pub open: &'a [&'a TablePaths],
     /// Whether stdout is for a JSON document alone.
     pub json: bool,
     /// Bytes that may be used.
@@ -51,10 +51,10 @@ impl Results<'_> {
     pub fn write_all(
         &self,
         mut band: impl FnMut(Range<usize>) -> Result<(Vec<Measured>, Cost)>,
-        specimen: impl Fn(&Measured) -> Result<Shown>,
+        specimen: impl Fn(&Measured) -> Result<ShownSpecimen>,
         out: &mut Output,
     ) -> Result<()> {
-        let mut sheets: Vec<Option<Sheet>> = self.open.iter().map(|_| None).collect();
+        let mut sheets: Vec<Option<TableOutput>> = self.open.iter().map(|_| None).collect();
         let mut cost = Cost::default();
         for stops in self.plan.bands() {
             let (first, is_last) = (stops.start, stops.end == self.plan.stops);
@@ -67,7 +67,7 @@ impl Results<'_> {
                 };
                 let mut sheet = match sheets[at].take() {
                     Some(sheet) => sheet,
-                    None => Sheet::new(self.open[at], &measured, self.plan, self.realisations_limit)?,
+                    None => TableOutput::new(self.open[at], &measured, self.plan, self.realisations_limit)?,
                 };
                 sheet.take(measured, first)?;
                 if is_last {
@@ -182,20 +182,20 @@ fn albedo((mean, se): (Option<f64>, Option<f64>)) -> String {
 }
 
 /// Which files a table has.
-pub fn files_written(target: &Target, kept: Kept) -> Vec<String> {
+pub fn files_written(target: &TablePaths, kept: StoredRealisations) -> Vec<String> {
     let size = |path: &Path| path.metadata().map_or(String::new(), |meta| output::bytes(meta.len()));
     let line = |what: &str, path: &Path| format!("{what:<14}{} ({})", path.display(), size(path));
     let limit = realisations::SIZE_LIMIT / 1_000_000;
     let realisations = match kept {
-        Kept::All => line("realisations", &target.realisations),
-        Kept::Groups => {
+        StoredRealisations::All => line("realisations", &target.realisations),
+        StoredRealisations::Groups => {
             let groups = realisations::GROUPS;
             format!(
                 "{}, in {groups} groups: all would exceed {limit} MB (--keep-realisations)",
                 line("realisations", &target.realisations)
             )
         }
-        Kept::Nothing => {
+        StoredRealisations::Nothing => {
             format!("{:<14}left out: they would exceed {limit} MB (--keep-realisations)", "realisations")
         }
     };

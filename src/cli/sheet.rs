@@ -4,42 +4,42 @@ use serde_json::Value;
 
 use super::report::{Sources, page_of};
 use super::results::{Results, files_written, lobes, report};
-use super::targets::Target;
+use super::targets::TablePaths;
 use super::text::optics;
 use super::text::output;
 use super::text::output::{Output, json_text, warn};
 use crate::error::Result;
 use crate::files::{self, NewFile};
 use crate::measure::{Cost, Measured, Plan};
-use crate::report::html::specimen::Shown;
+use crate::report::html::specimen::ShownSpecimen;
 use crate::report::summary::summary;
 use crate::report::{self as pages, Facts};
-use crate::table::realisations::{self, GROUPS, Kept};
+use crate::table::realisations::{self, GROUPS, StoredRealisations};
 use crate::table::{BrdfTable, Realisations, TableRows, TableWriter};
 use crate::validate::prediction::schlick_error::SchlickError;
 use crate::validate::{Examination, Parts, Prediction, Verdict};
 
 /// A table under way.
-pub struct Sheet<'a> {
-    target: &'a Target,
+pub struct TableOutput<'a> {
+    target: &'a TablePaths,
     plan: &'a Plan,
     writer: TableWriter<NewFile>,
     examination: Examination,
     facts: Facts,
     schlick: Option<SchlickError>,
-    kept: Kept,
+    kept: StoredRealisations,
     /// The table without its values, the stops' results, and the realisations that are to be kept.
     measured: Measured,
     /// The table and what theory says of it, where one band is all of it.
     whole: Option<(BrdfTable, Option<Prediction>)>,
 }
 
-impl<'a> Sheet<'a> {
+impl<'a> TableOutput<'a> {
     /// Begins the files of `target` with a first band of it, not taken yet; realisations may take `limit` bytes.
-    pub fn new(target: &'a Target, first: &Measured, plan: &'a Plan, limit: u64) -> Result<Self> {
+    pub fn new(target: &'a TablePaths, first: &Measured, plan: &'a Plan, limit: u64) -> Result<Self> {
         let Measured { table, campaign, .. } = first;
         let count = first.realisations.parts.len();
-        Ok(Sheet {
+        Ok(TableOutput {
             target,
             plan,
             writer: TableWriter::create(&target.table, table, &plan.grid)?,
@@ -64,8 +64,8 @@ impl<'a> Sheet<'a> {
         let prediction = Prediction::of(&campaign, &table.grid);
         // The verdict is one that `validate` finds again in the files.
         let realisations = match self.kept {
-            Kept::Groups => realisations::grouped(&realisations, GROUPS)?,
-            Kept::All | Kept::Nothing => realisations,
+            StoredRealisations::Groups => realisations::grouped(&realisations, GROUPS)?,
+            StoredRealisations::All | StoredRealisations::Nothing => realisations,
         };
         let parts = Parts { all: &realisations, first_stop: 0 };
         self.examination.add(&table, first_stop, Some(parts), prediction.as_ref());
@@ -78,8 +78,10 @@ impl<'a> Sheet<'a> {
         }
         self.measured.stops.extend(stops);
         match self.kept {
-            Kept::All | Kept::Groups => self.measured.realisations.append(realisations),
-            Kept::Nothing => {}
+            StoredRealisations::All | StoredRealisations::Groups => {
+                self.measured.realisations.append(realisations)
+            }
+            StoredRealisations::Nothing => {}
         }
         if table.grid.stops() == self.plan.stops {
             self.whole = Some((table, prediction));
@@ -92,10 +94,10 @@ impl<'a> Sheet<'a> {
         self,
         job: &Results,
         cost: &Cost,
-        specimen: impl Fn(&Measured) -> Result<Shown>,
+        specimen: impl Fn(&Measured) -> Result<ShownSpecimen>,
         out: &mut Output,
     ) -> Result<()> {
-        let Sheet { target, plan, writer, examination, facts, schlick, kept, measured, whole } = self;
+        let TableOutput { target, plan, writer, examination, facts, schlick, kept, measured, whole } = self;
         let verdict = examination.verdict();
         let mut document = summary(&measured, plan, cost, &verdict);
         document["fresnel"] = output::to_json(&schlick)?;
@@ -171,7 +173,7 @@ struct Staged {
 
 impl Staged {
     /// Without its summary a table counts as unfinished, whatever happens from the first line on; it comes last.
-    fn commit(self, target: &Target) -> Result<()> {
+    fn commit(self, target: &TablePaths) -> Result<()> {
         files::remove(&target.summary)?;
         self.table.commit()?;
         self.realisations.map_or_else(|| files::remove(&target.realisations), NewFile::commit)?;
@@ -181,14 +183,14 @@ impl Staged {
 
 fn staged_realisations(
     measured: &Measured,
-    target: &Target,
+    target: &TablePaths,
     digest: &str,
-    (kept, plan): (Kept, &Plan),
+    (kept, plan): (StoredRealisations, &Plan),
 ) -> Result<Option<NewFile>> {
     let group_size = match kept {
-        Kept::All => 1,
-        Kept::Groups => plan.realisations as usize / GROUPS,
-        Kept::Nothing => return Ok(None),
+        StoredRealisations::All => 1,
+        StoredRealisations::Groups => plan.realisations as usize / GROUPS,
+        StoredRealisations::Nothing => return Ok(None),
     };
     // Names and axes are those of the table; its values are not needed.
     let bytes = realisations::encode_of(&measured.realisations, &measured.table, digest, group_size)?;

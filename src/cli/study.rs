@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::text::output::{Output, to_json, warn};
-use super::text::progress::Progress;
+use super::text::progress::RunProgress;
 use crate::campaign::{self, Parsed};
 use crate::error::{Error, Result};
 use crate::measure::{self, Patches};
@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut notes = Vec::new();
     let patches = Patches::prepare(&campaign, &mut notes)?;
     notes.iter().for_each(warn);
-    let progress = Progress::new(plan.total_samples, "samples");
+    let progress = RunProgress::new(plan.total_samples, "samples");
     let (results, _) = measure::measure(&campaign, &plan, &patches, &|starts| progress.add(starts))?;
     progress.finish();
     let measured = results.first().ok_or_else(|| Error::Internal("a study measured no table".into()))?;

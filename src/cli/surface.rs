@@ -13,7 +13,7 @@ use super::targets;
 use super::text::certificate;
 use super::text::certificate::{MapFigures, Pooled, RayBound};
 use super::text::output::{Output, json_text, parsed_json, to_json, warn};
-use super::text::progress::Progress;
+use super::text::progress::RunProgress;
 use crate::campaign::{self, Campaign, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
@@ -53,10 +53,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     measure::plan(&campaign)?;
     let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
-    let job = Job::new(arguments, &campaign, folder, &mut notes)?;
+    let job = PatchJob::new(arguments, &campaign, folder, &mut notes)?;
     notes.iter().for_each(warn);
     job.check_folder(&arguments.campaign)?;
-    let progress = Progress::new(job.count, "patches");
+    let progress = RunProgress::new(job.count, "patches");
     let (entries, slopes) = job.make_all(&progress)?;
     progress.finish();
     let pooled = Pooled::of(&entries, slopes.and_then(|slopes| slopes.ks()));
@@ -88,7 +88,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 
 /// The certificate of one patch and where it is.
 #[derive(Serialize)]
-pub struct Entry {
+pub struct PatchEntry {
     file: String,
     /// SHA-256 over the heights.
     heights_sha256: String,
@@ -97,7 +97,7 @@ pub struct Entry {
 }
 
 /// Everything that the patches share.
-struct Job<'a> {
+struct PatchJob<'a> {
     campaign: &'a Campaign,
     patches: Patches,
     folder: PathBuf,
@@ -107,7 +107,7 @@ struct Job<'a> {
     force: bool,
 }
 
-impl<'a> Job<'a> {
+impl<'a> PatchJob<'a> {
     fn new(
         arguments: &Arguments,
         campaign: &'a Campaign,
@@ -144,7 +144,7 @@ impl<'a> Job<'a> {
         }
         let count = if random { u64::from(campaign.surface.realisations) } else { 1 };
         let (npy, force) = (arguments.npy, arguments.force);
-        Ok(Job { campaign, patches, folder, count, pitch: alpha.map(|alpha| 1.0 / alpha), npy, force })
+        Ok(PatchJob { campaign, patches, folder, count, pitch: alpha.map(|alpha| 1.0 / alpha), npy, force })
     }
 
     fn name(&self, index: u64, end: &str) -> String {
@@ -234,7 +234,7 @@ impl<'a> Job<'a> {
     }
 
     /// Makes, certifies and writes all patches, as many at a time as there are threads.
-    fn make_all(&self, progress: &Progress) -> Result<(Vec<Entry>, Option<SlopeCounts>)> {
+    fn make_all(&self, progress: &RunProgress) -> Result<(Vec<PatchEntry>, Option<SlopeCounts>)> {
         let mut all = Patches::law(self.campaign).map(SlopeCounts::new);
         let mut entries = Vec::new();
         let indices: Vec<u64> = (0..self.count).collect();
@@ -254,7 +254,7 @@ impl<'a> Job<'a> {
         Ok((entries, all))
     }
 
-    fn make(&self, index: u64) -> Result<(Entry, Option<SlopeCounts>)> {
+    fn make(&self, index: u64) -> Result<(PatchEntry, Option<SlopeCounts>)> {
         let Specimen::Patch(patch) = self.patches.realisation(index)? else {
             return Err(Error::Internal("a statistical surface reached the writer of patches".into()));
         };
@@ -276,7 +276,7 @@ impl<'a> Job<'a> {
             _ => Certificate::of(&patch.field, law),
         };
         let heights_sha256 = files::hex(&Patch::digest(&patch));
-        Ok((Entry { file: self.name(index, "exr"), heights_sha256, certificate }, slopes))
+        Ok((PatchEntry { file: self.name(index, "exr"), heights_sha256, certificate }, slopes))
     }
 
     /// Writes a file, unless the same bytes are there already.
@@ -290,7 +290,7 @@ impl<'a> Job<'a> {
     }
 
     /// What a ray of the campaign's light costs at most, for each of its roughnesses.
-    fn ray_bounds(&self, entries: &[Entry]) -> Vec<RayBound> {
+    fn ray_bounds(&self, entries: &[PatchEntry]) -> Vec<RayBound> {
         let range = entries.iter().map(|entry| entry.certificate.height_range).fold(0.0, f64::max);
         let own = self.pitch.map(|pitch| 1.0 / pitch);
         let alphas = self.campaign.alphas();
@@ -300,7 +300,7 @@ impl<'a> Job<'a> {
     }
 
     /// Size, pitch and slopes of a measured map; `None` of other surfaces.
-    fn figures(&self, entries: &[Entry]) -> Option<MapFigures> {
+    fn figures(&self, entries: &[PatchEntry]) -> Option<MapFigures> {
         match (&self.patches, entries) {
             (Patches::Map { map, .. }, [entry, ..]) => {
                 Some(MapFigures::of(map, entry.certificate.median_slope))
@@ -311,7 +311,7 @@ impl<'a> Job<'a> {
 
     fn document(
         &self,
-        entries: &[Entry],
+        entries: &[PatchEntry],
         pooled: &Pooled,
         (bounds, map): (&[RayBound], Option<&MapFigures>),
         notes: &[String],

@@ -45,7 +45,7 @@ pub fn spare(output: &Path, inputs: impl IntoIterator<Item = impl AsRef<Path>>, 
 }
 
 /// The files of one table. The summary is written last: where it is, the table is finished.
-pub struct Target {
+pub struct TablePaths {
     /// The roughness, where there is one.
     pub alpha: Option<Alpha>,
     /// The material.
@@ -63,9 +63,9 @@ pub struct Target {
     campaign: String,
 }
 
-impl Target {
+impl TablePaths {
     /// The files of every table of a campaign.
-    pub fn of(campaign: &Campaign, folder: &Path) -> Vec<Target> {
+    pub fn of(campaign: &Campaign, folder: &Path) -> Vec<TablePaths> {
         let (alphas, materials) = (campaign.alphas(), campaign.optics.each());
         let (several_alphas, several_materials) = (alphas.len() > 1, materials.len() > 1);
         let target = |(alpha, optics): (Option<Alpha>, &Optics)| {
@@ -78,7 +78,7 @@ impl Target {
             if several_materials {
                 stem = format!("{stem}_{}", optics.label());
             }
-            Target {
+            TablePaths {
                 alpha,
                 optics: optics.clone(),
                 table: folder.join(format!("{stem}.exr")),

@@ -28,13 +28,13 @@ pub fn is_exr(bytes: &[u8]) -> bool {
 }
 
 /// One attribute: where it lies in the file.
-struct Attribute {
+struct AttributeRange {
     name: Range<usize>,
     kind: Range<usize>,
     value: Range<usize>,
 }
 
-impl Attribute {
+impl AttributeRange {
     fn whole(&self) -> Range<usize> {
         self.name.start..self.value.end
     }
@@ -86,7 +86,7 @@ pub fn end(file: &[u8]) -> Result<usize, String> {
     parts(file).map(|(_, end)| end)
 }
 
-fn check(file: &[u8], parts: &[Vec<Attribute>], length: u64) -> Result<(), String> {
+fn check(file: &[u8], parts: &[Vec<AttributeRange>], length: u64) -> Result<(), String> {
     let flags = read_u32(file, 4)?;
     if flags & FLAG_TILED != 0 {
         return Err("tiled images are not read; save it as scan lines".into());
@@ -109,7 +109,7 @@ fn check(file: &[u8], parts: &[Vec<Attribute>], length: u64) -> Result<(), Strin
 }
 
 /// Bytes of the part's pixels.
-fn check_part(file: &[u8], part: &[Attribute]) -> Result<u64, String> {
+fn check_part(file: &[u8], part: &[AttributeRange]) -> Result<u64, String> {
     // Of two equal names the decoder would believe the last: what is checked here must be what is decoded.
     let mut names: Vec<&[u8]> = part.iter().map(|a| &file[a.name.clone()]).collect();
     names.sort_unstable();
@@ -169,7 +169,7 @@ fn channel_bytes(list: &[u8]) -> Result<u64, String> {
 }
 
 /// The attributes of each part, in file order, and where the header ends.
-fn parts(file: &[u8]) -> Result<(Vec<Vec<Attribute>>, usize), String> {
+fn parts(file: &[u8]) -> Result<(Vec<Vec<AttributeRange>>, usize), String> {
     if !is_exr(file) {
         return Err(if file.is_empty() { "the file is empty" } else { "not an EXR file" }.into());
     }
@@ -197,7 +197,7 @@ fn parts(file: &[u8]) -> Result<(Vec<Vec<Attribute>>, usize), String> {
     }
 }
 
-fn attribute(file: &[u8], at: usize) -> Result<Attribute, String> {
+fn attribute(file: &[u8], at: usize) -> Result<AttributeRange, String> {
     let name = text(file, at, "attribute name")?;
     let kind = text(file, name.end + 1, "attribute type")?;
     let size = read_u32(file, kind.end + 1)? as usize;
@@ -207,7 +207,7 @@ fn attribute(file: &[u8], at: usize) -> Result<Attribute, String> {
         let name = String::from_utf8_lossy(&file[name]).into_owned();
         return Err(format!("attribute `{name}` claims {size} bytes, more than the file has"));
     }
-    Ok(Attribute { name, kind, value })
+    Ok(AttributeRange { name, kind, value })
 }
 
 /// A text of 1 to 255 bytes ended by a zero byte.

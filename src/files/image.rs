@@ -12,7 +12,7 @@ use exr::prelude::{
 };
 use smallvec::SmallVec;
 
-use super::image_blocks::Blocks;
+use super::image_blocks::BlockReader;
 use super::{exr_header, memory};
 use crate::error::{Error, Result as FileResult};
 
@@ -52,7 +52,7 @@ pub enum Attribute {
 
 /// One image of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Part {
+pub struct ImagePart {
     /// Its name; needed where there are several.
     pub name: Option<String>,
     /// Columns.
@@ -65,7 +65,7 @@ pub struct Part {
     pub attributes: BTreeMap<String, Attribute>,
 }
 
-impl Part {
+impl ImagePart {
     /// The text of an attribute.
     pub fn text(&self, name: &str) -> Option<&str> {
         match self.attributes.get(name) {
@@ -93,7 +93,7 @@ impl Part {
 /// The bytes of a file with these parts, ZIP in blocks of 16 rows, data and display window both from (0, 0).
 ///
 /// Held by: `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
-pub fn encode(parts: Vec<Part>) -> Result<Vec<u8>, String> {
+pub fn encode(parts: Vec<ImagePart>) -> Result<Vec<u8>, String> {
     let size = parts.first().map(|part| Vec2(part.width, part.height)).ok_or("no parts")?;
     let layers = parts.into_iter().map(layer).collect::<Result<SmallVec<_>, String>>()?;
     let image = Image::from_layers(ImageAttributes::new(IntegerBounds::from_dimensions(size)), layers);
@@ -104,7 +104,7 @@ pub fn encode(parts: Vec<Part>) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-fn layer(part: Part) -> Result<Layer<AnyChannels<FlatSamples>>, String> {
+fn layer(part: ImagePart) -> Result<Layer<AnyChannels<FlatSamples>>, String> {
     let pixels = part.width * part.height;
     let mut channels = SmallVec::new();
     for (name, samples) in part.channels {
@@ -141,28 +141,28 @@ pub(super) fn text(text: &str) -> Text {
 ///
 /// Refused is what does not fit the memory that may be used.
 /// Held by: `exports_of_a_large_table_stay_below_twice_its_memory`, tests/process/bombs.rs.
-pub fn load(path: &Path) -> FileResult<Vec<Part>> {
+pub fn load(path: &Path) -> FileResult<Vec<ImagePart>> {
     let file = super::open(path)?;
-    let blocks = Blocks::open(BufReader::new(file)).map_err(|why| Error::format(path, why))?;
+    let blocks = BlockReader::open(BufReader::new(file)).map_err(|why| Error::format(path, why))?;
     memory::check_file(path, blocks.bytes())?;
     filled(blocks).map_err(|why| Error::format(path, why))
 }
 
 /// The parts in the bytes of a file.
-pub fn decode(bytes: &[u8]) -> Result<Vec<Part>, String> {
+pub fn decode(bytes: &[u8]) -> Result<Vec<ImagePart>, String> {
     read(Cursor::new(bytes))
 }
 
 /// The parts of what `source` holds.
 ///
 /// Memory is bounded by what may be used, and by the source's size: a header that asks for more is refused first.
-pub fn read(source: impl Read + Seek) -> Result<Vec<Part>, String> {
-    let blocks = Blocks::open(source)?;
+pub fn read(source: impl Read + Seek) -> Result<Vec<ImagePart>, String> {
+    let blocks = BlockReader::open(source)?;
     memory::check(blocks.bytes())?;
     filled(blocks)
 }
 
-fn filled(mut blocks: Blocks<impl Read + Seek>) -> Result<Vec<Part>, String> {
+fn filled(mut blocks: BlockReader<impl Read + Seek>) -> Result<Vec<ImagePart>, String> {
     let mut parts = blocks.outlines().to_vec();
     for part in &mut parts {
         reserve(part)?;
@@ -181,7 +181,7 @@ fn filled(mut blocks: Blocks<impl Read + Seek>) -> Result<Vec<Part>, String> {
 }
 
 /// Room for all values: better an error here than an abort later.
-pub(crate) fn reserve(part: &mut Part) -> Result<(), String> {
+pub(crate) fn reserve(part: &mut ImagePart) -> Result<(), String> {
     let values = part.width.checked_mul(part.height).ok_or("more pixels than this machine can address")?;
     let room = |samples: &mut Samples| match samples {
         Samples::F32(list) => list.try_reserve_exact(values),
@@ -199,8 +199,8 @@ pub(crate) fn reserve(part: &mut Part) -> Result<(), String> {
 mod tests {
     use super::*;
 
-    fn sample() -> Part {
-        let mut part = Part { width: 5, height: 40, ..Part::default() };
+    fn sample() -> ImagePart {
+        let mut part = ImagePart { width: 5, height: 40, ..ImagePart::default() };
         let values = (0..200u16).map(|i| f32::from(i).sqrt()).collect();
         part.channels.insert("height".into(), Samples::F32(values));
         part.attributes.insert("pitch_x".into(), Attribute::Number(0.1));
@@ -217,8 +217,8 @@ mod tests {
 
     #[test]
     fn parts_keep_their_names_and_order() {
-        let parts: Vec<Part> =
-            (0..3).rev().map(|i| Part { name: Some(format!("p{i}")), ..sample() }).collect();
+        let parts: Vec<ImagePart> =
+            (0..3).rev().map(|i| ImagePart { name: Some(format!("p{i}")), ..sample() }).collect();
         let back = decode(&encode(parts.clone()).expect("encodes")).expect("decodes");
         assert_eq!(back, parts);
     }
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn two_headers_that_run_into_each_other_are_refused() {
-        let part = |i: usize| Part { name: Some(format!("p{i}")), ..sample() };
+        let part = |i: usize| ImagePart { name: Some(format!("p{i}")), ..sample() };
         let mut bytes = encode(vec![part(0), part(1)]).expect("encodes");
         // The zero byte between the headers becomes the first letter of one more attribute's name.
         let name = b"type\0string\0\x0d\0\0\0scanlineimage";

@@ -14,17 +14,17 @@ use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::{AttributeValue, Text};
 
-use super::image::{Attribute, Part, Samples};
+use super::image::{Attribute, ImagePart, Samples};
 use super::{exr_header, memory};
 
 /// Copies of a block that the decoder holds at once: packed, unpacked, and in the order of its bytes.
 const COPIES: u64 = 3;
 
 /// A file of which the header was read.
-pub struct Blocks<R> {
+pub struct BlockReader<R> {
     source: R,
     meta: MetaData,
-    outlines: Vec<Part>,
+    outlines: Vec<ImagePart>,
     /// Channels of every part, in the order of a row.
     names: Vec<Vec<String>>,
     /// Where the blocks of every part begin, by rows.
@@ -32,13 +32,13 @@ pub struct Blocks<R> {
 }
 
 /// Some rows of a part.
-pub struct Block<'a> {
+pub struct RowBlock<'a> {
     header: &'a Header,
     content: UncompressedBlock,
     names: &'a [String],
 }
 
-impl<R: Read + Seek> Blocks<R> {
+impl<R: Read + Seek> BlockReader<R> {
     /// Reads and checks the header.
     pub fn open(mut source: R) -> Result<Self, String> {
         let head = exr_header::read(&mut source)?;
@@ -50,7 +50,7 @@ impl<R: Read + Seek> Blocks<R> {
         source.seek(SeekFrom::Start(head.len() as u64)).map_err(|e| damaged(&e))?;
         let tables = meta.headers.iter().map(|header| offsets(&mut source, header));
         let offsets = tables.collect::<Result<_, String>>()?;
-        Ok(Blocks { source, meta, outlines, names, offsets })
+        Ok(BlockReader { source, meta, outlines, names, offsets })
     }
 
     /// Bytes that decoding takes: all values and the copies of a block.
@@ -62,7 +62,7 @@ impl<R: Read + Seek> Blocks<R> {
     }
 
     /// The parts without their values: every channel names its type alone.
-    pub fn outlines(&self) -> &[Part] {
+    pub fn outlines(&self) -> &[ImagePart] {
         &self.outlines
     }
 
@@ -77,7 +77,7 @@ impl<R: Read + Seek> Blocks<R> {
     }
 
     /// Decodes a block. It must be the one that its place in the file says: no row twice, none missing.
-    pub fn read(&mut self, part: usize, number: usize) -> Result<Block<'_>, String> {
+    pub fn read(&mut self, part: usize, number: usize) -> Result<RowBlock<'_>, String> {
         self.source.seek(SeekFrom::Start(self.offsets[part][number])).map_err(|e| damaged(&e))?;
         let (source, meta) = (&mut self.source, &self.meta);
         let decode = || UncompressedBlock::decompress_chunk(Chunk::read(source, meta)?, meta, true);
@@ -90,11 +90,11 @@ impl<R: Read + Seek> Blocks<R> {
             ));
         }
         let names = &self.names[part];
-        Ok(Block { header, content, names })
+        Ok(RowBlock { header, content, names })
     }
 }
 
-impl Block<'_> {
+impl RowBlock<'_> {
     /// The rows of every channel: its name, the row, and the values in the machine's order of bytes.
     pub fn lines(&self) -> impl Iterator<Item = (&str, usize, &[u8])> {
         self.content.lines(&self.header.channels).map(|line| {
@@ -150,7 +150,7 @@ fn names(header: &Header) -> Vec<String> {
 }
 
 /// A part without its values.
-fn outline(header: &Header) -> Result<Part, String> {
+fn outline(header: &Header) -> Result<ImagePart, String> {
     let mut channels = BTreeMap::new();
     for channel in &header.channels.list {
         let name = name_of(&channel.name);
@@ -172,7 +172,7 @@ fn outline(header: &Header) -> Result<Part, String> {
         _ => None,
     };
     let attributes = own.other.iter().filter_map(|(name, given)| Some((name_of(name), value(given)?)));
-    Ok(Part {
+    Ok(ImagePart {
         name: own.layer_name.as_ref().map(name_of),
         width: header.layer_size.width(),
         height: header.layer_size.height(),

@@ -11,16 +11,16 @@ use exr::meta::{BlockDescription, Headers};
 use exr::prelude::{AttributeValue, Compression, ImageAttributes, IntegerBounds, LayerAttributes, Vec2};
 
 use super::exr_header;
-use super::image::{Attribute, Part, Samples, text};
+use super::image::{Attribute, ImagePart, Samples, text};
 
 /// One row of one channel: part, channel and row.
-pub type Row<'a> = (usize, &'a str, usize);
+pub type ChannelRow<'a> = (usize, &'a str, usize);
 
 /// The bytes of a file with these parts, as [`super::image::encode`] makes them. Their channels name types only;
 /// `fill` puts the values of a row, four bytes each in the machine's order, into what it is given.
 ///
 /// Held by: `exr_parts_come_back_bit_for_bit` (tests/it/interchange/interchange_points.rs).
-pub fn encode(parts: &[Part], fill: impl Fn(Row, &mut [u8])) -> Result<Vec<u8>, String> {
+pub fn encode(parts: &[ImagePart], fill: impl Fn(ChannelRow, &mut [u8])) -> Result<Vec<u8>, String> {
     let headers = headers(parts)?;
     let names: Vec<Vec<&String>> = parts.iter().map(|part| part.channels.keys().collect()).collect();
     let mut out = Cursor::new(Vec::new());
@@ -43,13 +43,13 @@ pub fn encode(parts: &[Part], fill: impl Fn(Row, &mut [u8])) -> Result<Vec<u8>, 
 }
 
 /// The headers of a file with these parts.
-pub(super) fn headers(parts: &[Part]) -> Result<Headers, String> {
+pub(super) fn headers(parts: &[ImagePart]) -> Result<Headers, String> {
     let size = parts.first().map(|part| Vec2(part.width, part.height)).ok_or("no parts")?;
     let shared = ImageAttributes::new(IntegerBounds::from_dimensions(size));
     Ok(parts.iter().map(|part| header(part, &shared)).collect())
 }
 
-fn header(part: &Part, shared: &ImageAttributes) -> Header {
+fn header(part: &ImagePart, shared: &ImageAttributes) -> Header {
     let channel = |(name, samples): (&String, &Samples)| {
         let kind = match samples {
             Samples::F32(_) => SampleType::F32,

@@ -16,19 +16,19 @@ const LONGEST: u64 = 100;
 /// A lock that is held. Given up, and its file removed, when it is dropped or its process ends in whatever way.
 #[derive(Debug)]
 pub struct Lock {
-    _held: Arc<Held>,
+    _held: Arc<HeldLock>,
 }
 
 #[derive(Debug)]
-struct Held {
+struct HeldLock {
     path: PathBuf,
     file: File,
 }
 
 /// The locks of this process.
-static LOCKS: Mutex<Vec<Weak<Held>>> = Mutex::new(Vec::new());
+static LOCKS: Mutex<Vec<Weak<HeldLock>>> = Mutex::new(Vec::new());
 
-fn locks() -> MutexGuard<'static, Vec<Weak<Held>>> {
+fn locks() -> MutexGuard<'static, Vec<Weak<HeldLock>>> {
     LOCKS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -67,7 +67,7 @@ impl Lock {
             // For the eye only: the lock is the system's.
             let pid = std::process::id();
             file.set_len(0).and_then(|()| file.rewind()).and_then(|()| writeln!(file, "{HEADER}{pid}")).ok();
-            let held = Arc::new(Held { path, file });
+            let held = Arc::new(HeldLock { path, file });
             locks.retain(|lock| lock.strong_count() > 0);
             locks.push(Arc::downgrade(&held));
             return Ok(Lock { _held: held });
@@ -75,7 +75,7 @@ impl Lock {
     }
 }
 
-impl Held {
+impl HeldLock {
     /// While it is still locked, so that nobody locks a file that is about to go.
     fn remove_file(&self) {
         if is_at(&self.file, &self.path).unwrap_or(false) {
@@ -84,7 +84,7 @@ impl Held {
     }
 }
 
-impl Drop for Held {
+impl Drop for HeldLock {
     fn drop(&mut self) {
         self.remove_file();
     }

@@ -26,12 +26,12 @@ pub struct Array {
     /// Lengths along the axes; none for a single number.
     pub shape: Vec<usize>,
     /// The values in C order.
-    pub values: Values,
+    pub values: NpyValues,
 }
 
 /// The values of an array.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Values {
+pub enum NpyValues {
     /// f4.
     F32(Vec<f32>),
     /// f8, and integers of up to 53 bits that are none of the others.
@@ -48,11 +48,11 @@ impl Array {
     /// Number of values.
     pub fn len(&self) -> usize {
         match &self.values {
-            Values::F32(v) => v.len(),
-            Values::F64(v) => v.len(),
-            Values::U8(v) => v.len(),
-            Values::U32(v) => v.len(),
-            Values::Text(v) => v.len(),
+            NpyValues::F32(v) => v.len(),
+            NpyValues::F64(v) => v.len(),
+            NpyValues::U8(v) => v.len(),
+            NpyValues::U32(v) => v.len(),
+            NpyValues::Text(v) => v.len(),
         }
     }
 
@@ -133,18 +133,18 @@ pub fn decode(bytes: &[u8]) -> Result<Array, String> {
     }
     if kind.type_char() == TypeChar::UnicodeStr {
         let big = kind.endianness() == Endianness::Big;
-        return Ok(Array { shape, values: Values::Text(texts(data, kind.size_field() as usize, big)?) });
+        return Ok(Array { shape, values: NpyValues::Text(texts(data, kind.size_field() as usize, big)?) });
     }
     let npy = NpyFile::with_header(header, data);
     let values = match (kind.type_char(), kind.size_field()) {
-        (TypeChar::Float, 4) => Values::F32(read(npy)?),
-        (TypeChar::Float, 8) => Values::F64(read(npy)?),
-        (TypeChar::Uint, 1) => Values::U8(read(npy)?),
-        (TypeChar::Bool, 1) => Values::U8(read::<bool>(npy)?.into_iter().map(u8::from).collect()),
-        (TypeChar::Uint, 4) => Values::U32(read(npy)?),
-        (TypeChar::Int, 4) => Values::F64(read::<i32>(npy)?.into_iter().map(f64::from).collect()),
-        (TypeChar::Int, 8) => Values::F64(read::<i64>(npy)?.into_iter().map(|v| v as f64).collect()),
-        (TypeChar::Uint, 8) => Values::F64(read::<u64>(npy)?.into_iter().map(|v| v as f64).collect()),
+        (TypeChar::Float, 4) => NpyValues::F32(read(npy)?),
+        (TypeChar::Float, 8) => NpyValues::F64(read(npy)?),
+        (TypeChar::Uint, 1) => NpyValues::U8(read(npy)?),
+        (TypeChar::Bool, 1) => NpyValues::U8(read::<bool>(npy)?.into_iter().map(u8::from).collect()),
+        (TypeChar::Uint, 4) => NpyValues::U32(read(npy)?),
+        (TypeChar::Int, 4) => NpyValues::F64(read::<i32>(npy)?.into_iter().map(f64::from).collect()),
+        (TypeChar::Int, 8) => NpyValues::F64(read::<i64>(npy)?.into_iter().map(|v| v as f64).collect()),
+        (TypeChar::Uint, 8) => NpyValues::F64(read::<u64>(npy)?.into_iter().map(|v| v as f64).collect()),
         _ => return Err(format!("type {kind} is not read; save the array as f4, f8, u1, u4 or integers")),
     };
     Ok(Array { shape, values })

@@ -11,13 +11,13 @@ use exr::prelude::Vec2;
 use rayon::prelude::*;
 
 use super::exr_header;
-use super::image::Part;
+use super::image::ImagePart;
 use super::image_rows;
 
 /// A file under way.
 pub struct RowWriter<W> {
     out: W,
-    part: Part,
+    part: ImagePart,
     headers: Headers,
     /// Blocks that wait to be compressed together.
     waiting: Vec<UncompressedBlock>,
@@ -31,7 +31,7 @@ pub struct RowWriter<W> {
 
 impl<W: Write + Seek> RowWriter<W> {
     /// Begins a file with the channels and attributes of `part`; its channels name types only.
-    pub fn new(mut out: W, part: Part) -> io::Result<Self> {
+    pub fn new(mut out: W, part: ImagePart) -> io::Result<Self> {
         let (head, headers) = head(&part).map_err(io::Error::other)?;
         let blocks = headers[0].chunk_count;
         let table = vec![0; 8 * blocks];
@@ -86,7 +86,7 @@ impl<W: Write + Seek> RowWriter<W> {
     /// Completes the header with texts of the lengths that the outline gave them, and hands the file back.
     ///
     /// Held by: `a_table_written_by_rows_has_the_bytes_of_one_written_at_once` (tests/it/table/large_tables.rs).
-    pub fn finish(mut self, completed: &Part) -> io::Result<W> {
+    pub fn finish(mut self, completed: &ImagePart) -> io::Result<W> {
         if self.taken != self.part.height {
             let why = format!("{} of {} rows were written", self.taken, self.part.height);
             return Err(io::Error::other(why));
@@ -109,7 +109,7 @@ impl<W: Write + Seek> RowWriter<W> {
 }
 
 /// The bytes of a part's header, and the header as the codec has it.
-fn head(part: &Part) -> Result<(Vec<u8>, Headers), String> {
+fn head(part: &ImagePart) -> Result<(Vec<u8>, Headers), String> {
     let mut out = Cursor::new(Vec::new());
     let mut headers = None;
     // The codec writes headers only at the head of a file; what would follow is called off.

@@ -10,7 +10,7 @@ const FLOOR: f64 = 1e-3;
 
 /// A table as a fit sees it. Values are [colour][stop * bins + bin].
 #[derive(Debug, Clone)]
-pub struct Data {
+pub struct FitData {
     /// Stops and bins.
     pub grid: Grid,
     /// Half-angle of the light's cone, rad.
@@ -35,9 +35,9 @@ pub struct Data {
     pub parts: Vec<Vec<Vec<f64>>>,
 }
 
-impl Data {
+impl FitData {
     /// The data of a table; `campaign` is `None` for an imported one.
-    pub fn new(table: &BrdfTable, campaign: Option<&Campaign>, parts: Option<&Realisations>) -> Data {
+    pub fn new(table: &BrdfTable, campaign: Option<&Campaign>, parts: Option<&Realisations>) -> FitData {
         let grid = table.grid.clone();
         let regions = (0..grid.stops()).flat_map(|stop| grid.regions(stop));
         let size = regions.enumerate().map(|(entry, region)| {
@@ -51,7 +51,7 @@ impl Data {
         });
         let variance = if parts.len() > 1 { Some(scatter(&parts)) } else { known(table, &size) };
         let average = campaign.is_some_and(|c| c.light.azimuth == Azimuth::Relative);
-        Data {
+        FitData {
             aperture: campaign.map_or(0.0, |c| c.light.aperture_deg.to_radians()),
             perfect_mirror: campaign.is_some_and(|c| c.optics == Optics::PerfectMirror),
             absolute: !average && (!grid.phi_r_relative || grid.azimuths() > 1),

@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use glam::DVec3;
 
-use super::data::Data;
+use super::data::FitData;
 use super::nodes::StopNodes;
 use super::pilot::Pilot;
 use crate::campaign::SurfaceKind;
@@ -20,7 +20,7 @@ use crate::theory::{Masking, Microfacet, Ndf, cavities, empirical};
 
 /// A model that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Law {
+pub enum FitLaw {
     /// The same in all directions.
     Lambert,
     /// Rough and diffuse.
@@ -93,35 +93,35 @@ impl Amplitudes {
     }
 }
 
-impl Law {
+impl FitLaw {
     /// All models that a table can be held against: anisotropic ones only where azimuths are told apart.
-    pub fn all(data: &Data) -> Vec<Law> {
+    pub fn all(data: &FitData) -> Vec<FitLaw> {
         let mut laws = vec![
-            Law::Lambert,
-            Law::OrenNayar,
-            Law::Phong,
-            Law::BlinnPhong,
-            Law::CookTorrance,
-            Law::TorranceSparrow,
+            FitLaw::Lambert,
+            FitLaw::OrenNayar,
+            FitLaw::Phong,
+            FitLaw::BlinnPhong,
+            FitLaw::CookTorrance,
+            FitLaw::TorranceSparrow,
         ];
-        laws.extend([Ndf::Beckmann, Ndf::Ggx].into_iter().flat_map(|ndf| Law::of_normals(ndf, data)));
+        laws.extend([Ndf::Beckmann, Ndf::Ggx].into_iter().flat_map(|ndf| FitLaw::of_normals(ndf, data)));
         laws
     }
 
     /// One law of normals with every masking.
-    pub fn of_normals(ndf: Ndf, data: &Data) -> Vec<Law> {
+    pub fn of_normals(ndf: Ndf, data: &FitData) -> Vec<FitLaw> {
         let kinds = [false, true].into_iter().filter(|anisotropic| !anisotropic || data.absolute);
         let pairs =
             Masking::ALL.into_iter().flat_map(|masking| kinds.clone().map(move |kind| (masking, kind)));
-        pairs.map(|(masking, anisotropic)| Law::Microfacet { ndf, masking, anisotropic }).collect()
+        pairs.map(|(masking, anisotropic)| FitLaw::Microfacet { ndf, masking, anisotropic }).collect()
     }
 
     /// The models of a surface's own law of normals where they are not among `all`: those of Student's t, whose gamma only
     /// the campaign knows. Held by: `a_students_patch_is_known_by_its_own_law` (tests/it/fit.rs).
-    pub fn of_surface(kind: &SurfaceKind, data: &Data) -> Vec<Law> {
+    pub fn of_surface(kind: &SurfaceKind, data: &FitData) -> Vec<FitLaw> {
         match kind {
-            SurfaceKind::StudentT { gamma, .. } => Law::of_normals(Ndf::StudentT { gamma: *gamma }, data),
-            SurfaceKind::BlinnPhong { .. } => Law::of_normals(Ndf::BlinnPhong, data),
+            SurfaceKind::StudentT { gamma, .. } => FitLaw::of_normals(Ndf::StudentT { gamma: *gamma }, data),
+            SurfaceKind::BlinnPhong { .. } => FitLaw::of_normals(Ndf::BlinnPhong, data),
             _ => Vec::new(),
         }
     }
@@ -129,35 +129,35 @@ impl Law {
     /// The name in reports.
     pub fn name(self) -> &'static str {
         match self {
-            Law::Lambert => "lambert",
-            Law::OrenNayar => "oren_nayar",
-            Law::Phong => "phong",
-            Law::BlinnPhong => "blinn_phong",
-            Law::CookTorrance => "cook_torrance",
-            Law::TorranceSparrow => "torrance_sparrow",
-            Law::Microfacet { ndf, .. } => ndf.name(),
+            FitLaw::Lambert => "lambert",
+            FitLaw::OrenNayar => "oren_nayar",
+            FitLaw::Phong => "phong",
+            FitLaw::BlinnPhong => "blinn_phong",
+            FitLaw::CookTorrance => "cook_torrance",
+            FitLaw::TorranceSparrow => "torrance_sparrow",
+            FitLaw::Microfacet { ndf, .. } => ndf.name(),
         }
     }
 
     /// The masking's name, where the model has one.
     pub fn masking(self) -> Option<&'static str> {
         match self {
-            Law::CookTorrance | Law::TorranceSparrow => Some("v_cavity"),
-            Law::Microfacet { masking, .. } => Some(masking.name()),
+            FitLaw::CookTorrance | FitLaw::TorranceSparrow => Some("v_cavity"),
+            FitLaw::Microfacet { masking, .. } => Some(masking.name()),
             _ => None,
         }
     }
 
     /// Whether the model has two roughnesses.
     pub fn is_anisotropic(self) -> bool {
-        matches!(self, Law::Microfacet { anisotropic: true, .. })
+        matches!(self, FitLaw::Microfacet { anisotropic: true, .. })
     }
 
     /// How the basis makes a BRDF of this table's optics.
     pub fn amplitudes(self, perfect_mirror: bool) -> Amplitudes {
         match self {
-            Law::Lambert | Law::OrenNayar => Amplitudes::One,
-            Law::Phong | Law::BlinnPhong => Amplitudes::Two,
+            FitLaw::Lambert | FitLaw::OrenNayar => Amplitudes::One,
+            FitLaw::Phong | FitLaw::BlinnPhong => Amplitudes::Two,
             _ if perfect_mirror => Amplitudes::Fixed,
             _ => Amplitudes::Schlick,
         }
@@ -169,13 +169,13 @@ impl Law {
         // Lobes of equal width: (cos d)^n against exp(-(d/alpha)^2), d the half vector's angle, n = 2/alpha^2.
         let exponent = (2.0f64.ln() - 2.0 * log_alpha).max(0.0);
         match self {
-            Law::Lambert => vec![],
-            Law::OrenNayar => vec![0.5],
-            Law::Phong => vec![exponent - 4.0f64.ln()],
-            Law::BlinnPhong => vec![exponent],
-            Law::CookTorrance | Law::TorranceSparrow => vec![log_alpha],
-            Law::Microfacet { anisotropic: false, .. } => vec![log_alpha],
-            Law::Microfacet { anisotropic: true, .. } => {
+            FitLaw::Lambert => vec![],
+            FitLaw::OrenNayar => vec![0.5],
+            FitLaw::Phong => vec![exponent - 4.0f64.ln()],
+            FitLaw::BlinnPhong => vec![exponent],
+            FitLaw::CookTorrance | FitLaw::TorranceSparrow => vec![log_alpha],
+            FitLaw::Microfacet { anisotropic: false, .. } => vec![log_alpha],
+            FitLaw::Microfacet { anisotropic: true, .. } => {
                 let mut shape = vec![log_alpha, pilot.stretch[0], pilot.stretch[1]];
                 self.confine(&mut shape);
                 shape
@@ -187,12 +187,12 @@ impl Law {
     pub fn bounds(self) -> Vec<[f64; 2]> {
         let free = [f64::NEG_INFINITY, f64::INFINITY];
         match self {
-            Law::Lambert => vec![],
-            Law::OrenNayar => vec![[0.0, TILTS[1]]],
-            Law::Phong | Law::BlinnPhong => vec![EXPONENTS.map(f64::ln)],
-            Law::TorranceSparrow => vec![TILTS.map(f64::ln)],
-            Law::CookTorrance | Law::Microfacet { anisotropic: false, .. } => vec![SLOPES.map(f64::ln)],
-            Law::Microfacet { anisotropic: true, .. } => vec![SLOPES.map(f64::ln), free, free],
+            FitLaw::Lambert => vec![],
+            FitLaw::OrenNayar => vec![[0.0, TILTS[1]]],
+            FitLaw::Phong | FitLaw::BlinnPhong => vec![EXPONENTS.map(f64::ln)],
+            FitLaw::TorranceSparrow => vec![TILTS.map(f64::ln)],
+            FitLaw::CookTorrance | FitLaw::Microfacet { anisotropic: false, .. } => vec![SLOPES.map(f64::ln)],
+            FitLaw::Microfacet { anisotropic: true, .. } => vec![SLOPES.map(f64::ln), free, free],
         }
     }
 
@@ -225,23 +225,23 @@ impl Law {
     /// Names of the decoded shape.
     pub fn shape_names(self) -> &'static [&'static str] {
         match self {
-            Law::Lambert => &[],
-            Law::OrenNayar => &["sigma_deg"],
-            Law::Phong | Law::BlinnPhong => &["exponent"],
-            Law::CookTorrance => &["m"],
-            Law::TorranceSparrow => &["m_deg"],
-            Law::Microfacet { anisotropic: false, .. } => &["alpha"],
-            Law::Microfacet { anisotropic: true, .. } => &["alpha_x", "alpha_y", "rotation_deg"],
+            FitLaw::Lambert => &[],
+            FitLaw::OrenNayar => &["sigma_deg"],
+            FitLaw::Phong | FitLaw::BlinnPhong => &["exponent"],
+            FitLaw::CookTorrance => &["m"],
+            FitLaw::TorranceSparrow => &["m_deg"],
+            FitLaw::Microfacet { anisotropic: false, .. } => &["alpha"],
+            FitLaw::Microfacet { anisotropic: true, .. } => &["alpha_x", "alpha_y", "rotation_deg"],
         }
     }
 
     /// The shape as reported. alpha_x belongs to the axis within 45 degrees of `rotation` (rad).
     pub fn decode(self, shape: &[f64], rotation: f64) -> Vec<f64> {
         match self {
-            Law::Lambert => vec![],
-            Law::OrenNayar => vec![shape[0].to_degrees()],
-            Law::TorranceSparrow => vec![shape[0].exp().to_degrees()],
-            Law::Microfacet { anisotropic: true, .. } => {
+            FitLaw::Lambert => vec![],
+            FitLaw::OrenNayar => vec![shape[0].to_degrees()],
+            FitLaw::TorranceSparrow => vec![shape[0].exp().to_degrees()],
+            FitLaw::Microfacet { anisotropic: true, .. } => {
                 let (alpha_x, alpha_y, turn) = roughness(shape, rotation);
                 vec![alpha_x, alpha_y, turn.to_degrees()]
             }
@@ -252,8 +252,8 @@ impl Law {
     /// The narrowest lobe of a shape in slopes, for the layout of the nodes.
     pub fn narrowest(self, shape: &[f64]) -> Option<f64> {
         match self {
-            Law::Microfacet { anisotropic: true, .. } => Some((shape[0] - shape[1].hypot(shape[2])).exp()),
-            Law::Microfacet { .. } => Some(shape[0].exp()),
+            FitLaw::Microfacet { anisotropic: true, .. } => Some((shape[0] - shape[1].hypot(shape[2])).exp()),
+            FitLaw::Microfacet { .. } => Some(shape[0].exp()),
             _ => None,
         }
     }
@@ -262,22 +262,22 @@ impl Law {
     pub fn means(self, shape: &[f64], nodes: &StopNodes) -> Vec<[f64; 2]> {
         let diffuse = empirical::LAMBERT;
         match self {
-            Law::Lambert => vec![[diffuse, 0.0]; nodes.ends.len()],
-            Law::OrenNayar => nodes.means(|wi| move |wo| [empirical::oren_nayar(wi, wo, shape[0]), 0.0]),
-            Law::Phong => nodes.means(|wi| move |wo| [empirical::phong(wi, wo, shape[0].exp()), diffuse]),
-            Law::BlinnPhong => {
+            FitLaw::Lambert => vec![[diffuse, 0.0]; nodes.ends.len()],
+            FitLaw::OrenNayar => nodes.means(|wi| move |wo| [empirical::oren_nayar(wi, wo, shape[0]), 0.0]),
+            FitLaw::Phong => nodes.means(|wi| move |wo| [empirical::phong(wi, wo, shape[0].exp()), diffuse]),
+            FitLaw::BlinnPhong => {
                 nodes.means(|wi| move |wo| [empirical::blinn_phong(wi, wo, shape[0].exp()), diffuse])
             }
-            Law::CookTorrance => {
+            FitLaw::CookTorrance => {
                 let m = shape[0].exp();
                 nodes.means(|wi| move |wo| with_schlick(cavities::cook_torrance(wi, wo, m), wi, wo))
             }
-            Law::TorranceSparrow => {
+            FitLaw::TorranceSparrow => {
                 let m = shape[0].exp();
                 let b = cavities::gaussian_tilt_scale(m);
                 nodes.means(|wi| move |wo| with_schlick(cavities::torrance_sparrow(wi, wo, m, b), wi, wo))
             }
-            Law::Microfacet { ndf, masking, .. } => {
+            FitLaw::Microfacet { ndf, masking, .. } => {
                 let (alpha_x, alpha_y, rotation) = match shape {
                     [log_alpha] => (log_alpha.exp(), log_alpha.exp(), 0.0),
                     _ => roughness(shape, 0.0),

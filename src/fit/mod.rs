@@ -18,15 +18,15 @@ mod report;
 pub mod solve;
 mod spread;
 
-pub use data::Data;
-pub use law::{Law, NAMES};
+pub use data::FitData;
+pub use law::{FitLaw, NAMES};
 pub use report::{Fit, Fits, Parameters};
 
 use rayon::prelude::*;
 
 use self::pilot::{Pilot, pilot};
-use self::solve::{Layout, Problem};
-use self::spread::Spread;
+use self::solve::{FitLayout, Problem};
+use self::spread::ParameterSpread;
 
 /// How much narrower than planned a lobe may come out before the nodes are laid out anew.
 const NARROWER: f64 = 0.7;
@@ -39,7 +39,7 @@ const CONTENDER: f64 = 4.0;
 
 /// A model at its best parameters.
 pub(crate) struct Fitted {
-    law: Law,
+    law: FitLaw,
     params: Vec<f64>,
     shapes: usize,
     /// Of all stops, also where fewer were fitted.
@@ -52,7 +52,7 @@ pub(crate) struct Fitted {
     /// Parameters on a bound.
     on_bound: Vec<usize>,
     /// `None` for models that the first pass left behind.
-    spread: Option<Spread>,
+    spread: Option<ParameterSpread>,
 }
 
 /// Fits every law of `laws` and ranks them, best first.
@@ -63,12 +63,12 @@ pub(crate) struct Fitted {
 ///   one stay as they are.
 /// - Cost: about 10 evaluations of 16 nodes a bin for each parameter and fit.
 /// - Held by: tests/it/fit.rs.
-pub fn fit(data: &Data, laws: &[Law]) -> Fits {
+pub fn fit(data: &FitData, laws: &[FitLaw]) -> Fits {
     let guess = pilot(data);
     let stops: Vec<usize> = (0..data.grid.stops()).collect();
     let some = first_pass(data);
     let (starts, alpha) = started(data, laws, &guess, &some);
-    let layout = Layout::new(data, &stops, alpha);
+    let layout = FitLayout::new(data, &stops, alpha);
     let least = starts.iter().map(|start| start.divergence).fold(f64::INFINITY, f64::min);
     let fits = starts.into_par_iter().map(|start| {
         let problem = Problem::new(data, &layout, start.law);
@@ -84,24 +84,24 @@ pub fn fit(data: &Data, laws: &[Law]) -> Fits {
 }
 
 /// The best of `laws` (at least one).
-pub fn best(data: &Data, laws: &[Law]) -> Fit {
+pub fn best(data: &FitData, laws: &[FitLaw]) -> Fit {
     fit(data, laws).fits.swap_remove(0)
 }
 
 /// Stops of the first pass, evenly over all of them.
-fn first_pass(data: &Data) -> Vec<usize> {
+fn first_pass(data: &FitData) -> Vec<usize> {
     let stops = data.grid.stops();
     let count = (FIRST_PASS.0 / data.grid.bins().max(1)).max(FIRST_PASS.1).min(stops);
     (0..count).map(|k| k * stops / count).collect()
 }
 
 /// The fits to some stops, and the narrowest lobe that the nodes have to resolve.
-fn started(data: &Data, laws: &[Law], guess: &Pilot, stops: &[usize]) -> (Vec<Fitted>, f64) {
+fn started(data: &FitData, laws: &[FitLaw], guess: &Pilot, stops: &[usize]) -> (Vec<Fitted>, f64) {
     let mut alpha = (guess.log_alpha - guess.stretch[0].hypot(guess.stretch[1])).exp();
     let mut round = 0;
     loop {
         round += 1;
-        let layout = Layout::new(data, stops, alpha);
+        let layout = FitLayout::new(data, stops, alpha);
         let fits = laws.par_iter().map(|&law| {
             let problem = Problem::new(data, &layout, law);
             let amplitudes = law.amplitudes(data.perfect_mirror);

@@ -6,7 +6,7 @@
 use crate::instrument::Region;
 use crate::sphere;
 
-use super::data::Data;
+use super::data::FitData;
 
 /// Rounds of Tyler's iteration.
 const ROUNDS: usize = 30;
@@ -23,7 +23,7 @@ pub struct Pilot {
 }
 
 /// The first guess. Held by: the fits of tests/it/fit.rs, which start there.
-pub fn pilot(data: &Data) -> Pilot {
+pub fn pilot(data: &FitData) -> Pilot {
     let slopes = slopes(data);
     let mut shape = [1.0, 0.0, 1.0];
     for _ in 0..ROUNDS {
@@ -57,7 +57,7 @@ pub fn pilot(data: &Data) -> Pilot {
 }
 
 /// (slope, weight) of every bin of the stops with the smallest theta_i.
-fn slopes(data: &Data) -> Vec<([f64; 2], f64)> {
+fn slopes(data: &FitData) -> Vec<([f64; 2], f64)> {
     let grid = &data.grid;
     let bins = grid.bins();
     let steepest = grid.theta_i_deg.iter().copied().fold(f64::INFINITY, f64::min);

@@ -5,11 +5,11 @@
 //! the trace over c is the number of parameters and the criterion is Akaike's. The difference between two models is a
 //! mean over realisations, since D is linear in the values but for a part that no model sees: its scatter is known.
 
-use super::{Data, Fitted};
+use super::{FitData, Fitted};
 use crate::stats;
 
 /// Where a model stands.
-pub(super) struct Place {
+pub(super) struct Ranking {
     /// The criterion.
     pub aic: f64,
     /// How far behind the best.
@@ -22,7 +22,7 @@ pub(super) struct Place {
 
 /// Squared distance over squared scatter, each bin weighing by its size over the model: 1 for an exact model, but for
 /// the parameters; the scatter is pooled over all bins, so few realisations do not make it large.
-pub(super) fn chi_square_ratio(data: &Data, model: &[Vec<f64>]) -> Option<f64> {
+pub(super) fn chi_square_ratio(data: &FitData, model: &[Vec<f64>]) -> Option<f64> {
     let variance = data.variance.as_ref()?;
     let (mut far, mut scatter) = (0.0, 0.0);
     for (colour, entry) in data.entries() {
@@ -34,7 +34,7 @@ pub(super) fn chi_square_ratio(data: &Data, model: &[Vec<f64>]) -> Option<f64> {
 }
 
 /// c of a model: what the scatter of a bin is of z/w, the mean over all bins. Without errors the residuals say it.
-pub(super) fn scale(data: &Data, fit: &Fitted) -> f64 {
+pub(super) fn scale(data: &FitData, fit: &Fitted) -> f64 {
     let square = |colour: usize, entry: usize| match &data.variance {
         Some(variance) => variance[colour][entry],
         None => (data.value[colour][entry] - fit.model[colour][entry]).powi(2),
@@ -47,7 +47,7 @@ pub(super) fn scale(data: &Data, fit: &Fitted) -> f64 {
 }
 
 /// The places of all fits, in their order.
-pub(super) fn places(data: &Data, fits: &[Fitted]) -> Vec<Place> {
+pub(super) fn places(data: &FitData, fits: &[Fitted]) -> Vec<Ranking> {
     let freedom = |fit: &Fitted, c: f64| {
         fit.spread
             .as_ref()
@@ -70,13 +70,13 @@ pub(super) fn places(data: &Data, fits: &[Fitted]) -> Vec<Place> {
         let behind = all[k] - all[best];
         let behind_se = known.and_then(|c| Some(2.0 * difference_se(data, &fits[k], &fits[best])? / c));
         let limit = |se: f64| stats::student_limit(0.05, data.parts.len() - 1) * se;
-        Place { aic: all[k], behind, behind_se, alike: behind_se.map(|se| behind <= limit(se)) }
+        Ranking { aic: all[k], behind, behind_se, alike: behind_se.map(|se| behind <= limit(se)) }
     };
     (0..fits.len()).map(place).collect()
 }
 
 /// Standard error of the difference of two divergences: of the mean over realisations of sum w f_k ln(z_other/z_one).
-fn difference_se(data: &Data, one: &Fitted, other: &Fitted) -> Option<f64> {
+fn difference_se(data: &FitData, one: &Fitted, other: &Fitted) -> Option<f64> {
     if data.parts.len() < 2 {
         return None;
     }

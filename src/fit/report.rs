@@ -3,10 +3,10 @@
 use nalgebra::DMatrix;
 use serde::{Serialize, Serializer, ser::SerializeMap};
 
-use super::law::{Amplitudes, Law};
-use super::ranking::{self, Place};
+use super::law::{Amplitudes, FitLaw};
+use super::ranking::{self, Ranking};
 use super::solve;
-use super::{Data, Fitted};
+use super::{FitData, Fitted};
 use crate::stats;
 
 /// Step of the differences by which errors of logarithms become errors of what is reported.
@@ -49,7 +49,7 @@ impl<T: Serialize> Serialize for Named<T> {
 pub struct Fit {
     /// What was fitted.
     #[serde(skip)]
-    pub law: Law,
+    pub law: FitLaw,
     /// Law of the normals, or the model's name.
     pub model: &'static str,
     /// The masking; null where the model has none.
@@ -104,10 +104,10 @@ pub struct Fits {
 }
 
 /// Puts fits into words and numbers, and in order.
-pub(super) fn report(data: &Data, fitted: Vec<Fitted>) -> Fits {
+pub(super) fn report(data: &FitData, fitted: Vec<Fitted>) -> Fits {
     let places = ranking::places(data, &fitted);
     let constant = constant(data);
-    let far = |fit: &Fitted, place: &Place| {
+    let far = |fit: &Fitted, place: &Ranking| {
         place.behind > 0.0 && place.alike != Some(true) && fit.divergence > HALF * constant
     };
     let fits = fitted.iter().zip(places).map(|(fit, place)| {
@@ -128,7 +128,7 @@ pub(super) fn report(data: &Data, fitted: Vec<Fitted>) -> Fits {
     }
 }
 
-fn one(data: &Data, fit: &Fitted, place: Place, far: bool) -> Fit {
+fn one(data: &FitData, fit: &Fitted, place: Ranking, far: bool) -> Fit {
     let names = names(data, fit);
     let dof = data.len().saturating_sub(fit.params.len()).max(1) as f64;
     let spread = fit.spread.as_ref();
@@ -185,7 +185,7 @@ fn told(fit: &Fitted, params: &[f64], value: f64, name: &str) -> Option<f64> {
 fn why_not(fit: &Fitted, l1: Option<f64>, far: bool) -> Option<String> {
     // A diffuse surface without roughness is Lambert's: a bound, but no nonsense.
     let ends = match fit.law {
-        Law::OrenNayar if fit.params[0] < SMOOTH => vec![],
+        FitLaw::OrenNayar if fit.params[0] < SMOOTH => vec![],
         law => law.on_bound(&fit.params[..fit.shapes]),
     };
     if !fit.converged && ends.is_empty() {
@@ -201,7 +201,7 @@ fn why_not(fit: &Fitted, l1: Option<f64>, far: bool) -> Option<String> {
 }
 
 /// The divergence of the best constant of each colour.
-fn constant(data: &Data) -> f64 {
+fn constant(data: &FitData) -> f64 {
     let whole: f64 = data.size.iter().sum();
     let mean = |values: &Vec<f64>| values.iter().zip(&data.size).map(|(f, w)| f * w).sum::<f64>() / whole;
     let model: Vec<Vec<f64>> = data.value.iter().map(|values| vec![mean(values); values.len()]).collect();
@@ -210,7 +210,7 @@ fn constant(data: &Data) -> f64 {
 
 /// The parameters with the stretch of an anisotropic shape freed of its noise: the expectation of b^2 + c^2 is that of
 /// the truth and the variances of b and c, so two roughnesses of a round law would always come out apart.
-fn apart(data: &Data, fit: &Fitted, covariance: Option<&DMatrix<f64>>) -> Vec<f64> {
+fn apart(data: &FitData, fit: &Fitted, covariance: Option<&DMatrix<f64>>) -> Vec<f64> {
     let mut params = fit.params.clone();
     if let (true, Some(covariance)) = (fit.law.is_anisotropic(), covariance) {
         let r2 = params[1] * params[1] + params[2] * params[2];
@@ -223,7 +223,7 @@ fn apart(data: &Data, fit: &Fitted, covariance: Option<&DMatrix<f64>>) -> Vec<f6
 }
 
 /// Hotelling's test of b = c = 0: T^2 = (b, c) V^-1 (b, c)', and (1 + T^2/(R - 1))^(-(R - 2)/2) is its p.
-fn is_told_apart(data: &Data, fit: &Fitted, covariance: &DMatrix<f64>) -> bool {
+fn is_told_apart(data: &FitData, fit: &Fitted, covariance: &DMatrix<f64>) -> bool {
     let (b, c) = (fit.params[1], fit.params[2]);
     let (xx, xy, yy) = (covariance[(1, 1)], covariance[(1, 2)], covariance[(2, 2)]);
     let t2 = (yy * b * b - 2.0 * xy * b * c + xx * c * c) / (xx * yy - xy * xy);
@@ -237,12 +237,12 @@ fn is_told_apart(data: &Data, fit: &Fitted, covariance: &DMatrix<f64>) -> bool {
     !t2.is_finite() || p < LEVEL
 }
 
-fn names(data: &Data, fitted: &Fitted) -> Vec<String> {
+fn names(data: &FitData, fitted: &Fitted) -> Vec<String> {
     let of_colour: &[&str] = match (fitted.law, fitted.law.amplitudes(data.perfect_mirror)) {
         (_, Amplitudes::Fixed) => &[],
         (_, Amplitudes::Schlick) => &["f0"],
         (_, Amplitudes::Two) => &["specular", "diffuse"],
-        (Law::Lambert | Law::OrenNayar, _) => &["albedo"],
+        (FitLaw::Lambert | FitLaw::OrenNayar, _) => &["albedo"],
         _ => &["amplitude"],
     };
     let amplitudes =
@@ -258,14 +258,19 @@ fn on_bound(fit: &Fitted, names: &[String]) -> Vec<String> {
     shape.chain(amplitudes.map(|&k| names[k].clone())).collect()
 }
 
-fn decoded(data: &Data, fitted: &Fitted, params: &[f64]) -> Vec<f64> {
+fn decoded(data: &FitData, fitted: &Fitted, params: &[f64]) -> Vec<f64> {
     let (shape, amplitudes) = params.split_at(fitted.shapes);
     [fitted.law.decode(shape, data.rotation), amplitudes.to_vec()].concat()
 }
 
 /// sqrt of the diagonal of D C D', D the derivatives of what is reported by what is fitted. Two roughnesses that are one
 /// have the error of a roughness along any axis, (a + b) or (a + c) on average, and no rotation.
-fn propagated(data: &Data, fitted: &Fitted, params: &[f64], covariance: &DMatrix<f64>) -> Vec<Option<f64>> {
+fn propagated(
+    data: &FitData,
+    fitted: &Fitted,
+    params: &[f64],
+    covariance: &DMatrix<f64>,
+) -> Vec<Option<f64>> {
     let count = params.len();
     let rows = decoded(data, fitted, params).len();
     let mut derivative = DMatrix::zeros(rows, count);
@@ -291,7 +296,7 @@ fn propagated(data: &Data, fitted: &Fitted, params: &[f64], covariance: &DMatrix
 }
 
 /// Mean over stops and colours of sum |f - m| w/sum m w.
-fn l1(data: &Data, model: &[Vec<f64>]) -> Option<f64> {
+fn l1(data: &FitData, model: &[Vec<f64>]) -> Option<f64> {
     let bins = data.grid.bins();
     let mut distances = Vec::new();
     for (value, model) in data.value.iter().zip(model) {

@@ -9,8 +9,8 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::data::Data;
-use super::law::{Amplitudes, Law};
+use super::data::FitData;
+use super::law::{Amplitudes, FitLaw};
 use super::nodes::StopNodes;
 
 /// Step of the forward differences in the shape: 1e-7 of a second derivative, 1e-9 by rounding.
@@ -27,16 +27,16 @@ const IDLE: f64 = 1e-13;
 const STEPS: usize = 60;
 
 /// Some stops of a grid with their nodes, and the entry of the table that each mean belongs to.
-pub struct Layout {
+pub struct FitLayout {
     nodes: Vec<StopNodes>,
     entries: Vec<usize>,
 }
 
-impl Layout {
+impl FitLayout {
     /// The layout of `stops` for lobes as narrow as `alpha`.
-    pub fn new(data: &Data, stops: &[usize], alpha: f64) -> Layout {
+    pub fn new(data: &FitData, stops: &[usize], alpha: f64) -> FitLayout {
         let bins = data.grid.bins();
-        Layout {
+        FitLayout {
             nodes: StopNodes::of_stops(&data.grid, stops, data.aperture, alpha),
             entries: stops.iter().flat_map(|stop| stop * bins..(stop + 1) * bins).collect(),
         }
@@ -44,14 +44,14 @@ impl Layout {
 }
 
 /// Both bases of every entry of a layout.
-pub type Basis = Vec<[f64; 2]>;
+pub type LayoutBasis = Vec<[f64; 2]>;
 
 /// One model against a table.
 pub struct Problem<'a> {
-    data: &'a Data,
-    layout: &'a Layout,
+    data: &'a FitData,
+    layout: &'a FitLayout,
     /// The model.
-    pub law: Law,
+    pub law: FitLaw,
     /// Number of the shape's parameters; amplitudes follow, colour by colour.
     pub shapes: usize,
     kind: Amplitudes,
@@ -65,13 +65,13 @@ pub struct State {
     /// Shape first, then the amplitudes of each colour.
     pub params: Vec<f64>,
     /// Both bases at `params`.
-    pub basis: Basis,
+    pub basis: LayoutBasis,
     /// The divergence there.
     pub divergence: f64,
 }
 
 /// The gradient of the divergence and the expectation of its second derivatives.
-pub struct Local {
+pub struct LocalShape {
     /// By each parameter.
     pub gradient: DVector<f64>,
     /// Fisher's matrix: sum w/z dm dm'.
@@ -80,7 +80,7 @@ pub struct Local {
 
 impl<'a> Problem<'a> {
     /// The problem of fitting `law` to the values of `data` at the stops of `layout`.
-    pub fn new(data: &'a Data, layout: &'a Layout, law: Law) -> Self {
+    pub fn new(data: &'a FitData, layout: &'a FitLayout, law: FitLaw) -> Self {
         let kind = law.amplitudes(data.perfect_mirror);
         let shape = law.bounds();
         let most = if kind == Amplitudes::Schlick { 1.0 } else { f64::INFINITY };
@@ -108,7 +108,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The parameters that are neither at a bound that holds them back nor without influence.
-    pub fn free(&self, params: &[f64], local: &Local) -> Vec<usize> {
+    pub fn free(&self, params: &[f64], local: &LocalShape) -> Vec<usize> {
         let free = |&k: &usize| {
             let ([low, high], slope) = (self.bounds[k], local.gradient[k]);
             let held = params[k] <= low && slope > 0.0 || params[k] >= high && slope < 0.0;
@@ -134,7 +134,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Derivatives of both bases by each parameter of the shape.
-    pub fn derivatives(&self, state: &State) -> Vec<Basis> {
+    pub fn derivatives(&self, state: &State) -> Vec<LayoutBasis> {
         let by = |k: usize| {
             let mut shape = state.params[..self.shapes].to_vec();
             shape[k] += STEP;
@@ -145,7 +145,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Gradient and Fisher's matrix for the values `target`; without `slopes` the shape is held.
-    pub fn local(&self, state: &State, slopes: &[Basis], target: &[Vec<f64>]) -> Local {
+    pub fn local(&self, state: &State, slopes: &[LayoutBasis], target: &[Vec<f64>]) -> LocalShape {
         let count = state.params.len();
         let (mut gradient, mut fisher) = (DVector::zeros(count), DMatrix::zeros(count, count));
         let per_colour = self.kind.per_colour();
@@ -171,7 +171,7 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        Local { gradient, fisher }
+        LocalShape { gradient, fisher }
     }
 
     /// Fisher scoring; where `shape` is false the basis stays and only amplitudes move, which costs little.
@@ -226,7 +226,7 @@ impl<'a> Problem<'a> {
         State { params, basis: state.basis.clone(), divergence }
     }
 
-    fn basis(&self, shape: &[f64]) -> Basis {
+    fn basis(&self, shape: &[f64]) -> LayoutBasis {
         self.layout.nodes.par_iter().map(|nodes| self.law.means(shape, nodes)).collect::<Vec<_>>().concat()
     }
 
@@ -279,7 +279,7 @@ fn term(f: f64, m: f64, floor: f64) -> f64 {
 }
 
 /// The divergence of whole models, entry by entry of a table.
-pub fn divergence(data: &Data, model: &[Vec<f64>]) -> f64 {
+pub fn divergence(data: &FitData, model: &[Vec<f64>]) -> f64 {
     let of = |(colour, entry): (usize, usize)| {
         data.size[entry] * term(data.value[colour][entry], model[colour][entry], data.floor[colour])
     };
@@ -287,7 +287,7 @@ pub fn divergence(data: &Data, model: &[Vec<f64>]) -> f64 {
 }
 
 /// The damped step of the free parameters, 0 for all others. An amplitude at 0 has a scale of its own: its diagonal.
-fn step(local: &Local, free: &[usize], damping: f64, params: &[f64]) -> DVector<f64> {
+fn step(local: &LocalShape, free: &[usize], damping: f64, params: &[f64]) -> DVector<f64> {
     let mut step = DVector::zeros(params.len());
     let (mut matrix, gradient) = reduced(local, free);
     for k in 0..free.len() {
@@ -306,7 +306,7 @@ fn step(local: &Local, free: &[usize], damping: f64, params: &[f64]) -> DVector<
 }
 
 /// Matrix and gradient of the free parameters alone.
-fn reduced(local: &Local, free: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
+fn reduced(local: &LocalShape, free: &[usize]) -> (DMatrix<f64>, DVector<f64>) {
     let n = free.len();
     let matrix = DMatrix::from_fn(n, n, |i, j| local.fisher[(free[i], free[j])]);
     (matrix, DVector::from_fn(n, |i, _| local.gradient[free[i]]))

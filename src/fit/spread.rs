@@ -8,14 +8,14 @@
 
 use nalgebra::DMatrix;
 
-use super::data::Data;
-use super::solve::{Local, Problem, State};
+use super::data::FitData;
+use super::solve::{LocalShape, Problem, State};
 
 /// Step of the differences of gradients.
 const STEP: f64 = 1e-4;
 
 /// Second moments of the parameters.
-pub(super) struct Spread {
+pub(super) struct ParameterSpread {
     /// Of the jackknife; `None` without realisations or where second derivatives are singular.
     pub jackknife: Option<DMatrix<f64>>,
     /// What the parameters' freedom costs, in units of the divergence: tr(K H^-1), K the covariance of the gradient.
@@ -25,7 +25,7 @@ pub(super) struct Spread {
 }
 
 /// The spread of a fit.
-pub(super) fn spread(data: &Data, problem: &Problem, state: &State) -> Spread {
+pub(super) fn spread(data: &FitData, problem: &Problem, state: &State) -> ParameterSpread {
     let slopes = problem.derivatives(state);
     let here = problem.local(state, &slopes, &data.value);
     let free = problem.free(&state.params, &here);
@@ -33,14 +33,14 @@ pub(super) fn spread(data: &Data, problem: &Problem, state: &State) -> Spread {
     let fisher = inverse(&here.fisher, &free).map(|inverse| widened(&inverse, &free, count));
     if data.parts.len() < 2 || free.is_empty() {
         let optimism = (data.parts.len() > 1).then_some(0.0);
-        return Spread { jackknife: None, optimism, fisher };
+        return ParameterSpread { jackknife: None, optimism, fisher };
     }
     let hessian = hessian(data, problem, state, &here, &free);
     let Some(inverse) = inverse(&hessian, &free).or_else(|| inverse(&here.fisher, &free)) else {
-        return Spread { jackknife: None, optimism: None, fisher };
+        return ParameterSpread { jackknife: None, optimism: None, fisher };
     };
     let score = scatter(data, &free, |part| problem.local(state, &slopes, part));
-    Spread {
+    ParameterSpread {
         optimism: Some((&score * &inverse).trace()),
         jackknife: Some(widened(&(&inverse * score * &inverse), &free, count)),
         fisher,
@@ -48,7 +48,7 @@ pub(super) fn spread(data: &Data, problem: &Problem, state: &State) -> Spread {
 }
 
 /// Covariance of the mean gradient: sum (g_k - g)(g_k - g)'/(R (R - 1)).
-fn scatter(data: &Data, free: &[usize], local: impl Fn(&[Vec<f64>]) -> Local) -> DMatrix<f64> {
+fn scatter(data: &FitData, free: &[usize], local: impl Fn(&[Vec<f64>]) -> LocalShape) -> DMatrix<f64> {
     let count = data.parts.len() as f64;
     let one = |part: &Vec<Vec<f64>>| {
         let gradient = local(part).gradient;
@@ -64,7 +64,13 @@ fn scatter(data: &Data, free: &[usize], local: impl Fn(&[Vec<f64>]) -> Local) ->
 }
 
 /// Second derivatives by differences of gradients, as symmetric as they are. Amplitudes move without a new basis.
-fn hessian(data: &Data, problem: &Problem, state: &State, here: &Local, free: &[usize]) -> DMatrix<f64> {
+fn hessian(
+    data: &FitData,
+    problem: &Problem,
+    state: &State,
+    here: &LocalShape,
+    free: &[usize],
+) -> DMatrix<f64> {
     let mut hessian = here.fisher.clone();
     let slopes = problem.derivatives(state);
     for &k in free {

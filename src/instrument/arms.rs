@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::grid::{Grid, GridKind};
 use super::klems::{FULL, middles, patches};
-use crate::campaign::{Azimuth, BinLayout, Campaign, PhiFrom, Sensor};
+use crate::campaign::{Azimuth, BinLayout, Campaign, PhiFrom, SensorArm};
 use crate::sphere;
 
 /// The geometry of the table that a campaign asks for.
@@ -18,12 +18,12 @@ pub fn grid_of(campaign: &Campaign) -> Grid {
     };
     let empty = Grid { kind: GridKind::Hemisphere, phi_r_relative: relative, ..stops };
     match &campaign.sensor {
-        Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => Grid {
+        SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins } => Grid {
             theta_r_edges_deg: theta_edges(*theta_r_bins, *bins),
             phi_r_edges_deg: phi_edges(*phi_r_bins, *bins),
             ..empty
         },
-        Sensor::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from } => Grid {
+        SensorArm::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from } => Grid {
             kind: GridKind::Arm,
             phi_r_relative: relative || *phi_r_from == PhiFrom::Light,
             theta_r_deg: theta_r_deg.clone(),
@@ -31,7 +31,7 @@ pub fn grid_of(campaign: &Campaign) -> Grid {
             aperture_deg: Some(*aperture_deg),
             ..empty
         },
-        Sensor::KlemsFull => Grid { kind: GridKind::Patches, patches_deg: patches(&FULL), ..empty },
+        SensorArm::KlemsFull => Grid { kind: GridKind::Patches, patches_deg: patches(&FULL), ..empty },
     }
 }
 

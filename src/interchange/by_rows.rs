@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::numpy::{npy, npz};
-use super::read_back::{Held, Listing};
+use super::read_back::{BandErrors, Listing};
 use super::text::{csv, named_columns, samples};
 use super::{Export, Fail, Format, Reason};
 use crate::error::{Error, Result};
@@ -110,8 +110,8 @@ fn npy_back(
     first: &BrdfTable,
     bands: &[Range<usize>],
     file: BufReader<File>,
-) -> Reason<Held> {
-    let (mut held, colours) = (Held::default(), first.colours.len());
+) -> Reason<BandErrors> {
+    let (mut held, colours) = (BandErrors::default(), first.colours.len());
     let mut values = npy_file::values_of(file, &npz::shape(rows.grid(), colours))?;
     for band in bands {
         let band = take(rows, band).map_err(|e| e.to_string())?;
@@ -125,8 +125,8 @@ fn npy_back(
     Ok(held)
 }
 
-fn csv_back(rows: &mut TableRows, bands: &[Range<usize>], file: BufReader<File>) -> Reason<Held> {
-    let (mut held, mut lines) = (Held::default(), csv::Lines::open(file)?);
+fn csv_back(rows: &mut TableRows, bands: &[Range<usize>], file: BufReader<File>) -> Reason<BandErrors> {
+    let (mut held, mut lines) = (BandErrors::default(), csv::SampleLines::open(file)?);
     for band in bands {
         let band = take(rows, band).map_err(|e| e.to_string())?;
         let listing = samples::listed(&band, 0.0, |each| {

@@ -9,7 +9,7 @@ use std::io::{BufRead, Seek};
 use super::Reason;
 use super::numpy::npz;
 use super::read_back::{Listing, ReadBack};
-use crate::files::image::{self, Part, Samples};
+use crate::files::image::{self, ImagePart, Samples};
 use crate::files::image_rows;
 use crate::instrument::Grid;
 use crate::table::brdf_table::named_wavelength;
@@ -24,8 +24,9 @@ const STOP: &str = "gonio.stop";
 /// Texts of the table that the first part carries.
 const TEXTS: [&str; 4] = ["gonio.campaign", "gonio.version", "gonio.seed", "gonio.patch_digest"];
 
-type Channel = (&'static str, fn(&ColourChannels) -> &Vec<f32>, fn(&mut ColourChannels) -> &mut Vec<f32>);
-const CHANNELS: [Channel; 5] = [
+type NamedChannel =
+    (&'static str, fn(&ColourChannels) -> &Vec<f32>, fn(&mut ColourChannels) -> &mut Vec<f32>);
+const CHANNELS: [NamedChannel; 5] = [
     ("", |c| &c.total, |c| &mut c.total),
     ("single.", |c| &c.single, |c| &mut c.single),
     ("multiple.", |c| &c.multiple, |c| &mut c.multiple),
@@ -44,7 +45,7 @@ fn size(grid: &Grid) -> (usize, usize) {
 /// The bytes of a file; the table's values go into it row by row.
 pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
     let grid = serde_json::to_string(&table.grid).map_err(|e| e.to_string())?;
-    let parts: Vec<Part> = (0..table.grid.stops()).map(|stop| part(table, stop, &grid)).collect();
+    let parts: Vec<ImagePart> = (0..table.grid.stops()).map(|stop| part(table, stop, &grid)).collect();
     let (width, height) = size(&table.grid);
     let planes: BTreeMap<String, &[f32]> = planes(table).into_iter().collect();
     image_rows::encode(&parts, |(stop, name, row), out| {
@@ -72,10 +73,10 @@ fn planes(table: &BrdfTable) -> Vec<(String, &[f32])> {
 }
 
 /// The heading of a part: its channels have types only.
-fn part(table: &BrdfTable, stop: usize, grid: &str) -> Part {
+fn part(table: &BrdfTable, stop: usize, grid: &str) -> ImagePart {
     let (width, height) = size(&table.grid);
     let (theta_i, phi_i) = table.grid.stop_deg(stop);
-    let mut part = Part { width, height, ..Part::default() };
+    let mut part = ImagePart { width, height, ..ImagePart::default() };
     part.name = Some(format!("stop{stop:04}_thetaI{theta_i:05.1}_phiI{phi_i:05.1}"));
     for (name, _) in planes(table) {
         part.channels.insert(name, Samples::F32(vec![]));
@@ -116,7 +117,7 @@ pub fn read_back(file: impl BufRead + Seek, table: &BrdfTable) -> Reason<Option<
 /// Held by: `exr_parts_come_back_bit_for_bit`, `damaged_parts_are_refused`.
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let mut parts = image::decode(bytes)?;
-    let number = |part: &Part| part.number(STOP).filter(|&stop| stop >= 0.0 && stop.fract() == 0.0);
+    let number = |part: &ImagePart| part.number(STOP).filter(|&stop| stop >= 0.0 && stop.fract() == 0.0);
     if let Some(part) = parts.iter().find(|part| number(part).is_none()) {
         return Err(format!(
             "part `{}` has no {STOP}: not written by this program",
@@ -128,7 +129,7 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let grid: Grid = serde_json::from_str(text).map_err(|e| format!("{GRID}: {e}"))?;
     let (stops, _) = check_grid(&grid)?;
     let (width, height) = size(&grid);
-    let fits = |(stop, part): (usize, &Part)| {
+    let fits = |(stop, part): (usize, &ImagePart)| {
         number(part) == Some(stop as f64) && (part.width, part.height) == (width, height)
     };
     if parts.len() != stops || !parts.iter().enumerate().all(fits) {
@@ -162,7 +163,7 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
 }
 
 /// Y, wavelengths in increasing order, or R, G, B.
-fn colour_names(part: &Part) -> Vec<String> {
+fn colour_names(part: &ImagePart) -> Vec<String> {
     let wavelength = |name: &String| named_wavelength(name).map(|nm| (nm, name.clone()));
     let mut spectral: Vec<(f64, String)> = part.channels.keys().filter_map(wavelength).collect();
     spectral.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -174,13 +175,13 @@ fn colour_names(part: &Part) -> Vec<String> {
 }
 
 /// A FLOAT channel of all parts, where the first one has it.
-fn optional(parts: &mut [Part], name: &str) -> Reason<Option<Vec<f32>>> {
+fn optional(parts: &mut [ImagePart], name: &str) -> Reason<Option<Vec<f32>>> {
     let there = parts.first().is_some_and(|part| part.channels.contains_key(name));
     there.then(|| floats(parts, name)).transpose()
 }
 
 /// A FLOAT channel of all parts, one after the other.
-fn floats(parts: &mut [Part], name: &str) -> Reason<Vec<f32>> {
+fn floats(parts: &mut [ImagePart], name: &str) -> Reason<Vec<f32>> {
     let mut all = Vec::new();
     for (stop, part) in parts.iter_mut().enumerate() {
         let Some(Samples::F32(values)) = part.channels.remove(name) else {

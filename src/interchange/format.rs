@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use super::Reason;
 use super::merl::Sampling;
-use super::radiance::xml::Side;
+use super::radiance::xml::SampleSide;
 use crate::instrument::klems::Basis;
 
 /// The formats that other programs read or write.
@@ -48,7 +48,7 @@ pub struct Options {
     /// RGL files with wavelengths instead of rgb: one for each colour of the table, nm. Empty for rgb.
     pub wavelengths_nm: Vec<f64>,
     /// Radiance XML that is read: the side of the sample; +z where the file has it, if none is asked for.
-    pub side: Option<Side>,
+    pub side: Option<SampleSide>,
     /// Klems matrices that are written: the basis; the table's own, else the full one, if none is asked for.
     pub klems: Option<Basis>,
     /// How far the albedo of a file of other directions may be off between the table's incidences, relative; `None`: 1 %.

@@ -14,12 +14,12 @@ use crate::table::BrdfTable;
 
 /// Increasing nodes in degrees; `turn` where they wrap.
 #[derive(Debug, Clone)]
-struct Axis {
+struct AngleAxis {
     nodes: Vec<f64>,
     turn: Option<f64>,
 }
 
-impl Axis {
+impl AngleAxis {
     /// The nodes on both sides of x and the share of the second; beyond the ends of an open axis the end.
     fn around(&self, x: f64) -> [(usize, f64); 2] {
         let (count, x) = (self.nodes.len(), self.turn.map_or(x, |turn| x % turn));
@@ -39,7 +39,7 @@ impl Axis {
 #[derive(Debug, Clone)]
 pub struct HalfDifference {
     /// theta_h, phi_h, theta_d, phi_d.
-    axes: [Axis; 4],
+    axes: [AngleAxis; 4],
     /// Per colour, row-major as in the table.
     values: Vec<Vec<f32>>,
     seen: Vec<bool>,
@@ -62,8 +62,8 @@ impl HalfDifference {
     }
 
     fn of(grid: &Grid, values: Vec<Vec<f32>>, hits: &[u32], turn_d: f64) -> Self {
-        let open = |nodes: &[f64]| Axis { nodes: nodes.to_vec(), turn: None };
-        let round = |nodes: &[f64], turn| Axis { nodes: nodes.to_vec(), turn: Some(turn) };
+        let open = |nodes: &[f64]| AngleAxis { nodes: nodes.to_vec(), turn: None };
+        let round = |nodes: &[f64], turn| AngleAxis { nodes: nodes.to_vec(), turn: Some(turn) };
         let axes = [
             open(&grid.theta_h_deg),
             round(&grid.phi_h_deg, 360.0),

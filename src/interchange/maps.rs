@@ -8,7 +8,7 @@ use std::path::Path;
 use super::{Reason, needed};
 use crate::campaign;
 use crate::error::{Error, Result};
-use crate::files::image::{self, Part, Samples};
+use crate::files::image::{self, ImagePart, Samples};
 use crate::files::{self, memory};
 
 /// The maps' files in their folder.
@@ -40,10 +40,10 @@ pub fn load(folder: &Path) -> Result<Maps> {
 ///
 /// Held by: `a_texel_becomes_a_campaign`, `damaged_maps_are_refused` (tests/it/interchange/interchange_maps.rs).
 pub fn read(alpha: &[u8], f0: &[u8]) -> Reason<Maps> {
-    let part = |name: &str, bytes: &[u8]| -> Reason<Part> {
+    let part = |name: &str, bytes: &[u8]| -> Reason<ImagePart> {
         let parts = image::decode(bytes).map_err(|why| format!("{name}: {why}"))?;
         let [part] =
-            <[Part; 1]>::try_from(parts).map_err(|_| format!("{name}: several parts, one needed"))?;
+            <[ImagePart; 1]>::try_from(parts).map_err(|_| format!("{name}: several parts, one needed"))?;
         Ok(part)
     };
     let (alpha_part, f0_part) = (part(FILES[0], alpha)?, part(FILES[1], f0)?);
@@ -59,7 +59,7 @@ pub fn read(alpha: &[u8], f0: &[u8]) -> Reason<Maps> {
     Ok(Maps { width, height, alpha: [x?, y?], f0: [r?, g?, b?] })
 }
 
-fn channel(file: &str, part: &Part, name: &str) -> Reason<Vec<f32>> {
+fn channel(file: &str, part: &ImagePart, name: &str) -> Reason<Vec<f32>> {
     match part.channels.get(name) {
         Some(Samples::F32(values)) => Ok(values.clone()),
         Some(Samples::F16(values)) => Ok(values.iter().map(|value| value.to_f32()).collect()),

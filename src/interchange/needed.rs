@@ -9,7 +9,7 @@ use std::io::Cursor;
 use super::Reason;
 use super::format::Format;
 use super::numpy::npz;
-use crate::files::image_blocks::Blocks;
+use crate::files::image_blocks::BlockReader;
 use crate::files::{exr_header, memory};
 
 /// Bytes of a line of a list that is read: no heading of a list is longer.
@@ -51,7 +51,7 @@ pub fn needed(format: Format, bytes: &[u8]) -> Reason<u64> {
 
 /// Of an EXR image.
 pub fn image(bytes: &[u8]) -> Reason<u64> {
-    Ok(Blocks::open(Cursor::new(bytes))?.bytes())
+    Ok(BlockReader::open(Cursor::new(bytes))?.bytes())
 }
 
 /// Of a table that is made whatever the length of its file: of a list with gaps, or of a function on a grid.

@@ -29,7 +29,7 @@ pub struct ReadBack {
 
 /// What one stop adds.
 #[derive(Default)]
-struct Sums {
+struct StopSums {
     distance: Colour,
     sum: Colour,
     worst: f64,
@@ -47,7 +47,7 @@ pub fn read_back(table: &BrdfTable, brdf: &dyn Brdf) -> Option<ReadBack> {
     while stride > 1 && bins.is_multiple_of(stride) {
         stride += 1;
     }
-    let sums: Vec<Sums> =
+    let sums: Vec<StopSums> =
         (0..stops).into_par_iter().map(|stop| stop_sums(table, brdf, stop, stride)).collect();
     let ratios: Vec<f64> = sums
         .iter()
@@ -64,13 +64,13 @@ pub fn read_back(table: &BrdfTable, brdf: &dyn Brdf) -> Option<ReadBack> {
     })
 }
 
-fn stop_sums(table: &BrdfTable, brdf: &dyn Brdf, stop: usize, stride: usize) -> Sums {
+fn stop_sums(table: &BrdfTable, brdf: &dyn Brdf, stop: usize, stride: usize) -> StopSums {
     let (grid, bins) = (&table.grid, table.grid.bins());
     let (wi, regions) = (grid.wi(stop), grid.regions(stop));
     let values = |colour: usize| &table.colours[colour].total[stop * bins..][..bins];
     let largest = |colour| values(colour).iter().fold(0.0f64, |most, &v| most.max(f64::from(v)));
     let peaks: Vec<f64> = (0..table.colours.len()).map(largest).collect();
-    let mut sums = Sums::default();
+    let mut sums = StopSums::default();
     for bin in (stop % stride..bins).step_by(stride) {
         let region = &regions[bin];
         if wi.z <= 0.0 {
@@ -139,7 +139,7 @@ impl<'a> Listing<'a> {
 
     /// The measures; `None` as for [`read_back`]. Values that are missing, or are there twice, are a reason.
     pub fn finish(self) -> Reason<Option<ReadBack>> {
-        let mut held = Held::default();
+        let mut held = BandErrors::default();
         held.join(self)?;
         Ok(held.read_back())
     }
@@ -147,7 +147,7 @@ impl<'a> Listing<'a> {
 
 /// What the bands of a table showed, one after the other.
 #[derive(Default)]
-pub struct Held {
+pub struct BandErrors {
     /// Distance over sum of every stop and colour with light.
     ratios: Vec<f64>,
     worst: f64,
@@ -156,7 +156,7 @@ pub struct Held {
     bins: usize,
 }
 
-impl Held {
+impl BandErrors {
     /// Takes in a band that was read to its end.
     pub fn join(&mut self, band: Listing) -> Reason<()> {
         let grid = &band.table.grid;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::resample::lookup::{bin_axes, stop_axes};
 use super::{Brdf, Lookup, Reason, foreign_table};
 use crate::files::exr_header;
-use crate::files::image::{self, Part, Samples};
+use crate::files::image::{self, ImagePart, Samples};
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -63,7 +63,7 @@ pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
 
 /// The bytes of the image form: an EXR of 288 x 288 pixels, row = light, column = sensor, channels R, G, B.
 pub fn write_image(table: &BrdfTable) -> Reason<Vec<u8>> {
-    let mut part = Part { width: DIRECTIONS, height: DIRECTIONS, ..Part::default() };
+    let mut part = ImagePart { width: DIRECTIONS, height: DIRECTIONS, ..ImagePart::default() };
     for (name, plane) in NAMES.iter().zip(planes(table)?) {
         part.channels.insert(name.to_string(), Samples::F32(plane.iter().map(|&v| v as f32).collect()));
     }
@@ -94,7 +94,7 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
 /// The image form, floats or halves.
 fn read_image(bytes: &[u8]) -> Reason<BrdfTable> {
     let parts = image::decode(bytes)?;
-    let [mut part] = <[Part; 1]>::try_from(parts).map_err(|_| "several parts, one needed")?;
+    let [mut part] = <[ImagePart; 1]>::try_from(parts).map_err(|_| "several parts, one needed")?;
     if (part.width, part.height) != (DIRECTIONS, DIRECTIONS) {
         return Err(format!(
             "{} x {} pixels, 288 x 288 needed (row = light, column = sensor)",

@@ -4,12 +4,14 @@ use glam::DVec3;
 
 use super::accumulate::tally::Tally;
 use super::block_arms::{BlockArms, starts_stream};
-use super::block_tracer::{Followed, with_waves};
+use super::block_tracer::{BlockTracer, with_waves};
 use super::driver::Context;
-use super::optics::Light;
+use super::optics::BounceRecorder;
 use super::prepared_patch::{Heights, IntoApertures, PatchSampler};
 use crate::rng;
-use crate::trace::{BySlope, FacetIndex, Place, Selection, SmithWalk, Starts, Together, View};
+use crate::trace::{
+    AreaSampler, BatchedStarts, ConeSampler, SlopeIndex, SlopeSampler, SmithWalk, SurfacePoint, View,
+};
 
 /// The address of some blocks, and the surface that they are measured on.
 pub(super) struct Work<'a> {
@@ -41,12 +43,12 @@ impl Context<'_> {
         let arms = self.arms(work, block);
         let mut rng = rng::stream(self.starts_stream(work, block));
         let flux = 1.0 / self.plan.block_starts as f64;
-        let mut followed = Followed::one(self, (arms, work.stop), flux, tally);
+        let mut followed = BlockTracer::one(self, (arms, work.stop), flux, tally);
         for _ in 0..self.plan.block_starts {
             if followed.is_given_up() {
                 return;
             }
-            let mut light = Light::new(self.plan.weighing.needs_angles());
+            let mut light = BounceRecorder::new(self.plan.weighing.needs_angles());
             let ending = walk.trace(arms.wi, self.campaign.trace.bounces, &mut rng, &mut light);
             followed.end(ending, &light);
         }
@@ -59,9 +61,9 @@ impl Context<'_> {
         let mut rng = rng::stream(self.starts_stream(work, block));
         let sample = heights.sample(&arms);
         let light = sample.to_field(arms.wi);
-        let starts = Starts::new(&heights.patch.field, heights.patch.window, light);
+        let starts = AreaSampler::new(&heights.patch.field, heights.patch.window, light);
         let flux = starts.share(plan.block_starts);
-        let mut followed = Followed::one(self, (arms, work.stop), flux, tally);
+        let mut followed = BlockTracer::one(self, (arms, work.stop), flux, tally);
         if flux == 0.0 {
             // A part of an open map may lean away from the light with every facet: nothing falls on it.
             return followed.all_turned_away(plan.block_starts);
@@ -72,15 +74,15 @@ impl Context<'_> {
     }
 
     /// Samples along all facets in the order of their slopes: blocks together.
-    fn blocks_by_slope(&self, work: &Work, heights: &Heights, index: &FacetIndex, tally: &mut Tally) {
+    fn blocks_by_slope(&self, work: &Work, heights: &Heights, index: &SlopeIndex, tally: &mut Tally) {
         let (field, count) = (&heights.patch.field, self.plan.block_starts);
-        let mut followed = Followed::new(self, work.stop, tally);
-        let (mut views, mut together) = (Vec::new(), Together::default());
+        let mut followed = BlockTracer::new(self, work.stop, tally);
+        let (mut views, mut together) = (Vec::new(), BatchedStarts::default());
         for &block in work.blocks {
             let arms = self.arms(work, block);
             let sample = heights.sample(&arms);
             let mut stream = rng::stream(self.starts_stream(work, block));
-            let starts = BySlope::new(index, field, sample.to_field(arms.wi), &mut stream);
+            let starts = SlopeSampler::new(index, field, sample.to_field(arms.wi), &mut stream);
             followed.take(arms, starts.share(count));
             together.add(&starts, count, stream);
             views.push(View { sample, wi: arms.wi });
@@ -103,14 +105,14 @@ impl Context<'_> {
         };
         let axes = apertures.axes.iter().flat_map(|&axis| std::iter::once(axis).chain(mirrored(axis)));
         let axes = axes.map(|axis| arms.from_bins(axis));
-        let selection = Selection::new(index, sample, arms.wi, axes, apertures.half_angle);
+        let selection = ConeSampler::new(index, sample, arms.wi, axes, apertures.half_angle);
         let step = fraction * light.z * heights.patch.window.cells() as f64;
         if selection.total() > step * plan.block_starts as f64 {
             // Nearly everything is wanted. Decided by the arms alone: no bias.
             return self.block_by_place(work, block, heights, tally);
         }
         let mut rng = rng::stream(self.starts_stream(work, block));
-        let mut followed = Followed::one(self, (arms, stop), fraction, tally);
+        let mut followed = BlockTracer::one(self, (arms, stop), fraction, tally);
         follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |visit| {
             selection.each(step, &mut rng, |start| visit(0, start));
         });
@@ -128,10 +130,10 @@ impl Context<'_> {
 
 /// Follows the starts that `each` visits, each under one of `views`, through the lanes where they serve.
 fn follow_all(
-    blocks: &mut Followed,
+    blocks: &mut BlockTracer,
     heights: &Heights,
     views: &[View],
-    each: impl FnOnce(&mut dyn FnMut(usize, Place)),
+    each: impl FnOnce(&mut dyn FnMut(usize, SurfacePoint)),
 ) {
     match heights.lanes {
         Some(over) => with_waves(1, |waves| {

@@ -9,7 +9,7 @@ use crate::instrument::direction_in_cone;
 use crate::rng;
 use crate::rng::{Purpose, StreamId};
 use crate::sphere;
-use crate::trace::Image;
+use crate::trace::PatchSymmetry;
 
 /// Steps of the additive sequences that spread the blocks of a realisation: the golden ratio for the azimuth, and the
 /// plastic number's for the light's cone (Roberts 2018, "The unreasonable
@@ -25,7 +25,7 @@ pub struct BlockArms {
     /// Horizontally towards it: stops of one azimuth have the same, whatever their polar angle.
     pub heading: DVec3,
     /// Which mirror image of the patch lies on the stage.
-    pub image: Image,
+    pub image: PatchSymmetry,
     /// (sin, cos) of the turn from the sample's frame to the frame that the bins' azimuth counts in.
     pub to_bins: (f64, f64),
     /// (sin, cos) of twice the light's azimuth in the bins' frame: mirrors an arrival about the plane of incidence.
@@ -42,7 +42,7 @@ impl BlockArms {
         let mut spread = |step: f64| (rng::uniform(&mut draws) + block as f64 * step).fract();
         let turn = spread(GOLDEN);
         let (u, v) = (spread(PLASTIC[0]), spread(PLASTIC[1]));
-        let image = Image::nth(((spread(0.0) * plan.images as f64) as u64 + block) % plan.images);
+        let image = PatchSymmetry::nth(((spread(0.0) * plan.images as f64) as u64 + block) % plan.images);
         let (theta_i, phi_i) = plan.grid.stop_deg(stop);
         let phi_sample = if plan.averages_azimuth {
             360.0 * turn

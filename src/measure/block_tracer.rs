@@ -10,9 +10,9 @@ use super::accumulate::fresnel_sums::PathWeights;
 use super::accumulate::tally::{Tally, to_units};
 use super::block_arms::BlockArms;
 use super::driver::Context;
-use super::optics::Light;
+use super::optics::BounceRecorder;
 use crate::campaign::Campaign;
-use crate::trace::{Ending, LaneWalker, PathWaves, Place, Sample, View, Wave};
+use crate::trace::{PathEnd, PathWaves, SimdTraversal, SurfacePoint, TracedPatch, View, Wave};
 
 /// Starts that are followed together: their rays fit the cache of a core.
 const WAVE: usize = 4096;
@@ -36,12 +36,12 @@ pub(super) fn with_waves<T>(count: usize, work: impl FnOnce(&mut [WaveMemory]) -
 /// What a thread uses for one wave after another.
 #[derive(Default)]
 pub(super) struct WaveMemory {
-    starts: Vec<Place>,
+    starts: Vec<SurfacePoint>,
     /// Which turn each start belongs to.
     turns: Vec<u16>,
     paths: PathWaves,
-    lights: Vec<Light>,
-    endings: Vec<Ending>,
+    lights: Vec<BounceRecorder>,
+    endings: Vec<PathEnd>,
 }
 
 /// One block among those that are followed together. All of its starts carry the same flux.
@@ -60,7 +60,7 @@ pub(super) struct Turn {
 }
 
 /// What the paths of some blocks of a stop add to.
-pub(super) struct Followed<'a> {
+pub(super) struct BlockTracer<'a> {
     context: &'a Context<'a>,
     stop: usize,
     tally: &'a mut Tally,
@@ -73,17 +73,17 @@ pub(super) struct Followed<'a> {
     begin: Instant,
     /// Whether they are given up: no further start is followed.
     given_up: bool,
-    rays: Rays,
+    rays: RayCounts,
     weights: PathWeights,
 }
 
-impl<'a> Followed<'a> {
+impl<'a> BlockTracer<'a> {
     /// Of an incidence, without blocks yet.
     pub fn new(context: &'a Context<'a>, stop: usize, tally: &'a mut Tally) -> Self {
-        let (rays, weights) = (Rays::default(), PathWeights::default());
+        let (rays, weights) = (RayCounts::default(), PathWeights::default());
         let begin = Instant::now();
         let (turns, given_up) = (Vec::new(), false);
-        Followed { context, stop, tally, turns, at: 0, counted: 0, begin, given_up, rays, weights }
+        BlockTracer { context, stop, tally, turns, at: 0, counted: 0, begin, given_up, rays, weights }
     }
 
     /// One block whose paths carry `flux` each.
@@ -93,7 +93,7 @@ impl<'a> Followed<'a> {
         flux: f64,
         tally: &'a mut Tally,
     ) -> Self {
-        let mut one = Followed::new(context, stop, tally);
+        let mut one = BlockTracer::new(context, stop, tally);
         one.take(arms, flux);
         one
     }
@@ -118,7 +118,7 @@ impl<'a> Followed<'a> {
     }
 
     /// Follows every start by itself.
-    pub fn follow(&mut self, sample: &Sample, turn: usize, start: Place) {
+    pub fn follow(&mut self, sample: &TracedPatch, turn: usize, start: SurfacePoint) {
         if self.is_given_up() {
             return;
         }
@@ -127,7 +127,7 @@ impl<'a> Followed<'a> {
             return self.leave_out(1);
         }
         let (trace, wi) = (&self.context.campaign.trace, self.turn().arms.wi);
-        let mut light = Light::new(self.context.plan.weighing.needs_angles());
+        let mut light = BounceRecorder::new(self.context.plan.weighing.needs_angles());
         let ending = if trace.visibility {
             sample.trace(start, wi, trace.bounces, &mut light)
         } else {
@@ -142,8 +142,8 @@ impl<'a> Followed<'a> {
     pub fn follow_later(
         &mut self,
         views: &[View],
-        over: &LaneWalker,
-        (turn, start): (usize, Place),
+        over: &SimdTraversal,
+        (turn, start): (usize, SurfacePoint),
         wave: &mut WaveMemory,
     ) {
         self.at = turn;
@@ -158,7 +158,7 @@ impl<'a> Followed<'a> {
     }
 
     /// Follows the starts that `memory` holds.
-    pub fn follow_wave(&mut self, views: &[View], over: &LaneWalker, memory: &mut WaveMemory) {
+    pub fn follow_wave(&mut self, views: &[View], over: &SimdTraversal, memory: &mut WaveMemory) {
         let WaveMemory { starts, turns, paths, lights, endings } = memory;
         if self.is_given_up() {
             starts.clear();
@@ -167,7 +167,7 @@ impl<'a> Followed<'a> {
         }
         let weighed = self.context.plan.weighing.needs_angles();
         lights.clear();
-        lights.resize_with(starts.len(), || Light::new(weighed));
+        lights.resize_with(starts.len(), || BounceRecorder::new(weighed));
         let bounces = self.context.campaign.trace.bounces;
         let wave = Wave { starts, of: turns, views, bounces };
         paths.trace(over, &wave, lights, endings);
@@ -181,7 +181,7 @@ impl<'a> Followed<'a> {
     }
 
     /// Notes whether the light sees the facet of `start`, where facets of every slope are started on.
-    fn look(&mut self, sample: &Sample, start: &Place, ending: Ending) {
+    fn look(&mut self, sample: &TracedPatch, start: &SurfacePoint, ending: PathEnd) {
         if !self.context.campaign.trace.visibility || self.context.plan.apertures_only {
             return;
         }
@@ -194,11 +194,11 @@ impl<'a> Followed<'a> {
         });
         let corners = sample.walker.field().corners(start.facet.x, start.facet.y);
         let slope = corners.slope(start.facet.upper).dot(along);
-        self.tally.seen.count(slope, ending != Ending::Hidden);
+        self.tally.seen.count(slope, ending != PathEnd::Hidden);
     }
 
     /// Whether nothing but apertures counts, and the facet of `start` sends light into none.
-    fn misses(&self, sample: &Sample, start: &Place) -> bool {
+    fn misses(&self, sample: &TracedPatch, start: &SurfacePoint) -> bool {
         if !self.context.plan.apertures_only {
             return false;
         }
@@ -235,15 +235,15 @@ impl<'a> Followed<'a> {
     }
 
     /// Counts a path.
-    pub fn end(&mut self, ending: Ending, light: &Light) {
+    pub fn end(&mut self, ending: PathEnd, light: &BounceRecorder) {
         self.counted += 1;
         self.rays.count(&ending, self.context.campaign);
         let units = self.turn().units;
         match ending {
-            Ending::Out { wo, order } => self.arrive(wo, order, light, false),
-            Ending::Hidden => self.tally.hidden.add(units),
-            Ending::Cut { .. } => self.tally.cut.add(units),
-            Ending::LeftMap { wo, order, further } => {
+            PathEnd::Out { wo, order } => self.arrive(wo, order, light, false),
+            PathEnd::Hidden => self.tally.hidden.add(units),
+            PathEnd::Cut { .. } => self.tally.cut.add(units),
+            PathEnd::LeftMap { wo, order, further } => {
                 self.tally.left_map.add(units);
                 if further {
                     self.tally.left(&self.context.plan.weighing).cut.add(units);
@@ -252,13 +252,13 @@ impl<'a> Followed<'a> {
                     self.arrive(wo, order, light, true);
                 }
             }
-            Ending::Lost => self.tally.lost += 1,
+            PathEnd::Lost => self.tally.lost += 1,
         }
     }
 
     /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded. One that
     /// left an open map on its way goes into the sums of those.
-    fn arrive(&mut self, wo: DVec3, order: u32, light: &Light, left_map: bool) {
+    fn arrive(&mut self, wo: DVec3, order: u32, light: &BounceRecorder, left_map: bool) {
         let (context, weights) = (self.context, &mut self.weights);
         let tally = if left_map { self.tally.left(&context.plan.weighing) } else { &mut *self.tally };
         let Turn { arms, flux, units, part, part_units, .. } = &self.turns[self.at];
@@ -291,7 +291,7 @@ impl<'a> Followed<'a> {
     }
 }
 
-impl Drop for Followed<'_> {
+impl Drop for BlockTracer<'_> {
     /// Adds the blocks' rays to the run's.
     fn drop(&mut self) {
         self.context.add_rays(self.rays.traced, self.rays.skipped);
@@ -300,19 +300,19 @@ impl Drop for Followed<'_> {
 
 /// Counts rays for the cost report.
 #[derive(Default)]
-struct Rays {
+struct RayCounts {
     traced: u64,
     skipped: u64,
 }
 
-impl Rays {
-    fn count(&mut self, ending: &Ending, campaign: &Campaign) {
+impl RayCounts {
+    fn count(&mut self, ending: &PathEnd, campaign: &Campaign) {
         let bounces = u64::from(campaign.trace.bounces);
         // The light's ray, and one after each bounce.
         let (traced, skipped) = match *ending {
-            Ending::Out { order, .. } | Ending::LeftMap { order, .. } => (1 + u64::from(order), 0),
-            Ending::Cut { down } => (1 + bounces - u64::from(down), u64::from(down)),
-            Ending::Hidden | Ending::Lost => (1, 0),
+            PathEnd::Out { order, .. } | PathEnd::LeftMap { order, .. } => (1 + u64::from(order), 0),
+            PathEnd::Cut { down } => (1 + bounces - u64::from(down), u64::from(down)),
+            PathEnd::Hidden | PathEnd::Lost => (1, 0),
         };
         if campaign.trace.visibility {
             self.traced += traced;

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::accumulate::assemble::{Measured, assemble};
 use super::cost::{Clocks, Cost, cpu_seconds};
 use super::patches::{Patches, Specimen};
-use super::persist::run_state::Ledger;
+use super::persist::run_state::RunState;
 use super::plan::Plan;
 use super::prepared_patch::PreparedPatch;
 use super::session::{Keeper, Session, interrupted, locked};
@@ -31,7 +31,7 @@ pub(super) struct Context<'a> {
     pub session: &'a Session<'a>,
     pub sensor: Sensor,
     pub kernel: Kernel,
-    pub ledger: Mutex<Ledger>,
+    pub ledger: Mutex<RunState>,
     clocks: Mutex<Clocks>,
     rays: AtomicU64,
     skipped: AtomicU64,
@@ -46,7 +46,7 @@ pub fn measure(
     patches: &Patches,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<(Vec<Measured>, Cost)> {
-    let ledger = Ledger::new(campaign, plan);
+    let ledger = RunState::new(campaign, plan);
     let ledger = go_on(campaign, plan, patches, ledger, &Session::plain(progress))?;
     Ok(tables(campaign, plan, ledger))
 }
@@ -59,9 +59,9 @@ pub fn go_on(
     campaign: &Campaign,
     plan: &Plan,
     patches: &Patches,
-    ledger: Ledger,
+    ledger: RunState,
     session: &Session,
-) -> Result<Ledger> {
+) -> Result<RunState> {
     let context = Context {
         campaign,
         plan,
@@ -106,9 +106,9 @@ fn no_thread(why: &std::io::Error) -> Error {
 }
 
 /// The tables of a ledger in which nothing is missing.
-pub fn tables(campaign: &Campaign, plan: &Plan, ledger: Ledger) -> (Vec<Measured>, Cost) {
+pub fn tables(campaign: &Campaign, plan: &Plan, ledger: RunState) -> (Vec<Measured>, Cost) {
     let cost = ledger.cost(plan);
-    let Ledger { tables, digests, .. } = ledger;
+    let RunState { tables, digests, .. } = ledger;
     let digests: Vec<u8> = digests.into_iter().flatten().flatten().collect();
     let patch_digest = if digests.is_empty() { String::new() } else { files::sha256_hex(&digests) };
     let finished = tables.finished().into_iter();

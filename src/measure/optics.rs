@@ -4,7 +4,7 @@
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use crate::campaign::{Index, Law, Medium, Optics, Polarisation};
+use crate::campaign::{FresnelLaw, Medium, Optics, Polarisation, RefractiveIndex};
 use crate::optics::FacetAngle;
 use crate::optics::fresnel::Fresnel;
 use crate::optics::reflectance::{Field, Reflectance};
@@ -24,14 +24,14 @@ pub fn reflectances_of(optics: &Optics) -> Vec<Reflectance> {
     }
 }
 
-fn of_medium(medium: Medium, index: &Index) -> Reflectance {
+fn of_medium(medium: Medium, index: &RefractiveIndex) -> Reflectance {
     let field = match index.polarisation {
         Polarisation::None => Field::Both,
         Polarisation::S => Field::Across,
         Polarisation::P => Field::Along,
     };
     let exact = fresnel_of(medium);
-    let fresnel = if index.law == Law::Exact { exact } else { Fresnel::Schlick { f0: exact.f0() } };
+    let fresnel = if index.law == FresnelLaw::Exact { exact } else { Fresnel::Schlick { f0: exact.f0() } };
     Reflectance { fresnel, field }
 }
 
@@ -43,15 +43,15 @@ pub fn fresnel_of(medium: Medium) -> Fresnel {
 
 /// The light of one path: what it is weighed by once it has left.
 #[derive(Debug, Clone)]
-pub struct Light {
+pub struct BounceRecorder {
     weighed: bool,
     angles: SmallVec<[FacetAngle; 2]>,
 }
 
-impl Light {
+impl BounceRecorder {
     /// The light at a start; angles are kept where `weighed`.
     pub fn new(weighed: bool) -> Self {
-        Light { weighed, angles: SmallVec::new() }
+        BounceRecorder { weighed, angles: SmallVec::new() }
     }
 
     /// The angles at the facets of its bounces.
@@ -60,7 +60,7 @@ impl Light {
     }
 }
 
-impl Bounce for Light {
+impl Bounce for BounceRecorder {
     fn bounce(&mut self, wi: DVec3, wo: DVec3) {
         if self.weighed {
             self.angles.push(FacetAngle::of_pair(wi, wo));

@@ -13,12 +13,17 @@ use super::session::locked;
 use crate::error::Result;
 
 /// Where a pass is: a table and a realisation.
-pub(super) type Place = (usize, u64);
+pub(super) type TableRealisation = (usize, u64);
 
 impl Context<'_> {
     /// What the open incidences of one table and realisation miss of `blocks`, in any order. Ends early where the run is
     /// interrupted.
-    pub(super) fn pass(&self, patch: &PreparedPatch, place: Place, blocks: &Range<u64>) -> Result<()> {
+    pub(super) fn pass(
+        &self,
+        patch: &PreparedPatch,
+        place: TableRealisation,
+        blocks: &Range<u64>,
+    ) -> Result<()> {
         let (alpha, missing) = {
             let ledger = locked(&self.ledger);
             let table = ledger.tables.table(place.0);
@@ -45,7 +50,7 @@ impl Context<'_> {
 /// Sums of finished blocks that the ledger does not have yet.
 struct Pending<'a> {
     context: &'a Context<'a>,
-    place: Place,
+    place: TableRealisation,
     stop: usize,
     blocks: Vec<u64>,
     tally: Option<Tally>,
@@ -53,7 +58,7 @@ struct Pending<'a> {
 }
 
 impl<'a> Pending<'a> {
-    fn new(context: &'a Context<'a>, place: Place, stop: usize) -> Self {
+    fn new(context: &'a Context<'a>, place: TableRealisation, stop: usize) -> Self {
         Pending { context, place, stop, blocks: Vec::new(), tally: None, since: Instant::now() }
     }
 

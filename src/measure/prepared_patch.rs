@@ -8,7 +8,9 @@ use super::patches::{Patch, Specimen};
 use super::plan::Plan;
 use super::plan::start_sampler::{Apertures, StartSampler};
 use crate::campaign::{Alpha, Campaign};
-use crate::trace::{FacetIndex, LaneField, LaneWalker, Peaks, Sample, SmithWalk, Together, Walker};
+use crate::trace::{
+    BatchedStarts, GridTraversal, MaxPyramid, SimdTraversal, SlopeIndex, SmithWalk, TilePeaks, TracedPatch,
+};
 
 /// Cells of a patch for each surface sample that is followed together with others.
 pub const CELLS_PER_START: u64 = 4;
@@ -18,26 +20,26 @@ const WORK_PER_THREAD: usize = 4;
 /// A specimen, with what tracing makes of its heights.
 pub(super) struct PreparedPatch {
     pub specimen: Specimen,
-    lanes: Option<LaneField>,
+    lanes: Option<MaxPyramid>,
     /// For the f64 walk, where there are no lanes.
-    peaks: Option<Peaks>,
-    index: Option<FacetIndex>,
+    peaks: Option<TilePeaks>,
+    index: Option<SlopeIndex>,
 }
 
 /// The plan's sampler on one patch, for one roughness.
 pub(super) enum PatchSampler<'a> {
     Law(SmithWalk),
     ByPlace(Heights<'a>),
-    BySlope(Heights<'a>, &'a FacetIndex),
+    BySlope(Heights<'a>, &'a SlopeIndex),
     IntoApertures(IntoApertures<'a>),
 }
 
 /// Heights to walk over.
 pub(super) struct Heights<'a> {
     pub patch: &'a Patch,
-    pub walker: Walker<'a>,
+    pub walker: GridTraversal<'a>,
     /// The same in lanes, where they serve.
-    pub lanes: Option<LaneWalker<'a>>,
+    pub lanes: Option<SimdTraversal<'a>>,
     /// World slope per canonical slope.
     pub alpha: DVec2,
 }
@@ -45,7 +47,7 @@ pub(super) struct Heights<'a> {
 /// Surface samples on those facets alone that can send light into apertures.
 pub(super) struct IntoApertures<'a> {
     pub heights: Heights<'a>,
-    pub index: &'a FacetIndex,
+    pub index: &'a SlopeIndex,
     pub apertures: &'a Apertures,
     /// For each incidence, the fraction of a block's incident flux that one sample carries.
     pub flux_fractions: Vec<f64>,
@@ -57,9 +59,9 @@ impl PreparedPatch {
             return PreparedPatch { specimen, lanes: None, peaks: None, index: None };
         };
         let visibility = campaign.trace.visibility;
-        let index = if plan.start_sampler.is_indexed() { FacetIndex::new(&patch.field) } else { None };
-        let lanes = if visibility { LaneField::new(&patch.field) } else { None };
-        let peaks = (visibility && lanes.is_none()).then(|| Peaks::new(&patch.field));
+        let index = if plan.start_sampler.is_indexed() { SlopeIndex::new(&patch.field) } else { None };
+        let lanes = if visibility { MaxPyramid::new(&patch.field) } else { None };
+        let peaks = (visibility && lanes.is_none()).then(|| TilePeaks::new(&patch.field));
         PreparedPatch { lanes, peaks, index, specimen }
     }
 
@@ -80,9 +82,9 @@ impl PreparedPatch {
                 });
             }
         };
-        let walker = Walker::new(&patch.field);
+        let walker = GridTraversal::new(&patch.field);
         let walker = self.peaks.as_ref().map_or(walker, |peaks| walker.with_peaks(peaks));
-        let lanes = self.lanes.as_ref().map(|lanes| LaneWalker::new(walker, lanes, context.kernel));
+        let lanes = self.lanes.as_ref().map(|lanes| SimdTraversal::new(walker, lanes, context.kernel));
         let heights = Heights { patch, walker, lanes, alpha: patch.alpha(alpha) };
         match (&context.plan.start_sampler, &self.index) {
             (StartSampler::BySlope, Some(index)) => PatchSampler::BySlope(heights, index),
@@ -108,20 +110,20 @@ impl PatchSampler<'_> {
         let PatchSampler::BySlope(heights, _) = self else { return 1 };
         let close = heights.patch.window.cells() as u64 / CELLS_PER_START / plan.block_starts;
         let shared = blocks / (WORK_PER_THREAD * rayon::current_num_threads());
-        (close as usize).min(shared).clamp(1, Together::MOST_BLOCKS)
+        (close as usize).min(shared).clamp(1, BatchedStarts::MOST_BLOCKS)
     }
 }
 
 impl Heights<'_> {
     /// The patch as it lies on the stage for a block.
-    pub fn sample(&self, arms: &BlockArms) -> Sample<'_> {
-        Sample { walker: self.walker, alpha: self.alpha, image: arms.image }
+    pub fn sample(&self, arms: &BlockArms) -> TracedPatch<'_> {
+        TracedPatch { walker: self.walker, alpha: self.alpha, image: arms.image }
     }
 
     /// The fraction of a block's incident flux that one of its samples carries: about that of a block whose samples lie
     /// on all facets, which is the projected area over light.z x cells x samples. Any fraction is unbiased, as long as
     /// steps are of that size; it is the same for all blocks of an incidence.
-    fn flux_fraction(&self, index: &FacetIndex, arms: &BlockArms, plan: &Plan) -> f64 {
+    fn flux_fraction(&self, index: &SlopeIndex, arms: &BlockArms, plan: &Plan) -> f64 {
         let light = self.sample(arms).to_field(arms.wi);
         index.turned_about(light) / (light.z * self.patch.window.cells() as f64 * plan.block_starts as f64)
     }

@@ -6,16 +6,16 @@ use serde::{Deserialize, Serialize};
 
 use super::accumulate::tally::Tally;
 use super::accumulate::tally_flux::TallyFlux;
-use super::persist::finished_blocks::Blocks;
+use super::persist::finished_blocks::FinishedBlocks;
 use super::plan::Plan;
-use super::stopping::{self, Progress, StoppedBy, relative_error};
+use super::stopping::{self, StopProgress, StoppedBy, relative_error};
 use crate::campaign::{Alpha, Campaign};
 use crate::error::Error;
 
 /// One table for each roughness.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Tables {
-    tables: Vec<Table>,
+    tables: Vec<TableRun>,
     /// Blocks of every realisation after the last round that is over.
     judged: u64,
     /// Finished blocks of all stops, realisations and tables.
@@ -25,13 +25,13 @@ pub(crate) struct Tables {
 
 /// The table of one roughness.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct Table {
+pub(crate) struct TableRun {
     /// Known from the campaign.
     #[serde(skip)]
     pub alpha: Option<Alpha>,
     /// [realisation][stop].
     sums: Vec<Vec<Sum>>,
-    stops: Vec<Progress>,
+    stops: Vec<StopProgress>,
     /// The stops that are measured here: all of them, but in a shard. Known from the plan.
     #[serde(skip)]
     measured: Vec<usize>,
@@ -40,33 +40,33 @@ pub(crate) struct Table {
 /// What one stop and realisation has.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Sum {
-    done: Blocks,
+    done: FinishedBlocks,
     /// The sums of these blocks; `None` before the first.
     tally: Option<Box<Tally>>,
 }
 
 /// A table that goes no further.
-pub(crate) struct Finished {
+pub(crate) struct FinishedTable {
     pub alpha: Option<Alpha>,
     /// [realisation][stop].
     sums: Vec<Vec<Sum>>,
     /// What ended each stop.
-    pub stops: Vec<Progress>,
+    pub stops: Vec<StopProgress>,
 }
 
 impl Tables {
     pub fn new(campaign: &Campaign, plan: &Plan) -> Self {
-        let table = |alpha| Table {
+        let table = |alpha| TableRun {
             alpha,
             sums: vec![vec![Sum::default(); plan.stops]; plan.realisations as usize],
-            stops: vec![Progress::default(); plan.stops],
+            stops: vec![StopProgress::default(); plan.stops],
             measured: plan.measured.clone(),
         };
         Tables { tables: campaign.alphas().into_iter().map(table).collect(), judged: 0, done: 0 }
     }
 
     /// The table number `index`.
-    pub fn table(&self, index: usize) -> &Table {
+    pub fn table(&self, index: usize) -> &TableRun {
         &self.tables[index]
     }
 
@@ -106,7 +106,7 @@ impl Tables {
 
     /// Whether a realisation misses any of these blocks at a stop that goes on.
     pub fn misses(&self, realisation: u64, blocks: &Range<u64>) -> bool {
-        let misses = |table: &Table| {
+        let misses = |table: &TableRun| {
             table.open_stops().any(|stop| !table.missing(realisation, stop, blocks).is_empty())
         };
         self.tables.iter().any(misses)
@@ -226,7 +226,7 @@ impl Tables {
     pub fn take(&mut self, other: Tables, places: &[(usize, usize)]) -> Result<(), String> {
         for (mine, mut theirs) in self.tables.iter_mut().zip(other.tables) {
             for &(stop, place) in places {
-                let Progress { blocks, by, .. } = theirs.stops[stop];
+                let StopProgress { blocks, by, .. } = theirs.stops[stop];
                 let ended = by.is_some() && theirs.sums.iter().all(|sums| sums[stop].done.count() == blocks);
                 if !ended || blocks == 0 || mine.sums.len() != theirs.sums.len() {
                     return Err(format!("stop {stop} is not measured to its end"));
@@ -248,13 +248,13 @@ impl Tables {
     }
 
     /// Every table.
-    pub fn finished(self) -> Vec<Finished> {
-        let finished = |Table { alpha, sums, stops, .. }: Table| Finished { alpha, sums, stops };
+    pub fn finished(self) -> Vec<FinishedTable> {
+        let finished = |TableRun { alpha, sums, stops, .. }: TableRun| FinishedTable { alpha, sums, stops };
         self.tables.into_iter().map(finished).collect()
     }
 }
 
-impl Finished {
+impl FinishedTable {
     /// The flux of every realisation and stop: \[realisation\]\[stop\].
     pub fn flux(&self) -> Vec<Vec<TallyFlux<'_>>> {
         self.sums.iter().map(|sums| sums.iter().filter_map(Sum::flux).collect()).collect()
@@ -278,7 +278,7 @@ impl Sum {
     }
 }
 
-impl Table {
+impl TableRun {
     /// The stops that go on.
     pub fn open_stops(&self) -> impl Iterator<Item = usize> {
         self.measured.iter().copied().filter(|&stop| self.stops[stop].by.is_none())

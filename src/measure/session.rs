@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::cost::{Cost, cpu_seconds};
 use super::persist::checkpoint::Checkpoint;
-use super::persist::run_state::Ledger;
+use super::persist::run_state::RunState;
 use super::plan::Plan;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -54,7 +54,7 @@ impl Pace {
 }
 
 /// Who ends the process for a run that does not do so in time.
-pub trait Ending: Sync {
+pub trait ProcessEnd: Sync {
     /// From now on the run keeps its finished blocks itself: nobody else is to end the process.
     fn hold(&self);
     /// Ends the process with this error: all finished blocks are kept, and nothing else is worth being waited for.
@@ -76,7 +76,7 @@ pub struct Session<'a> {
     /// How often.
     pub pace: Pace,
     /// Who ends the process; without one the run ends by itself, in its own time.
-    pub ending: Option<&'a dyn Ending>,
+    pub ending: Option<&'a dyn ProcessEnd>,
 }
 
 /// Never set.
@@ -102,7 +102,7 @@ impl<'a> Session<'a> {
 }
 
 /// What a run says that was ended, of all that it has measured.
-pub(super) fn interrupted(ledger: &Ledger, plan: &Plan) -> Error {
+pub(super) fn interrupted(ledger: &RunState, plan: &Plan) -> Error {
     let of = plan.band.map_or(String::new(), |band| format!(" of band {band}"));
     Error::Interrupted(format!("after {:.1} % of the samples{of}", ledger.percent(plan)))
 }
@@ -112,7 +112,7 @@ pub(super) struct Keeper<'a> {
     pub session: &'a Session<'a>,
     pub campaign: &'a Campaign,
     pub plan: &'a Plan,
-    pub ledger: &'a Mutex<Ledger>,
+    pub ledger: &'a Mutex<RunState>,
     /// What the run has cost up to now.
     pub cost: &'a (dyn Fn() -> Cost + Sync),
 }
@@ -167,7 +167,7 @@ impl Keeper<'_> {
     }
 
     /// Keeps what is finished, and ends the process in the middle of everything else.
-    fn leave(&self, ending: &dyn Ending, checkpoint: &Checkpoint, last: &mut Last) -> Result<()> {
+    fn leave(&self, ending: &dyn ProcessEnd, checkpoint: &Checkpoint, last: &mut Last) -> Result<()> {
         let kept = if self.is_new(last) { self.write(checkpoint, last) } else { Ok(()) };
         ending.leave(kept.err().unwrap_or_else(|| interrupted(&locked(self.ledger), self.plan)));
         Ok(())

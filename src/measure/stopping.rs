@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::accumulate::fresnel_sums::Weighing;
+use super::accumulate::fresnel_sums::FresnelSums;
 use super::accumulate::tally_flux::TallyFlux;
 use crate::campaign::Stop;
 use crate::stats;
@@ -55,7 +55,7 @@ pub fn is_looked_at(blocks: u64, planned: u64) -> bool {
 /// `sizes` are the bins' projected solid angles. Several materials count together: the pass ends when all have enough
 /// light.
 /// Held by: `the_relative_error_is_that_of_the_bright_bins`.
-pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], weighing: &Weighing) -> Option<f64> {
+pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], weighing: &FresnelSums) -> Option<f64> {
     let mut errors = Vec::new();
     for colour in weighing.all_colours() {
         let of = |bin: usize, size: f64| {
@@ -74,7 +74,7 @@ pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], weighing: &Weig
 
 /// One stop on its way to the end.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Progress {
+pub struct StopProgress {
     /// Blocks measured in each realisation.
     pub blocks: u64,
     /// What ended it.
@@ -98,7 +98,7 @@ pub struct Look {
     pub relative_error: f64,
 }
 
-impl Progress {
+impl StopProgress {
     /// After `blocks` blocks of `realisations` patches the relative error is `error`, `wanted` was asked for.
     ///
     /// The stop ends where it is small enough, and at the knee: where halving the noise again would gain less than
@@ -124,7 +124,7 @@ impl Progress {
     }
 }
 
-impl Progress {
+impl StopProgress {
     /// Takes back what was decided after more than `blocks` blocks, or because they were all.
     pub(super) fn rewind(&mut self, blocks: u64) {
         self.looks.retain(|look| look.blocks <= blocks);
@@ -169,7 +169,7 @@ mod tests {
         let text = "name = \"bright\"\nseed = 1\n[surface]\nrealisations = 2\n[surface.mirror]\n[light]\n\
                     theta_i_deg = [0]\nphi_i_deg = [0]\n[sensor.hemisphere]\n[stop]\nsamples = 1\n";
         let campaign = campaign::parse(text, "bright", Path::new("")).expect("a campaign").campaign;
-        let weighing = Weighing::of(&campaign);
+        let weighing = FresnelSums::of(&campaign);
         let tally =
             |flux: [f64; 3]| Tally { single: flux.map(to_units).to_vec(), ..Tally::new(3, &weighing) };
         let tallies = [tally([0.4, 0.2, 0.001]), tally([0.6, 0.2, 0.002])];
@@ -181,8 +181,8 @@ mod tests {
     }
 
     /// Looks at a stop of 16 patches after 1, 2, 4, ... blocks whose squared error is a/n + p2.
-    fn looked_at(a: f64, p2: f64, wanted: f64, looks: u32) -> Progress {
-        let mut stop = Progress::default();
+    fn looked_at(a: f64, p2: f64, wanted: f64, looks: u32) -> StopProgress {
+        let mut stop = StopProgress::default();
         for blocks in (0..looks).map(|k| 1u64 << k) {
             stop.judge(blocks, Some((a / blocks as f64 + p2).sqrt()), wanted, 16);
             if stop.by.is_some() {

@@ -168,9 +168,9 @@ pub fn card_of(heading: &BrdfTable, digest: &str, facts: Facts, summary: &Value)
     lines.join("\n") + "\n"
 }
 
-type Row = (&'static str, String);
+type CardRow = (&'static str, String);
 
-fn said_of(table: &BrdfTable, digest: &str, colours: &str) -> Vec<Row> {
+fn said_of(table: &BrdfTable, digest: &str, colours: &str) -> Vec<CardRow> {
     let (stops, bins) = (table.grid.stops(), table.grid.bins());
     let mut rows = vec![
         ("what", "BRDF without cosine, 1/sr, mean over each bin, with standard errors and hits".into()),
@@ -187,7 +187,7 @@ fn said_of(table: &BrdfTable, digest: &str, colours: &str) -> Vec<Row> {
 }
 
 /// What only the summary knows: samples, cost.
-fn summarised(summary: &Value) -> Vec<Row> {
+fn summarised(summary: &Value) -> Vec<CardRow> {
     let mut rows = Vec::new();
     let plan = &summary["plan"];
     if let (Some(samples), Some(realisations)) = (plan["samples"].as_u64(), plan["realisations"].as_u64()) {
@@ -207,7 +207,7 @@ fn summarised(summary: &Value) -> Vec<Row> {
     rows
 }
 
-fn goodness(table: &BrdfTable, quality: Option<Quality>, summary: &Value) -> Vec<Row> {
+fn goodness(table: &BrdfTable, quality: Option<Quality>, summary: &Value) -> Vec<CardRow> {
     let mut rows = Vec::new();
     if let Some(Quality { median, worst: (stop, worst), bins: (counted, all) }) = quality {
         rows.push((

@@ -8,7 +8,7 @@
 
 use serde::Serialize;
 
-use crate::fit::{Data, pilot::pilot};
+use crate::fit::{FitData, pilot::pilot};
 use crate::instrument::Region;
 use crate::sphere;
 
@@ -19,7 +19,7 @@ const OF_THE_GRID: u32 = 4;
 
 /// One harmonic of the azimuth.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Harmonic {
+pub struct AzimuthHarmonic {
     /// m: how often it repeats over a turn.
     pub order: u32,
     /// |mean z|: 0 for an isotropic law, but for noise.
@@ -35,16 +35,16 @@ pub struct Harmonic {
 }
 
 /// All harmonics of a measured turn; `on_a_grid` says that the surface is random heights on a square grid.
-pub(super) fn harmonics(data: &Data, on_a_grid: bool) -> Vec<Harmonic> {
+pub(super) fn harmonics(data: &FitData, on_a_grid: bool) -> Vec<AzimuthHarmonic> {
     let median = pilot(data).log_alpha.exp();
-    let of = |&order: &u32| Harmonic {
+    let of = |&order: &u32| AzimuthHarmonic {
         counts: !(on_a_grid && order == OF_THE_GRID),
         ..harmonic(data, median, order)
     };
     ORDERS.iter().map(of).collect()
 }
 
-fn harmonic(data: &Data, median: f64, order: u32) -> Harmonic {
+fn harmonic(data: &FitData, median: f64, order: u32) -> AzimuthHarmonic {
     let kernel = kernel(data, median, order);
     let entries =
         || (0..data.size.len()).flat_map(|entry| (0..data.value.len()).map(move |colour| (entry, colour)));
@@ -62,7 +62,7 @@ fn harmonic(data: &Data, median: f64, order: u32) -> Harmonic {
     let mean = [0, 1].map(|k| all.iter().map(|z| z[k]).sum::<f64>() / count);
     let scatter: f64 = all.iter().map(|z| (z[0] - mean[0]).powi(2) + (z[1] - mean[1]).powi(2)).sum();
     let phase = -mean[1].atan2(mean[0]) / f64::from(order);
-    Harmonic {
+    AzimuthHarmonic {
         order,
         amplitude: mean[0].hypot(mean[1]),
         amplitude_se: (all.len() > 1).then(|| (0.5 * scatter / (count * (count - 1.0))).sqrt()),
@@ -73,7 +73,7 @@ fn harmonic(data: &Data, median: f64, order: u32) -> Harmonic {
 }
 
 /// w K_m(r) (cos m phi_h, -sin m phi_h) of every entry, the half vector taken at the bin's centre.
-fn kernel(data: &Data, median: f64, order: u32) -> Vec<[f64; 2]> {
+fn kernel(data: &FitData, median: f64, order: u32) -> Vec<[f64; 2]> {
     let grid = &data.grid;
     let mut kernel = Vec::with_capacity(data.size.len());
     for stop in 0..grid.stops() {

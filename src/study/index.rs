@@ -6,7 +6,7 @@
 use serde::Serialize;
 
 use super::jackknife_se;
-use crate::fit::Data;
+use crate::fit::FitData;
 
 /// The index of all stops with one theta_i.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -33,7 +33,7 @@ pub struct Worst {
 }
 
 /// The index of a whole study.
-pub(super) struct Index {
+pub(super) struct IndexOfStudy {
     /// Of all stops.
     pub value: f64,
     /// Standard error.
@@ -52,7 +52,7 @@ struct Turned {
     mean_square: f64,
 }
 
-pub(super) fn index(data: &Data) -> Index {
+pub(super) fn index(data: &FitData) -> IndexOfStudy {
     let (bins, turns) = (data.grid.bins(), data.grid.phi_i_deg.len());
     let count = data.parts.len();
     let mut all = vec![0.0; count + 1];
@@ -80,7 +80,7 @@ pub(super) fn index(data: &Data) -> Index {
         flux += here_flux;
     }
     let (value, se) = root(&all, flux);
-    Index { value, se, stops, worst: worst.map(|(_, worst)| worst) }
+    IndexOfStudy { value, se, stops, worst: worst.map(|(_, worst)| worst) }
 }
 
 /// The index and its error from the squares with all realisations and without each. Near 0 the error of the square
@@ -96,7 +96,7 @@ fn root(squares: &[f64], flux: f64) -> (f64, Option<f64>) {
 }
 
 /// The sums of one bin; with one realisation the noise stays in.
-fn turned(data: &Data, colour: usize, entries: impl Iterator<Item = usize> + Clone) -> Turned {
+fn turned(data: &FitData, colour: usize, entries: impl Iterator<Item = usize> + Clone) -> Turned {
     let turns = entries.clone().count() as f64;
     let count = data.parts.len();
     let middle = |values: &[f64]| entries.clone().map(|entry| values[entry]).sum::<f64>() / turns;
@@ -122,7 +122,7 @@ fn turned(data: &Data, colour: usize, entries: impl Iterator<Item = usize> + Clo
 }
 
 /// (theta_r, phi_r) of a bin's centre in degrees.
-fn centre(data: &Data, bin: usize) -> (f64, f64) {
+fn centre(data: &FitData, bin: usize) -> (f64, f64) {
     let grid = &data.grid;
     let middle = |edges: &[f64], k: usize| 0.5 * (edges[k] + edges[k + 1]);
     if grid.theta_r_edges_deg.is_empty() {

@@ -8,14 +8,14 @@ mod harmonics;
 mod index;
 pub mod turned;
 
-pub use harmonics::{Harmonic, hotelling_p};
+pub use harmonics::{AzimuthHarmonic, hotelling_p};
 pub use index::{StopIndex, Worst};
 pub use turned::turned;
 
 use serde::Serialize;
 
 use crate::campaign::{SmithNdf, SurfaceKind};
-use crate::fit::{self, Data, Law};
+use crate::fit::{self, FitData, FitLaw};
 use crate::measure::Measured;
 use crate::stats;
 use crate::theory::{Masking, Ndf};
@@ -56,7 +56,7 @@ pub struct Study {
     /// Turns of the sample.
     pub turns: usize,
     /// Harmonics of the half vector's azimuth, orders 1 to 4; p_value is of those that count.
-    pub harmonics: Vec<Harmonic>,
+    pub harmonics: Vec<AzimuthHarmonic>,
     /// The index of each theta_i.
     pub stops: Vec<StopIndex>,
     /// Where the isotropic assumption costs most.
@@ -106,12 +106,12 @@ pub fn examine_isotropy(measured: &Measured) -> Study {
     }
 }
 
-fn data_of(measured: &Measured) -> Data {
-    Data::new(&measured.table, Some(&measured.campaign), Some(&measured.realisations))
+fn data_of(measured: &Measured) -> FitData {
+    FitData::new(&measured.table, Some(&measured.campaign), Some(&measured.realisations))
 }
 
 /// The p of the smallest of those that count: 1 - (1 - p)^n (Sidak), exact for independent tests and near it otherwise.
-fn joint(harmonics: &[Harmonic]) -> Option<f64> {
+fn joint(harmonics: &[AzimuthHarmonic]) -> Option<f64> {
     let counted = harmonics.iter().filter(|harmonic| harmonic.counts);
     let all = counted.map(|harmonic| harmonic.p_value).collect::<Option<Vec<f64>>>()?;
     let smallest = all.iter().copied().reduce(f64::min)?;
@@ -120,7 +120,7 @@ fn joint(harmonics: &[Harmonic]) -> Option<f64> {
 
 /// Models of the campaign's law, or of both where it has none; nothing for a mirror. Two roughnesses only where isotropy
 /// does not stand: axes that are chosen to make the most of the noise always lie apart.
-fn laws(measured: &Measured, anisotropic: bool) -> Vec<Law> {
+fn laws(measured: &Measured, anisotropic: bool) -> Vec<FitLaw> {
     let ndfs = match &measured.campaign.surface.kind {
         SurfaceKind::Ggx(_) => vec![Ndf::Ggx],
         SurfaceKind::Beckmann { .. } => vec![Ndf::Beckmann],
@@ -132,9 +132,9 @@ fn laws(measured: &Measured, anisotropic: bool) -> Vec<Law> {
         SurfaceKind::Mirror => vec![],
     };
     let maskings = if measured.campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
-    let laws = ndfs
-        .into_iter()
-        .flat_map(|ndf| maskings.iter().map(move |&masking| Law::Microfacet { ndf, masking, anisotropic }));
+    let laws = ndfs.into_iter().flat_map(|ndf| {
+        maskings.iter().map(move |&masking| FitLaw::Microfacet { ndf, masking, anisotropic })
+    });
     laws.collect()
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::files::image::{Part, Samples};
+use crate::files::image::{ImagePart, Samples};
 use crate::instrument::Grid;
 use crate::instrument::grid::GridKind;
 
@@ -117,7 +117,7 @@ pub(super) fn grid_text(grid: &Grid) -> Reason<String> {
 }
 
 /// The grid that a part carries; its size must be the part's.
-pub(super) fn read_grid(part: &Part) -> Reason<Grid> {
+pub(super) fn read_grid(part: &ImagePart) -> Reason<Grid> {
     let text = part.text(GRID).ok_or_else(|| format!("no {GRID} attribute: not a table of this program"))?;
     let grid: Grid = serde_json::from_str(text).map_err(|e| format!("{GRID}: {e}"))?;
     let (stops, bins) = check_grid(&grid)?;
@@ -194,7 +194,7 @@ pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Reason<BTreeMap<St
 }
 
 /// Adds a FLOAT channel, which must fit the part and be finite.
-pub(super) fn insert(part: &mut Part, name: &str, values: &[f32]) -> Reason<()> {
+pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Reason<()> {
     let pixels = part.width * part.height;
     if values.len() != pixels {
         return Err(format!("channel `{name}` has {} values, {pixels} needed", values.len()));
@@ -205,7 +205,7 @@ pub(super) fn insert(part: &mut Part, name: &str, values: &[f32]) -> Reason<()> 
 }
 
 /// Takes a FLOAT channel out of a part, the first row of which is that of `first_stop`; its values must be finite.
-pub(super) fn take(part: &mut Part, name: &str, first_stop: usize) -> Reason<Vec<f32>> {
+pub(super) fn take(part: &mut ImagePart, name: &str, first_stop: usize) -> Reason<Vec<f32>> {
     match part.channels.remove(name) {
         Some(Samples::F32(values)) => check_finite(name, &values, part.width, first_stop).map(|()| values),
         Some(Samples::F16(_)) => Err(format!("channel `{name}` is HALF, FLOAT needed")),
@@ -228,7 +228,7 @@ fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> 
 pub(super) type ColourName = (String, Option<f64>);
 
 /// The colours that a part's channels speak of, wavelengths in their order.
-pub(super) fn colour_names(part: &Part) -> Reason<Vec<ColourName>> {
+pub(super) fn colour_names(part: &ImagePart) -> Reason<Vec<ColourName>> {
     let has = |name: &str| part.channels.contains_key(name);
     let plain = |names: &[&str]| names.iter().map(|name| (name.to_string(), None)).collect();
     let waves = part.channels.keys().filter_map(|name| Some((name.clone(), named_wavelength(name)?)));
@@ -256,13 +256,13 @@ pub(super) fn distinct_names(table: &BrdfTable) -> Reason<Vec<String>> {
 }
 
 /// Adds the sums of Schlick's formula.
-pub(super) fn insert_schlick(part: &mut Part, sums: Option<&SchlickSums>, by_order: bool) -> Reason<()> {
+pub(super) fn insert_schlick(part: &mut ImagePart, sums: Option<&SchlickSums>, by_order: bool) -> Reason<()> {
     let channels = sums.map(|sums| sums.channels(by_order)).unwrap_or_default();
     channels.into_iter().try_for_each(|(name, values)| insert(part, &name, values))
 }
 
 /// Takes the sums of Schlick's formula, where they are there.
-pub(super) fn take_schlick(part: &mut Part, first_stop: usize) -> Reason<Option<SchlickSums>> {
+pub(super) fn take_schlick(part: &mut ImagePart, first_stop: usize) -> Reason<Option<SchlickSums>> {
     SchlickSums::gathered(|name| match part.channels.contains_key(name) {
         true => take(part, name, first_stop).map(Some),
         false => Ok(None),
@@ -271,7 +271,7 @@ pub(super) fn take_schlick(part: &mut Part, first_stop: usize) -> Reason<Option<
 
 /// Sets the errors of albedos where there are any: every number as wide as the next, so that the length of the text is
 /// known before the numbers are.
-pub(super) fn set_albedo_errors(part: &mut Part, errors: &[Vec<f32>], stops: usize) {
+pub(super) fn set_albedo_errors(part: &mut ImagePart, errors: &[Vec<f32>], stops: usize) {
     if errors.iter().any(Vec::is_empty) {
         return;
     }
@@ -282,7 +282,7 @@ pub(super) fn set_albedo_errors(part: &mut Part, errors: &[Vec<f32>], stops: usi
 
 /// The errors of the albedos of each colour at some stops, empty where the part has none.
 pub(super) fn albedo_errors(
-    part: &Part,
+    part: &ImagePart,
     colours: usize,
     stops: &[usize],
     of: usize,
@@ -298,7 +298,7 @@ pub(super) fn albedo_errors(
 }
 
 /// The sums of a content that is at hand.
-pub(super) fn content_of(part: &Part) -> ContentDigest {
+pub(super) fn content_of(part: &ImagePart) -> ContentDigest {
     let mut content = ContentDigest::default();
     for (name, samples) in &part.channels {
         content.add_samples(name, samples);
@@ -309,7 +309,7 @@ pub(super) fn content_of(part: &Part) -> ContentDigest {
 /// Compares a part's digest with its content; a missing one is a warning.
 ///
 /// `origin` is the text that older digests held beside the grid: the patches' digest, or the table's.
-pub(super) fn check_digest(part: &Part, origin: &str, warnings: &mut Vec<String>) -> Reason<()> {
+pub(super) fn check_digest(part: &ImagePart, origin: &str, warnings: &mut Vec<String>) -> Reason<()> {
     match part.text(DIGEST) {
         None => {
             warnings.push(no_digest());
@@ -325,7 +325,12 @@ pub(super) fn no_digest() -> String {
 }
 
 /// The digest that is stored must be that of the content and of the part's texts.
-pub(super) fn same_digest(stored: &str, content: &ContentDigest, part: &Part, origin: &str) -> Reason<()> {
+pub(super) fn same_digest(
+    stored: &str,
+    content: &ContentDigest,
+    part: &ImagePart,
+    origin: &str,
+) -> Reason<()> {
     let found = content.finish(part);
     if stored == found {
         return Ok(());

@@ -10,16 +10,16 @@ use std::collections::BTreeMap;
 use sha2::{Digest, Sha256};
 
 use crate::files;
-use crate::files::image::{Attribute, Part, Samples};
+use crate::files::image::{Attribute, ImagePart, Samples};
 
 /// A digest under way.
 #[derive(Default)]
 pub(super) struct ContentDigest {
-    channels: BTreeMap<String, Channel>,
+    channels: BTreeMap<String, ChannelDigest>,
 }
 
 #[derive(Clone)]
-struct Channel {
+struct ChannelDigest {
     kind: &'static str,
     count: u64,
     sum: Sha256,
@@ -37,7 +37,7 @@ impl ContentDigest {
             Samples::F16(_) => ("HALF", 2),
         };
         if !self.channels.contains_key(name) {
-            self.channels.insert(name.into(), Channel { kind, count: 0, sum: Sha256::new() });
+            self.channels.insert(name.into(), ChannelDigest { kind, count: 0, sum: Sha256::new() });
         }
         if let Some(channel) = self.channels.get_mut(name) {
             channel.count += (bytes.len() / size) as u64;
@@ -64,7 +64,7 @@ impl ContentDigest {
     }
 
     /// 64 hex digits; the texts are those of `part`.
-    pub fn finish(&self, part: &Part) -> String {
+    pub fn finish(&self, part: &ImagePart) -> String {
         let texts = part.attributes.iter().filter_map(|(name, value)| match value {
             Attribute::Text(text) if name.starts_with("gonio.") && name != DIGEST => Some((name, text)),
             _ => None,
@@ -81,7 +81,7 @@ impl ContentDigest {
     fn of_head(&self, head: &str) -> String {
         let mut all = Sha256::new();
         all.update(head);
-        for (name, Channel { kind, count, sum }) in &self.channels {
+        for (name, ChannelDigest { kind, count, sum }) in &self.channels {
             all.update(format!("{name} {kind} {count} {}\n", files::hex(&sum.clone().finalize())));
         }
         files::hex(&all.finalize())
@@ -106,7 +106,7 @@ mod tests {
         let channel = files::sha256_hex(&bytes);
         let head = "gonio digest 3\ngonio.campaign 3\n\u{b5}\n\ngonio.grid 1\ng\n";
         let wanted = files::sha256_hex(format!("{head}Y FLOAT 3 {channel}\n").as_bytes());
-        let mut part = Part::default();
+        let mut part = ImagePart::default();
         for (name, text) in
             [("gonio.grid", "g"), ("gonio.campaign", "\u{b5}\n"), (DIGEST, "d"), ("owner", "o")]
         {

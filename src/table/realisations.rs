@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::files::NewFile;
-use crate::files::image::{self, Part};
+use crate::files::image::{self, ImagePart};
 use crate::instrument::Grid;
 
 use super::channels::{self, ColourName, DIGEST, GRID, Reason};
@@ -29,7 +29,7 @@ pub const GROUPS: usize = 16;
 
 /// What of the realisations is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kept {
+pub enum StoredRealisations {
     /// Every one.
     All,
     /// [`GROUPS`] means over consecutive ones.
@@ -86,12 +86,16 @@ pub fn channels_of(table: &BrdfTable) -> usize {
 }
 
 /// What can be stored within `limit` bytes, with so many channels in each part.
-pub fn kept(grid: &Grid, channels: usize, realisations: usize, limit: u64) -> Kept {
+pub fn kept(grid: &Grid, channels: usize, realisations: usize, limit: u64) -> StoredRealisations {
     if file_bytes(grid, channels, realisations) <= limit {
-        return Kept::All;
+        return StoredRealisations::All;
     }
     let grouping = realisations > GROUPS && realisations.is_multiple_of(GROUPS);
-    if grouping && file_bytes(grid, channels, GROUPS) <= limit { Kept::Groups } else { Kept::Nothing }
+    if grouping && file_bytes(grid, channels, GROUPS) <= limit {
+        StoredRealisations::Groups
+    } else {
+        StoredRealisations::Nothing
+    }
 }
 
 /// Means over consecutive realisations, `groups` of equal size, summed in f64.
@@ -149,7 +153,12 @@ pub fn encode_of(
 }
 
 /// Writes the realisations' file, whole or not at all, grouped or left out as `limit` bytes ask.
-pub fn save(path: &Path, realisations: &Realisations, table: &BrdfTable, limit: u64) -> Result<Kept> {
+pub fn save(
+    path: &Path,
+    realisations: &Realisations,
+    table: &BrdfTable,
+    limit: u64,
+) -> Result<StoredRealisations> {
     let (kept, file) = staged(path, realisations, table, limit)?;
     file.map_or(Ok(()), NewFile::commit)?;
     Ok(kept)
@@ -161,13 +170,13 @@ pub fn staged(
     realisations: &Realisations,
     table: &BrdfTable,
     limit: u64,
-) -> Result<(Kept, Option<NewFile>)> {
+) -> Result<(StoredRealisations, Option<NewFile>)> {
     let count = realisations.parts.len();
     let kept = kept(&table.grid, channels_of(table), count, limit);
     let bytes = match kept {
-        Kept::All => encode(realisations, table, 1)?,
-        Kept::Groups => encode(&grouped(realisations, GROUPS)?, table, count / GROUPS)?,
-        Kept::Nothing => return Ok((kept, None)),
+        StoredRealisations::All => encode(realisations, table, 1)?,
+        StoredRealisations::Groups => encode(&grouped(realisations, GROUPS)?, table, count / GROUPS)?,
+        StoredRealisations::Nothing => return Ok((kept, None)),
     };
     Ok((kept, Some(NewFile::with(path, &bytes)?)))
 }
@@ -193,13 +202,13 @@ fn to_part(
     table: &BrdfTable,
     table_digest: &str,
     group_size: usize,
-) -> Reason<Part> {
+) -> Reason<ImagePart> {
     let (height, width) = channels::check_grid(&table.grid)?;
     let names = table.colour_names();
     if values.total.len() != names.len() || values.single.len() != names.len() {
         return Err(format!("{} has other colours than the table", part_name(index)));
     }
-    let mut part = Part { name: Some(part_name(index)), width, height, ..Part::default() };
+    let mut part = ImagePart { name: Some(part_name(index)), width, height, ..ImagePart::default() };
     for (c, name) in names.iter().enumerate() {
         channels::insert(&mut part, name, &values.total[c])?;
         channels::insert(&mut part, &format!("single.{name}"), &values.single[c])?;
@@ -214,7 +223,7 @@ fn to_part(
     Ok(part)
 }
 
-fn from_parts(parts: Vec<Part>) -> Reason<RealisationsFile> {
+fn from_parts(parts: Vec<ImagePart>) -> Reason<RealisationsFile> {
     let first = parts.first().ok_or("no parts")?;
     let grid = channels::read_grid(first)?;
     let same =
@@ -244,7 +253,7 @@ fn from_parts(parts: Vec<Part>) -> Reason<RealisationsFile> {
     Ok(RealisationsFile { grid, table_digest, group_size, realisations, warnings })
 }
 
-fn take_part(part: &mut Part, names: &[ColourName]) -> Reason<RealisationPart> {
+fn take_part(part: &mut ImagePart, names: &[ColourName]) -> Reason<RealisationPart> {
     let mut values =
         RealisationPart { schlick: channels::take_schlick(part, 0)?, ..RealisationPart::default() };
     for (name, _) in names {
@@ -299,11 +308,11 @@ mod tests {
         let path = folder.path().join("t.realisations.exr");
         let (sixteen, all) = (file_bytes(&table.grid, 2, 16), file_bytes(&table.grid, 2, 48));
         let parts = realisations(48, 1);
-        assert_eq!(save(&path, &parts, &table, sixteen - 1).expect("saves"), Kept::Nothing);
+        assert_eq!(save(&path, &parts, &table, sixteen - 1).expect("saves"), StoredRealisations::Nothing);
         assert!(!path.exists());
-        assert_eq!(kept(&table.grid, 2, 40, all - 1), Kept::All);
-        assert_eq!(kept(&table.grid, 2, 50, all - 1), Kept::Nothing);
-        assert_eq!(save(&path, &parts, &table, all - 1).expect("saves"), Kept::Groups);
+        assert_eq!(kept(&table.grid, 2, 40, all - 1), StoredRealisations::All);
+        assert_eq!(kept(&table.grid, 2, 50, all - 1), StoredRealisations::Nothing);
+        assert_eq!(save(&path, &parts, &table, all - 1).expect("saves"), StoredRealisations::Groups);
         let file = load(&path).expect("loads");
         assert_eq!((file.realisations.parts.len(), file.group_size), (16, 3));
         let mean: f64 = (3..6).map(|k| f64::from(parts.parts[k].single[0][5])).sum::<f64>() / 3.0;

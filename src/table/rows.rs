@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::files;
-use crate::files::image::{self, Part};
-use crate::files::image_blocks::Blocks;
+use crate::files::image::{self, ImagePart};
+use crate::files::image_blocks::BlockReader;
 use crate::instrument::Grid;
 
 use super::channels::{self, ColourName, DIGEST};
@@ -20,9 +20,9 @@ use super::{BrdfTable, store};
 /// An open table.
 pub struct TableRows {
     path: PathBuf,
-    blocks: Blocks<BufReader<File>>,
+    blocks: BlockReader<BufReader<File>>,
     /// Channels that are a table's, without values.
-    outline: Part,
+    outline: ImagePart,
     empty: BrdfTable,
     names: Vec<ColourName>,
     warnings: Vec<String>,
@@ -32,12 +32,13 @@ impl TableRows {
     /// Reads the heading of a table's file.
     pub fn open(path: &Path) -> Result<Self> {
         let wrong = |why: String| Error::format(path, why);
-        let blocks = Blocks::open(BufReader::new(files::open(path)?)).map_err(wrong)?;
+        let blocks = BlockReader::open(BufReader::new(files::open(path)?)).map_err(wrong)?;
         let [outline] = blocks.outlines() else {
             return Err(store::several(path, blocks.outlines().len()));
         };
         let mut outline = outline.clone();
-        let store::Heading { empty, names, mut warnings } = store::heading(&mut outline).map_err(wrong)?;
+        let store::TableHeader { empty, names, mut warnings } =
+            store::heading(&mut outline).map_err(wrong)?;
         if outline.text(DIGEST).is_none() {
             warnings.push(channels::no_digest());
         }
@@ -125,7 +126,7 @@ impl TableRows {
         let grid =
             if whole { Some(self.grid().clone()) } else { self.grid().of_stops(stops.iter().copied()) };
         let grid = grid.ok_or("half/difference angles are not read by rows")?;
-        let mut part = Part { height: stops.len(), ..self.outline.clone() };
+        let mut part = ImagePart { height: stops.len(), ..self.outline.clone() };
         image::reserve(&mut part)?;
         let rows = self.blocks.rows(0);
         for wanted in stops.chunk_by(|a, b| a / rows == b / rows) {

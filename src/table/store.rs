@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 use crate::files::NewFile;
-use crate::files::image::{self, Part, Samples};
+use crate::files::image::{self, ImagePart, Samples};
 use crate::instrument::Grid;
 
 use super::channels::{self, ColourName, DIGEST, GRID, Plane, Reason};
@@ -88,9 +88,9 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Loaded> {
     from_parts(path, image::decode(bytes).map_err(|why| Error::format(path, why))?)
 }
 
-fn from_parts(path: &Path, parts: Vec<Part>) -> Result<Loaded> {
+fn from_parts(path: &Path, parts: Vec<ImagePart>) -> Result<Loaded> {
     let count = parts.len();
-    match <[Part; 1]>::try_from(parts) {
+    match <[ImagePart; 1]>::try_from(parts) {
         Ok([part]) => from_part(part).map_err(|why| Error::format(path, why)),
         Err(_) => Err(several(path, count)),
     }
@@ -101,8 +101,8 @@ pub(super) fn several(path: &Path, parts: usize) -> Error {
     Error::format(path, format!("a table has one part, this file has {parts}"))
 }
 
-fn from_part(mut part: Part) -> Reason<Loaded> {
-    let Heading { empty, names, mut warnings } = heading(&mut part)?;
+fn from_part(mut part: ImagePart) -> Reason<Loaded> {
+    let TableHeader { empty, names, mut warnings } = heading(&mut part)?;
     channels::check_digest(&part, &empty.patch_digest, &mut warnings)?;
     let stops: Vec<usize> = (0..part.height).collect();
     let table = filled(empty, &mut part, &names, (&stops, stops.len()))?;
@@ -110,7 +110,7 @@ fn from_part(mut part: Part) -> Reason<Loaded> {
 }
 
 /// What a part says besides its values.
-pub(super) struct Heading {
+pub(super) struct TableHeader {
     /// The table without its channels.
     pub empty: BrdfTable,
     /// Its colours.
@@ -120,7 +120,7 @@ pub(super) struct Heading {
 }
 
 /// Reads what a part says besides its values; channels that are none of a table's are taken out of it.
-pub(super) fn heading(part: &mut Part) -> Reason<Heading> {
+pub(super) fn heading(part: &mut ImagePart) -> Reason<TableHeader> {
     let mut warnings = Vec::new();
     let grid = channels::read_grid(part)?;
     let seed = read_seed(part, &mut warnings)?;
@@ -140,13 +140,13 @@ pub(super) fn heading(part: &mut Part) -> Reason<Heading> {
     drop_unknown(part, &names, &mut warnings);
     let (colours, hits, schlick) = (Vec::new(), Vec::new(), None);
     let empty = BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick };
-    Ok(Heading { empty, names, warnings })
+    Ok(TableHeader { empty, names, warnings })
 }
 
 /// The table with the channels of `part`, whose rows are those of some `stops`, of so many in the file.
 pub(super) fn filled(
     empty: BrdfTable,
-    part: &mut Part,
+    part: &mut ImagePart,
     names: &[ColourName],
     (stops, of): (&[usize], usize),
 ) -> Reason<BrdfTable> {
@@ -166,9 +166,9 @@ pub(super) fn filled(
 }
 
 /// The heading of a table's file: all but the values, the digest yet to be filled in.
-pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, Plane>) -> Reason<Part> {
+pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, Plane>) -> Reason<ImagePart> {
     let (height, width) = channels::check_grid(grid)?;
-    let mut part = Part { width, height, ..Part::default() };
+    let mut part = ImagePart { width, height, ..ImagePart::default() };
     part.channels = planes.iter().map(|(name, plane)| (name.clone(), plane.kind())).collect();
     part.set_text(DIGEST, &"0".repeat(64));
     part.set_text(GRID, &channels::grid_text(grid)?);
@@ -182,7 +182,7 @@ pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, 
     Ok(part)
 }
 
-fn read_seed(part: &Part, warnings: &mut Vec<String>) -> Reason<u64> {
+fn read_seed(part: &ImagePart, warnings: &mut Vec<String>) -> Reason<u64> {
     let Some(text) = part.text(SEED) else {
         warnings.push(format!("no {SEED} attribute; 0 is taken"));
         return Ok(0);
@@ -190,7 +190,11 @@ fn read_seed(part: &Part, warnings: &mut Vec<String>) -> Reason<u64> {
     text.parse().map_err(|_| format!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))
 }
 
-fn take_colour(part: &mut Part, (name, wavelength_nm): &ColourName, first: usize) -> Reason<ColourChannels> {
+fn take_colour(
+    part: &mut ImagePart,
+    (name, wavelength_nm): &ColourName,
+    first: usize,
+) -> Reason<ColourChannels> {
     let mut orders = Vec::new();
     for order in 2.. {
         let channel = format!("order{order}.{name}");
@@ -217,7 +221,7 @@ fn take_colour(part: &mut Part, (name, wavelength_nm): &ColourName, first: usize
 }
 
 /// Takes out channels that are none of a table's.
-fn drop_unknown(part: &mut Part, colours: &[ColourName], warnings: &mut Vec<String>) {
+fn drop_unknown(part: &mut ImagePart, colours: &[ColourName], warnings: &mut Vec<String>) {
     let of_colour = |name: &str| colours.iter().any(|(colour, _)| colour == name);
     let number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
     let order = |text: &str| text.strip_prefix("order").is_some_and(number);
@@ -244,11 +248,11 @@ mod tests {
     use super::super::test_tables::{colour, table};
     use super::*;
 
-    fn to_part(table: &BrdfTable) -> Reason<Part> {
+    fn to_part(table: &BrdfTable) -> Reason<ImagePart> {
         image::decode(&encode(table).map_err(|e| e.to_string())?).map(|mut parts| parts.remove(0))
     }
 
-    fn reason(part: Part) -> String {
+    fn reason(part: ImagePart) -> String {
         from_part(part).expect_err("must be refused").clone()
     }
 

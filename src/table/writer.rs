@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::files::NewFile;
-use crate::files::image::Part;
+use crate::files::image::ImagePart;
 use crate::files::row_writer::RowWriter;
 use crate::instrument::Grid;
 
@@ -20,7 +20,7 @@ pub struct TableWriter<W> {
     rows: RowWriter<W>,
     content: ContentDigest,
     /// The texts.
-    outline: Part,
+    outline: ImagePart,
     patch_digest: String,
     /// Errors of the albedos by colour.
     albedo_se: Vec<Vec<f32>>,

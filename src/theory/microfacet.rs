@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::ndf::Ndf;
-use super::smith::{Masking, Side, visibility};
+use super::smith::{ArmSide, Masking, visibility};
 use crate::optics::{FacetAngle, Fresnel};
 use crate::sphere;
 
@@ -44,8 +44,8 @@ impl Microfacet {
     }
 
     /// An arm of the sample's frame as the masking sees it.
-    pub fn side(&self, w: DVec3) -> Side {
-        Side::new(self.ndf, w, self.alpha_x, self.alpha_y)
+    pub fn side(&self, w: DVec3) -> ArmSide {
+        ArmSide::new(self.ndf, w, self.alpha_x, self.alpha_y)
     }
 
     /// f(wi, wo) = D(h) G2 F(c)/(4 cos_i cos_o), without cosine.

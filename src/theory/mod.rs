@@ -14,5 +14,5 @@ pub mod v_cavity;
 
 pub use microfacet::Microfacet;
 pub use ndf::Ndf;
-pub use smith::{Masking, Side};
+pub use smith::{ArmSide, Masking};
 pub use v_cavity::{GrooveLobe, v_groove_lobes};

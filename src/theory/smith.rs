@@ -1,6 +1,6 @@
 //! Smith's masking: Lambda, G1, and four ways to join the two arms into G2 and V = G2/(4 cos_i cos_o).
 //!
-//! Enters: an arm as a `Side`: its cosine, its *projected* Lambda (cos times Lambda, finite at the horizon) and
+//! Enters: an arm as a `ArmSide`: its cosine, its *projected* Lambda (cos times Lambda, finite at the horizon) and
 //! its canonical azimuth. Leaves: numbers without cosines, or V, which stays finite when one arm grazes.
 //! Papers: Heitz 2014 (all of it); van Ginneken et al. 1998 (direction-correlated).
 
@@ -43,7 +43,7 @@ impl Masking {
 
 /// One arm as the masking sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Side {
+pub struct ArmSide {
     /// Cosine of the polar angle, >= 0.
     pub cos: f64,
     /// cos * Lambda, >= 0 and finite also at the horizon.
@@ -54,7 +54,7 @@ pub struct Side {
     y: f64,
 }
 
-impl Side {
+impl ArmSide {
     /// The arm `w` (unit vector, sample frame, w.z >= 0) over facets of the law `ndf`.
     pub fn new(ndf: Ndf, w: DVec3, alpha_x: f64, alpha_y: f64) -> Self {
         debug_assert!(w.z >= 0.0 && alpha_x > 0.0 && alpha_y > 0.0);
@@ -67,7 +67,7 @@ impl Side {
                 student_projected_lambda(w.z, s2, ndf.gamma(alpha_x * alpha_y))
             }
         };
-        Side { cos: w.z, projected_lambda, x, y }
+        ArmSide { cos: w.z, projected_lambda, x, y }
     }
 
     /// Smith's Lambda, [0, inf]; infinite at the horizon.
@@ -90,13 +90,13 @@ impl Side {
 }
 
 /// G1(wi) G1(wo), [0, 1]. Source: Heitz 2014, eq. 98. Held by: `every_reference_value_is_met`.
-pub fn g2_separable(i: &Side, o: &Side) -> f64 {
+pub fn g2_separable(i: &ArmSide, o: &ArmSide) -> f64 {
     i.g1() * o.g1()
 }
 
 /// 1/(1 + Li + Lo), [0, 1]; 0 where one arm is at the horizon. Source: Heitz 2014, eq. 99.
 /// Held by: `every_reference_value_is_met`.
-pub fn g2_correlated(i: &Side, o: &Side) -> f64 {
+pub fn g2_correlated(i: &ArmSide, o: &ArmSide) -> f64 {
     let cosines = i.cos * o.cos;
     cosines / (cosines + (o.cos * i.projected_lambda + i.cos * o.projected_lambda))
 }
@@ -105,13 +105,13 @@ pub fn g2_correlated(i: &Side, o: &Side) -> f64 {
 ///
 /// Equals G1 of the lower arm where the azimuths coincide, and tends to the height-correlated form far from there.
 /// Source: van Ginneken et al. 1998 as used in Heitz 2014. Held by: `coinciding_arms_mask_once`.
-pub fn g2_direction_correlated(i: &Side, o: &Side) -> f64 {
+pub fn g2_direction_correlated(i: &ArmSide, o: &ArmSide) -> f64 {
     4.0 * i.cos * o.cos * visibility(Masking::DirectionCorrelated, i, o)
 }
 
 /// lambda = 4.41 phi/(4.41 phi + 1), phi in [0, pi] the azimuth between the canonical directions
 /// (ax wi.x, ay wi.y) and (ax wo.x, ay wo.y), radians. 0 where an arm stands on the normal (there min(Li, Lo) = 0).
-fn direction_decorrelation(i: &Side, o: &Side) -> f64 {
+fn direction_decorrelation(i: &ArmSide, o: &ArmSide) -> f64 {
     let phi = (i.x * o.y - i.y * o.x).abs().atan2(i.x * o.x + i.y * o.y);
     let t = 4.41 * phi;
     t / (t + 1.0)
@@ -127,7 +127,7 @@ fn direction_decorrelation(i: &Side, o: &Side) -> f64 {
 /// - Swapping the arms gives the same bits.
 /// - Numerics: sums of positives; no quotient by a cosine of an arm alone, so the grazing limit needs no care.
 /// - Held by: `every_reference_value_is_met`, `visibility_is_finite_when_one_arm_grazes`.
-pub fn visibility(masking: Masking, i: &Side, o: &Side) -> f64 {
+pub fn visibility(masking: Masking, i: &ArmSide, o: &ArmSide) -> f64 {
     let cosines = i.cos * o.cos;
     let (a, b) = (o.cos * i.projected_lambda, i.cos * o.projected_lambda);
     let denominator = match masking {
@@ -269,7 +269,8 @@ mod tests {
             for alpha in [0.05, 0.3, 1.0] {
                 for theta_deg in [10.0, 45.0, 75.0, 89.0, 89.9] {
                     let w = direction_deg(theta_deg, 0.0);
-                    let seen = Side::new(ndf, w, alpha, alpha).g1() * projected_area(ndf, theta_deg, alpha);
+                    let seen =
+                        ArmSide::new(ndf, w, alpha, alpha).g1() * projected_area(ndf, theta_deg, alpha);
                     assert!((seen / w.z - 1.0).abs() < 1e-9, "{ndf:?} {alpha} {theta_deg}: {}", seen / w.z);
                 }
             }
@@ -279,8 +280,8 @@ mod tests {
     #[test]
     fn visibility_is_finite_when_one_arm_grazes() {
         for ndf in LAWS {
-            let graze = Side::new(ndf, DVec3::X, 0.1, 0.3);
-            let high = Side::new(ndf, direction_deg(30.0, 180.0), 0.1, 0.3);
+            let graze = ArmSide::new(ndf, DVec3::X, 0.1, 0.3);
+            let high = ArmSide::new(ndf, direction_deg(30.0, 180.0), 0.1, 0.3);
             for masking in &Masking::ALL[1..] {
                 let v = visibility(*masking, &graze, &high);
                 assert!(v.is_finite() && v > 0.0, "{ndf:?} {masking:?}");
@@ -299,7 +300,7 @@ mod tests {
     fn coinciding_arms_mask_once() {
         for ndf in LAWS {
             for theta_deg in [1e-6, 20.0, 70.0, 89.99] {
-                let side = Side::new(ndf, direction_deg(theta_deg, 33.0), 0.5, 0.2);
+                let side = ArmSide::new(ndf, direction_deg(theta_deg, 33.0), 0.5, 0.2);
                 // Three products and a quotient on each side.
                 let (both, one) = (g2_direction_correlated(&side, &side), side.g1());
                 assert!((both - one).abs() <= 8.0 * f64::EPSILON * one, "{ndf:?} {theta_deg}: {both} {one}");
@@ -313,8 +314,8 @@ mod tests {
         let room = 1.0 + 16.0 * f64::EPSILON;
         for ndf in LAWS {
             for (theta_i, theta_o, phi) in [(10.0, 80.0, 0.0), (60.0, 60.0, 90.0), (89.9, 30.0, 180.0)] {
-                let i = Side::new(ndf, direction_deg(theta_i, 0.0), 0.7, 0.3);
-                let o = Side::new(ndf, direction_deg(theta_o, phi), 0.7, 0.3);
+                let i = ArmSide::new(ndf, direction_deg(theta_i, 0.0), 0.7, 0.3);
+                let o = ArmSide::new(ndf, direction_deg(theta_o, phi), 0.7, 0.3);
                 let (direction, height) = (g2_direction_correlated(&i, &o), g2_correlated(&i, &o));
                 assert!(
                     g2_separable(&i, &o) <= height * room && height <= direction * room && direction <= room

@@ -7,16 +7,16 @@ use glam::DVec2;
 
 /// One of the eight symmetries of the square. As a matrix on field vectors: flips after swap.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Image {
+pub struct PatchSymmetry {
     swap: bool,
     flip_x: bool,
     flip_y: bool,
 }
 
-impl Image {
+impl PatchSymmetry {
     /// Image `index` in 0..8; 0 is the patch itself.
     pub fn nth(index: u64) -> Self {
-        Image { swap: index & 4 != 0, flip_x: index & 1 != 0, flip_y: index & 2 != 0 }
+        PatchSymmetry { swap: index & 4 != 0, flip_x: index & 1 != 0, flip_y: index & 2 != 0 }
     }
 
     /// A vector of the field as seen in the image.
@@ -45,9 +45,9 @@ mod tests {
     #[test]
     fn the_eight_images_differ_and_have_inverses() {
         let v = DVec2::new(1.0, 2.0);
-        let images: Vec<DVec2> = (0..8).map(|k| Image::nth(k).from_field(v)).collect();
+        let images: Vec<DVec2> = (0..8).map(|k| PatchSymmetry::nth(k).from_field(v)).collect();
         for (k, image) in images.iter().enumerate() {
-            assert_eq!(Image::nth(k as u64).to_field(*image), v);
+            assert_eq!(PatchSymmetry::nth(k as u64).to_field(*image), v);
             assert_eq!(images.iter().filter(|other| *other == image).count(), 1);
         }
     }

@@ -7,31 +7,31 @@
 //! Held by: `a_difference_is_read_without_bias`, `a_table_without_realisations_is_split`.
 
 use super::model_distance::FEWEST;
-use super::two_tables::Side;
+use super::two_tables::ComparedTable;
 use crate::rng::{self, Purpose, StreamId};
 use crate::table::Realisations;
 
 /// The place of a bin: in the tables at hand, and in the realisations, which have all stops.
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct ValueIndex {
     pub here: usize,
     pub stored: usize,
     pub colour: usize,
 }
 
 /// Two tables of which one at least has realisations.
-pub struct Differences<'a> {
-    sides: [Side<'a>; 2],
+pub struct BinDifferences<'a> {
+    sides: [ComparedTable<'a>; 2],
     parts: [Option<&'a Realisations>; 2],
     count: usize,
 }
 
-impl<'a> Differences<'a> {
+impl<'a> BinDifferences<'a> {
     /// `None` where neither has enough realisations.
-    pub fn new(a: Side<'a>, b: Side<'a>) -> Option<Self> {
+    pub fn new(a: ComparedTable<'a>, b: ComparedTable<'a>) -> Option<Self> {
         let parts = [a, b].map(|side| side.parts.filter(|parts| parts.parts.len() >= FEWEST));
         let count = parts.iter().flatten().map(|parts| parts.parts.len()).min()?;
-        Some(Differences { sides: [a, b], parts, count })
+        Some(BinDifferences { sides: [a, b], parts, count })
     }
 
     /// How many realisations.
@@ -40,12 +40,12 @@ impl<'a> Differences<'a> {
     }
 
     /// A - B in each; `None` where an error that is needed is not known.
-    pub fn at(&self, place: Place) -> Option<Vec<f64>> {
+    pub fn at(&self, place: ValueIndex) -> Option<Vec<f64>> {
         let (a, b) = (self.side(0, place)?, self.side(1, place)?);
         Some(a.iter().zip(b).map(|(a, b)| a - b).collect())
     }
 
-    fn side(&self, side: usize, Place { here, stored, colour }: Place) -> Option<Vec<f64>> {
+    fn side(&self, side: usize, ValueIndex { here, stored, colour }: ValueIndex) -> Option<Vec<f64>> {
         let Some(parts) = self.parts[side] else {
             let channels = &self.sides[side].table.colours[colour];
             let (value, se) = (f64::from(channels.total[here]), f64::from(channels.stderr[here]));

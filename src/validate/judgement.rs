@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 use super::compare::{Comparison, Figures};
 use super::expect::Bar;
 use super::laws::{Energy, Reciprocity};
-use super::seen::Seen;
+use super::seen::SeenLight;
 use crate::stats;
 
 /// Family level of the test of a table that is exact but for noise.
@@ -99,7 +99,7 @@ fn ruled(passes: bool) -> Ruling {
 }
 
 /// Light arrived, and none of it went where nothing is known of it.
-pub(super) fn light(seen: &Seen) -> Judgement {
+pub(super) fn light(seen: &SeenLight) -> Judgement {
     let (law, count) = (LIGHT, seen.stops);
     if seen.dark == count {
         let ruling = if seen.measured { Ruling::Failed } else { Ruling::NotJudged };

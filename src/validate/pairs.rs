@@ -24,7 +24,7 @@ const FEWEST_ARRIVALS: f64 = 64.0;
 const LARGEST_RATIO: f64 = 1.25;
 
 /// (stop, bin) with the arms one way and the other way round.
-struct Pair {
+struct ReciprocalPair {
     there: (usize, usize),
     back: (usize, usize),
 }
@@ -51,7 +51,7 @@ impl PairValues {
     /// The pairs of a table of all stops of `grid`, whose realisations have so many independent `facets`.
     pub fn new(grid: &Grid, exact: bool, facets: Option<f64>) -> Self {
         let pairs = pairs(grid);
-        let both = |(k, pair): (usize, &Pair)| {
+        let both = |(k, pair): (usize, &ReciprocalPair)| {
             [(pair.there.0, pair.there.1, 2 * k), (pair.back.0, pair.back.1, 2 * k + 1)]
         };
         let mut places: Vec<_> = pairs.iter().enumerate().flat_map(both).collect();
@@ -199,7 +199,7 @@ impl PairValues {
 }
 
 /// Pairs of stops whose directions the sensor sees from each other. In a 3-D table every column is such a pair.
-fn pairs(grid: &Grid) -> Vec<Pair> {
+fn pairs(grid: &Grid) -> Vec<ReciprocalPair> {
     let stops = grid.stops();
     let relative_3d = grid.phi_r_relative && grid.phi_i_deg.len() == 1 && grid.kind == GridKind::Hemisphere;
     // Columns beyond half a turn repeat the others mirrored.
@@ -219,11 +219,11 @@ fn pairs(grid: &Grid) -> Vec<Pair> {
                     let columns = grid.phi_r_edges_deg.len() - 1;
                     let (row_a, row_b) = (row_of(grid, a), row_of(grid, b));
                     let (there, back) = ((a, row_b * columns + column), (b, row_a * columns + column));
-                    pairs.push(Pair { there, back });
+                    pairs.push(ReciprocalPair { there, back });
                 } else if let (Some(there), Some(back)) =
                     (bin_of(grid, &sensor, a, b), bin_of(grid, &sensor, b, a))
                 {
-                    pairs.push(Pair { there: (a, there), back: (b, back) });
+                    pairs.push(ReciprocalPair { there: (a, there), back: (b, back) });
                 }
             }
         }

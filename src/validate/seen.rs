@@ -6,7 +6,7 @@ use crate::table::BrdfTable;
 
 /// What a table says of the light itself.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Seen {
+pub(super) struct SeenLight {
     /// Whether the table says how it was measured: an imported one does not.
     pub measured: bool,
     /// Stops so far.
@@ -22,7 +22,7 @@ pub(super) struct Seen {
 /// Lost light below this share of the incident flux is never the larger error.
 const NEGLIGIBLE: f64 = 1e-3;
 
-impl Seen {
+impl SeenLight {
     /// Takes further stops in.
     pub fn add(&mut self, band: &BrdfTable) {
         self.measured |= laws::is_measured(band);

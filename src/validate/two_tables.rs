@@ -10,7 +10,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::differences::{self as by_part, Place};
+use super::differences::{self as by_part, ValueIndex};
 use super::model_distance::{self, Estimate};
 use super::verdict::counted_bins;
 use crate::campaign::Campaign;
@@ -27,7 +27,7 @@ const MANY: usize = 1000;
 
 /// One of the two tables.
 #[derive(Debug, Clone, Copy)]
-pub struct Side<'a> {
+pub struct ComparedTable<'a> {
     /// The values.
     pub table: &'a BrdfTable,
     /// How it was measured; `None` for an imported table.
@@ -38,7 +38,7 @@ pub struct Side<'a> {
 
 /// How A differs from B.
 #[derive(Debug, Clone, Serialize)]
-pub struct Difference {
+pub struct TableDifference {
     /// `total`: all orders.
     pub scope: &'static str,
     /// Bins, of all stops and colours, that t was computed for; of two that mirror each other, one.
@@ -82,7 +82,7 @@ impl DifferenceFigures {
     }
 }
 
-impl Difference {
+impl TableDifference {
     /// What the tables differ by beyond their noise; `None` where noise explains it, or nothing differs.
     ///
     /// Where no bin has an error bar, any difference is one.
@@ -144,9 +144,9 @@ pub struct StopDifference {
 /// - Bins without hits in either table count in l1 and are left out of t's; a stderr of -1 anywhere makes the noise null.
 /// - Degrees of freedom by Welch and Satterthwaite, rounded down; realisations - 1 where the tables are paired.
 /// - Held by: `equal_laws_differ_by_their_noise_alone`, `the_measures_follow_their_definitions`.
-pub fn difference(a: Side, b: Side) -> Result<Difference, String> {
+pub fn difference(a: ComparedTable, b: ComparedTable) -> Result<TableDifference, String> {
     fits(a.table, b.table)?;
-    let mut found = Differences::default();
+    let mut found = DifferenceRun::default();
     found.add(a, b, 0);
     Ok(found.finish())
 }
@@ -160,18 +160,19 @@ pub fn difference_of_rows(
     campaigns: [Option<&Campaign>; 2],
     parts: [Option<&Realisations>; 2],
     bytes: u64,
-) -> crate::error::Result<Difference> {
+) -> crate::error::Result<TableDifference> {
     let wrong = |path: &Path, why: String| Error::format(path, why);
     fits(a.heading(), b.heading()).map_err(|why| wrong(b.path(), why))?;
     a.verify()?;
     b.verify()?;
-    let mut found = Differences::default();
+    let mut found = DifferenceRun::default();
     for stops in a.bands(bytes, a.row_bytes() + b.row_bytes()) {
         let first_stop = stops.start;
         let stops: Vec<usize> = stops.collect();
         let tables = [a.take(&stops)?, b.take(&stops)?];
         fits(&tables[0], &tables[1]).map_err(|why| wrong(b.path(), why))?;
-        let [a, b] = [0, 1].map(|k| Side { table: &tables[k], campaign: campaigns[k], parts: parts[k] });
+        let [a, b] =
+            [0, 1].map(|k| ComparedTable { table: &tables[k], campaign: campaigns[k], parts: parts[k] });
         found.add(a, b, first_stop);
     }
     Ok(found.finish())
@@ -179,30 +180,30 @@ pub fn difference_of_rows(
 
 /// A comparison under way: the stops come in their order, in bands.
 #[derive(Default)]
-struct Differences {
-    stops: Vec<((f64, f64), Sums)>,
+struct DifferenceRun {
+    stops: Vec<((f64, f64), DifferenceSums)>,
     paired: bool,
     most_dof: usize,
 }
 
-impl Differences {
-    fn add(&mut self, a: Side, b: Side, first_stop: usize) {
-        let pair = Pair::new(a, b, first_stop);
+impl DifferenceRun {
+    fn add(&mut self, a: ComparedTable, b: ComparedTable, first_stop: usize) {
+        let pair = ComparedPair::new(a, b, first_stop);
         let grid = &a.table.grid;
         self.stops.extend((0..grid.stops()).map(|stop| (grid.stop_deg(stop), pair.stop(stop))));
         (self.paired, self.most_dof) = (pair.paired.is_some(), pair.most_dof());
     }
 
-    fn finish(self) -> Difference {
-        let sums: Vec<&Sums> = self.stops.iter().map(|(_, sums)| sums).collect();
-        let whole = sums.iter().fold(Sums::default(), |all, stop| all.merged(stop));
-        let row = |((theta_i_deg, phi_i_deg), sums): &((f64, f64), Sums)| StopDifference {
+    fn finish(self) -> TableDifference {
+        let sums: Vec<&DifferenceSums> = self.stops.iter().map(|(_, sums)| sums).collect();
+        let whole = sums.iter().fold(DifferenceSums::default(), |all, stop| all.merged(stop));
+        let row = |((theta_i_deg, phi_i_deg), sums): &((f64, f64), DifferenceSums)| StopDifference {
             theta_i_deg: *theta_i_deg,
             phi_i_deg: *phi_i_deg,
             figures: sums.figures(),
         };
         let judged = (whole.bins > 0).then_some(whole.bins);
-        Difference {
+        TableDifference {
             scope: "total",
             bins: whole.bins,
             paired: self.paired,
@@ -214,7 +215,7 @@ impl Differences {
 }
 
 /// l1, its noise and what realisations add as means over the stops that have light; t's over all bins.
-fn mean_of_stops(whole: DifferenceFigures, stops: &[&Sums]) -> DifferenceFigures {
+fn mean_of_stops(whole: DifferenceFigures, stops: &[&DifferenceSums]) -> DifferenceFigures {
     let mean = |pick: fn(&DifferenceFigures) -> Option<f64>| {
         let values: Vec<f64> = stops.iter().filter_map(|stop| pick(&stop.figures())).collect();
         (!values.is_empty()).then(|| stats::mean(&values))
@@ -256,32 +257,35 @@ fn fits(a: &BrdfTable, b: &BrdfTable) -> Result<(), String> {
 }
 
 /// The realisations of both tables, where they were measured on the very same patches.
-pub(super) fn paired<'a>(a: &Side<'a>, b: &Side<'a>) -> Option<(&'a Realisations, &'a Realisations)> {
+pub(super) fn paired<'a>(
+    a: &ComparedTable<'a>,
+    b: &ComparedTable<'a>,
+) -> Option<(&'a Realisations, &'a Realisations)> {
     let same_patches = !a.table.patch_digest.is_empty() && a.table.patch_digest == b.table.patch_digest;
     let equal = |(a, b): &(&Realisations, &Realisations)| a.parts.len() == b.parts.len() && a.parts.len() > 1;
     a.parts.zip(b.parts).filter(|both| same_patches && equal(both))
 }
 
 /// Both tables with what their errors need.
-struct Pair<'a> {
-    a: Side<'a>,
-    b: Side<'a>,
+struct ComparedPair<'a> {
+    a: ComparedTable<'a>,
+    b: ComparedTable<'a>,
     /// Which stop of the realisations is the tables' first.
     first_stop: usize,
     /// The realisations of both, where they can be paired.
     paired: Option<(&'a Realisations, &'a Realisations)>,
     /// The differences by realisation, paired or not.
-    by_part: Option<by_part::Differences<'a>>,
+    by_part: Option<by_part::BinDifferences<'a>>,
     realisations: [usize; 2],
     /// (95 % limit of t, c4) by degrees of freedom, from 1.
     limits: Vec<(f64, f64)>,
     folded: Vec<bool>,
 }
 
-impl<'a> Pair<'a> {
-    fn new(a: Side<'a>, b: Side<'a>, first_stop: usize) -> Self {
+impl<'a> ComparedPair<'a> {
+    fn new(a: ComparedTable<'a>, b: ComparedTable<'a>, first_stop: usize) -> Self {
         let paired = paired(&a, &b);
-        let count = |side: &Side| {
+        let count = |side: &ComparedTable| {
             side.campaign.map_or(MANY, |campaign| campaign.surface.realisations as usize).min(MANY)
         };
         let realisations = [count(&a), count(&b)];
@@ -290,38 +294,39 @@ impl<'a> Pair<'a> {
             None => (realisations[0] + realisations[1]).saturating_sub(2),
         };
         let limits = (1..=most).map(|dof| (stats::student_limit(0.05, dof), stats::c4(dof + 1))).collect();
-        let folds = |side: &Side| side.campaign.map(|campaign| folded_stops(campaign, &side.table.grid));
+        let folds =
+            |side: &ComparedTable| side.campaign.map(|campaign| folded_stops(campaign, &side.table.grid));
         let none = || vec![false; a.table.grid.stops()];
         let (in_a, in_b) = (folds(&a).unwrap_or_else(none), folds(&b).unwrap_or_else(none));
         let folded = in_a.iter().zip(in_b).map(|(&a, b)| a && b).collect();
-        let by_part = by_part::Differences::new(a, b);
-        Pair { a, b, first_stop, paired, by_part, realisations, limits, folded }
+        let by_part = by_part::BinDifferences::new(a, b);
+        ComparedPair { a, b, first_stop, paired, by_part, realisations, limits, folded }
     }
 
     fn most_dof(&self) -> usize {
         self.limits.len().max(1)
     }
 
-    fn stop(&self, stop: usize) -> Sums {
+    fn stop(&self, stop: usize) -> DifferenceSums {
         let grid = &self.a.table.grid;
         let bins = grid.bins();
         let counted = counted_bins(grid, stop, self.folded[stop]);
-        let parts = self.by_part.as_ref().map_or(0, by_part::Differences::count);
-        let mut sums = Sums { parts: vec![0.0; parts], ..Sums::default() };
+        let parts = self.by_part.as_ref().map_or(0, by_part::BinDifferences::count);
+        let mut sums = DifferenceSums { parts: vec![0.0; parts], ..DifferenceSums::default() };
         for (bin, region) in grid.regions(stop).iter().enumerate() {
             for colour in 0..self.a.table.colours.len() {
-                self.entry(Entry { at: stop * bins + bin, colour }, region, counted[bin], &mut sums);
+                self.entry(TableEntry { at: stop * bins + bin, colour }, region, counted[bin], &mut sums);
             }
         }
         sums
     }
 
-    fn entry(&self, entry: Entry, region: &Region, counted: bool, sums: &mut Sums) {
-        let Entry { at, colour } = entry;
+    fn entry(&self, entry: TableEntry, region: &Region, counted: bool, sums: &mut DifferenceSums) {
+        let TableEntry { at, colour } = entry;
         if self.a.table.is_gap(at) || self.b.table.is_gap(at) {
             return;
         }
-        let value = |side: &Side| f64::from(side.table.colours[colour].total[at]);
+        let value = |side: &ComparedTable| f64::from(side.table.colours[colour].total[at]);
         let (a, b) = (value(&self.a), value(&self.b));
         let hit = self.a.table.hits[at] > 0 && self.b.table.hits[at] > 0;
         let w = region.projected_solid_angle();
@@ -331,7 +336,7 @@ impl<'a> Pair<'a> {
         sums.flux += b * w;
         if let Some(by_part) = &self.by_part {
             let stored = self.first_stop * self.a.table.grid.bins() + at;
-            match by_part.at(Place { here: at, stored, colour }) {
+            match by_part.at(ValueIndex { here: at, stored, colour }) {
                 Some(x) => model_distance::add_products(&x, w, &mut sums.parts),
                 None => sums.without_error = true,
             }
@@ -352,7 +357,7 @@ impl<'a> Pair<'a> {
 
     /// Standard error of the difference and its degrees of freedom. An empty bin is off by no more than what the other
     /// table has there, whatever its 1.5 hits allow for.
-    fn error(&self, Entry { at, colour }: Entry, hit: bool, larger: f64) -> Option<(f64, usize)> {
+    fn error(&self, TableEntry { at, colour }: TableEntry, hit: bool, larger: f64) -> Option<(f64, usize)> {
         if let Some((a, b)) = self.paired {
             let at = self.first_stop * self.a.table.grid.bins() + at;
             let value = |parts: &Realisations, k: usize| f64::from(parts.parts[k].total[colour][at]);
@@ -375,14 +380,14 @@ impl<'a> Pair<'a> {
 
 /// The place of a value in the tables.
 #[derive(Clone, Copy)]
-struct Entry {
+struct TableEntry {
     at: usize,
     colour: usize,
 }
 
 /// Sums over bins and colours.
 #[derive(Debug, Clone, Default)]
-struct Sums {
+struct DifferenceSums {
     distance: f64,
     /// What each realisation adds to the distance without noise.
     parts: Vec<f64>,
@@ -394,8 +399,8 @@ struct Sums {
     bins: usize,
 }
 
-impl Sums {
-    fn merged(mut self, other: &Sums) -> Sums {
+impl DifferenceSums {
+    fn merged(mut self, other: &DifferenceSums) -> DifferenceSums {
         self.distance += other.distance;
         self.noise += other.noise;
         self.flux += other.flux;

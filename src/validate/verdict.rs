@@ -9,7 +9,7 @@ use super::judgement::{self, Judgement, Ruling};
 use super::laws::{Energy, Parts, Reciprocity};
 use super::pairs::PairValues;
 use super::prediction::model::{Model, StopMeans};
-use super::seen::Seen;
+use super::seen::SeenLight;
 use crate::campaign::Campaign;
 use crate::error::Result;
 use crate::instrument::{Grid, GridKind, Region};
@@ -128,7 +128,7 @@ pub struct Examination {
     model: String,
     compared: Vec<(String, Vec<StopComparison>)>,
     energy: Energy,
-    seen: Seen,
+    seen: SeenLight,
     pairs: Option<PairValues>,
 }
 
@@ -149,7 +149,7 @@ impl Examination {
             model: String::new(),
             compared: Vec::new(),
             energy: Energy::none(),
-            seen: Seen::default(),
+            seen: SeenLight::default(),
             pairs: visibility.then(|| PairValues::new(grid, exact, campaign.and_then(independent_facets))),
         }
     }

@@ -4,7 +4,7 @@ use std::fs;
 
 use glam::DVec3;
 use gonio::fit::nodes::StopNodes;
-use gonio::fit::{self, Data, Fit, Law};
+use gonio::fit::{self, Fit, FitData, FitLaw};
 use gonio::instrument::{Grid, GridKind, Region};
 use gonio::measure::Measured;
 use gonio::sphere;
@@ -102,8 +102,8 @@ fn simpson_table(grid: Grid, value: impl Fn(DVec3, DVec3) -> f64) -> BrdfTable {
     table(grid, vec![means])
 }
 
-fn fitted(table: &BrdfTable, law: Law) -> Fit {
-    let data = Data::new(table, None, None);
+fn fitted(table: &BrdfTable, law: FitLaw) -> Fit {
+    let data = FitData::new(table, None, None);
     let mut fits = fit::fit(&data, &[law]).fits;
     let fit = fits.pop().expect("one fit");
     assert!(fit.converged, "{fit:?}");
@@ -125,7 +125,7 @@ fn the_quadrature_agrees_with_the_adaptive_one() {
         let grid = grid(&[10.0, 60.0], &[0.0], true);
         let model = Microfacet::isotropic(ndf, alpha);
         let nodes = StopNodes::of_grid(&grid, 0.0, alpha);
-        let law = Law::Microfacet { ndf, masking: Masking::HeightCorrelated, anisotropic: false };
+        let law = FitLaw::Microfacet { ndf, masking: Masking::HeightCorrelated, anisotropic: false };
         for (stop, nodes) in nodes.iter().enumerate() {
             let means = BinMeans::new(vec![Masking::HeightCorrelated]);
             let exact = means.evaluate(&model, &[(grid.wi(stop), 1.0)], &grid.regions(stop));
@@ -154,7 +154,7 @@ fn an_analytic_table_returns_its_roughness() {
     ] {
         let model = Microfacet::isotropic(ndf, alpha);
         let table = microfacet_table(grid(&[0.0, 30.0, 60.0], &[0.0], true), &model, masking, &[1.0]);
-        let fit = fitted(&table, Law::Microfacet { ndf, masking, anisotropic: false });
+        let fit = fitted(&table, FitLaw::Microfacet { ndf, masking, anisotropic: false });
         holds(&fit, "alpha", alpha, EXACT * alpha);
         // No campaign says that F = 1: F0 is fitted as well.
         holds(&fit, "f0", 1.0, EXACT);
@@ -168,7 +168,7 @@ fn an_anisotropic_table_returns_both_roughnesses_the_turn_and_the_material() {
     let masking = Masking::DirectionCorrelated;
     let grid = grid(&[10.0, 50.0], &[0.0, 45.0], false);
     let table = microfacet_table(grid, &model, masking, &[1.0, 0.782, 0.344]);
-    let fit = fitted(&table, Law::Microfacet { ndf: Ndf::Ggx, masking, anisotropic: true });
+    let fit = fitted(&table, FitLaw::Microfacet { ndf: Ndf::Ggx, masking, anisotropic: true });
     holds(&fit, "alpha_x", 0.15, EXACT * 0.15);
     holds(&fit, "alpha_y", 0.4, EXACT * 0.4);
     // The rotation is known as well as ln(alpha_y/alpha_x) is: 1e-4 rad.
@@ -181,21 +181,21 @@ fn an_anisotropic_table_returns_both_roughnesses_the_turn_and_the_material() {
 #[test]
 fn empirical_tables_return_their_parameters() {
     let grid = || grid(&[10.0, 40.0], &[0.0], true);
-    let lambert = fitted(&simpson_table(grid(), |_, _| 0.6 * empirical::LAMBERT), Law::Lambert);
+    let lambert = fitted(&simpson_table(grid(), |_, _| 0.6 * empirical::LAMBERT), FitLaw::Lambert);
     holds(&lambert, "albedo", 0.6, EXACT);
     let rough = simpson_table(grid(), |wi, wo| 0.6 * empirical::oren_nayar(wi, wo, 0.4));
-    let rough = fitted(&rough, Law::OrenNayar);
+    let rough = fitted(&rough, FitLaw::OrenNayar);
     holds(&rough, "albedo", 0.6, EXACT);
     // The kinks at cos dphi = 0 cross bins: both rules are off by (1/12 or 1/4 of a bin)^2 in one bin of 24.
     holds(&rough, "sigma_deg", 0.4f64.to_degrees(), 1e-3 * 0.4f64.to_degrees());
     let phong =
         simpson_table(grid(), |wi, wo| 0.3 * empirical::phong(wi, wo, 12.0) + 0.2 * empirical::LAMBERT);
-    let phong = fitted(&phong, Law::Phong);
+    let phong = fitted(&phong, FitLaw::Phong);
     holds(&phong, "exponent", 12.0, EXACT * 12.0);
     holds(&phong, "specular", 0.3, EXACT);
     holds(&phong, "diffuse", 0.2, EXACT);
     let blinn = |wi, wo| 0.3 * empirical::blinn_phong(wi, wo, 40.0) + 0.2 * empirical::LAMBERT;
-    let blinn = fitted(&simpson_table(grid(), blinn), Law::BlinnPhong);
+    let blinn = fitted(&simpson_table(grid(), blinn), FitLaw::BlinnPhong);
     holds(&blinn, "exponent", 40.0, EXACT * 40.0);
     holds(&blinn, "specular", 0.3, EXACT);
 }
@@ -206,10 +206,10 @@ fn tables_of_cavities_return_their_width() {
     let tolerance = 1e-3;
     let table =
         simpson_table(grid(&[10.0, 50.0], &[0.0], true), |wi, wo| cavities::cook_torrance(wi, wo, 0.3));
-    holds(&fitted(&table, Law::CookTorrance), "m", 0.3, tolerance * 0.3);
+    holds(&fitted(&table, FitLaw::CookTorrance), "m", 0.3, tolerance * 0.3);
     let b = cavities::gaussian_tilt_scale(0.3);
     let value = |wi, wo| cavities::torrance_sparrow(wi, wo, 0.3, b);
-    let fit = fitted(&simpson_table(grid(&[10.0, 50.0], &[0.0], true), value), Law::TorranceSparrow);
+    let fit = fitted(&simpson_table(grid(&[10.0, 50.0], &[0.0], true), value), FitLaw::TorranceSparrow);
     let expected = 0.3f64.to_degrees();
     holds(&fit, "m_deg", expected, tolerance * expected);
 }
@@ -232,8 +232,8 @@ phi_r_bins = 24
 samples = 65_536
 ";
 
-fn data(measured: &Measured) -> Data {
-    Data::new(&measured.table, Some(&measured.campaign), Some(&measured.realisations))
+fn data(measured: &Measured) -> FitData {
+    FitData::new(&measured.table, Some(&measured.campaign), Some(&measured.realisations))
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn measured_patches_return_their_roughness_and_their_own_law_comes_first() {
     for (law, name) in [("surface.ggx", "ggx"), ("surface.beckmann", "beckmann")] {
         let measured = measured_one(&PATCHES.replace("surface.ggx", law));
         let data = data(&measured);
-        let fits = fit::fit(&data, &Law::all(&data));
+        let fits = fit::fit(&data, &FitLaw::all(&data));
         let best = &fits.fits[0];
         assert_eq!(best.model, name, "{fits:?}");
         let jackknife =
@@ -267,8 +267,8 @@ fn a_students_patch_is_known_by_its_own_law() {
     ] {
         let measured = measured_one(&PATCHES.replace("[surface.ggx]\nalpha = 0.3", law));
         let data = data(&measured);
-        let own = Law::of_surface(&measured.campaign.surface.kind, &data);
-        let others = Law::all(&data).into_iter().filter(|law| matches!(law, Law::Microfacet { .. }));
+        let own = FitLaw::of_surface(&measured.campaign.surface.kind, &data);
+        let others = FitLaw::all(&data).into_iter().filter(|law| matches!(law, FitLaw::Microfacet { .. }));
         let fits = fit::fit(&data, &others.chain(own).collect::<Vec<_>>());
         let best = &fits.fits[0];
         assert_eq!(best.model, name, "{fits:?}");
@@ -296,8 +296,8 @@ fn no_answer_is_unphysical_and_a_parameter_on_its_bound_is_said_to_be_there() {
     // A constant: ever rougher slopes and ever wider lobes come ever nearer.
     let constant = simpson_table(two(), |_, _| 0.6 * empirical::LAMBERT);
     for (table, name) in [(&dark, "dark"), (&bright, "bright"), (&hole, "hole"), (&constant, "constant")] {
-        let data = Data::new(table, None, None);
-        for fit in fit::fit(&data, &Law::all(&data)).fits {
+        let data = FitData::new(table, None, None);
+        for fit in fit::fit(&data, &FitLaw::all(&data)).fits {
             for (parameter, value) in &fit.parameters.0 {
                 let Some(value) = *value else { continue };
                 let most = match parameter.as_str() {
@@ -317,12 +317,12 @@ fn no_answer_is_unphysical_and_a_parameter_on_its_bound_is_said_to_be_there() {
             }
         }
     }
-    let of = |table: &BrdfTable, law: Law| {
-        let data = Data::new(table, None, None);
+    let of = |table: &BrdfTable, law: FitLaw| {
+        let data = FitData::new(table, None, None);
         fit::fit(&data, &[law]).fits.remove(0)
     };
-    let ggx = Law::Microfacet { ndf: Ndf::Ggx, masking: Masking::HeightCorrelated, anisotropic: false };
-    let (dark, bright, hole) = (of(&dark, ggx), of(&bright, ggx), of(&hole, Law::BlinnPhong));
+    let ggx = FitLaw::Microfacet { ndf: Ndf::Ggx, masking: Masking::HeightCorrelated, anisotropic: false };
+    let (dark, bright, hole) = (of(&dark, ggx), of(&bright, ggx), of(&hole, FitLaw::BlinnPhong));
     for (fit, name, value) in [(&dark, "f0", 0.0), (&bright, "f0", 1.0), (&hole, "specular", 0.0)] {
         assert!(fit.parameters.get(name) == Some(value) && fit.on_bound.contains(&name.into()), "{fit:?}");
     }
@@ -332,8 +332,8 @@ fn no_answer_is_unphysical_and_a_parameter_on_its_bound_is_said_to_be_there() {
 fn hopeless_models_did_not_fit_and_say_why() {
     let two = || grid(&[10.0, 40.0], &[0.0], true);
     let lobe = microfacet_table(two(), &Microfacet::isotropic(Ndf::Ggx, 0.15), Masking::Separable, &[1.0]);
-    let data = Data::new(&lobe, None, None);
-    let fits = fit::fit(&data, &Law::all(&data)).fits;
+    let data = FitData::new(&lobe, None, None);
+    let fits = fit::fit(&data, &FitLaw::all(&data)).fits;
     assert!(fits[0].model == "ggx" && fits[0].did_not_fit.is_none(), "{:?}", fits[0]);
     let why = |fits: &[Fit], name: &str| {
         fits.iter().find(|fit| fit.model == name).expect("all").did_not_fit.clone()
@@ -343,8 +343,8 @@ fn hopeless_models_did_not_fit_and_say_why() {
     }
     // The other way round: a constant has no lobe.
     let constant = simpson_table(two(), |_, _| 0.6 * empirical::LAMBERT);
-    let data = Data::new(&constant, None, None);
-    let fits = fit::fit(&data, &Law::all(&data)).fits;
+    let data = FitData::new(&constant, None, None);
+    let fits = fit::fit(&data, &FitLaw::all(&data)).fits;
     assert!(
         fits[0].did_not_fit.is_none()
             && fits[0].parameters.get("diffuse").or(fits[0].parameters.get("albedo")).is_some()
@@ -364,15 +364,15 @@ fn gaps_of_an_imported_table_are_left_out() {
     for at in (0..whole).filter(|at| at % 3 == 0) {
         table.set_gap(at);
     }
-    let law = Law::Microfacet { ndf: Ndf::Ggx, masking: Masking::Separable, anisotropic: false };
+    let law = FitLaw::Microfacet { ndf: Ndf::Ggx, masking: Masking::Separable, anisotropic: false };
     let fit = fitted(&table, law);
     holds(&fit, "alpha", 0.3, EXACT * 0.3);
     assert!(fit.chi2_per_dof.is_none() && fit.l1.expect("light") < 1e-4, "{fit:?}");
-    assert_eq!(Data::new(&table, None, None).len(), whole - whole.div_ceil(3));
+    assert_eq!(FitData::new(&table, None, None).len(), whole - whole.div_ceil(3));
     // The same bins black, and seen to be: no gaps, and no such roughness.
     table.hits.fill(1);
     table.colours[0].stderr.fill(-1.0);
-    let data = Data::new(&table, None, None);
+    let data = FitData::new(&table, None, None);
     assert!(fit::fit(&data, &[law]).fits[0].l1.expect("light") > 0.2);
 }
 
@@ -381,8 +381,8 @@ fn a_table_of_many_stops_is_fitted_to_some_first_and_the_best_models_to_all() {
     let thetas: Vec<f64> = (0..24).map(|k| 3.0 * f64::from(k)).collect();
     let mirror = Microfacet::isotropic(Ndf::Ggx, 0.3);
     let table = microfacet_table(grid(&thetas, &[0.0], true), &mirror, Masking::HeightCorrelated, &[1.0]);
-    let data = Data::new(&table, None, None);
-    let fits = fit::fit(&data, &Law::all(&data)).fits;
+    let data = FitData::new(&table, None, None);
+    let fits = fit::fit(&data, &FitLaw::all(&data)).fits;
     assert_eq!((fits[0].model, fits[0].masking, fits[0].stops), ("ggx", Some("height_correlated"), 24));
     holds(&fits[0], "alpha", 0.3, EXACT * 0.3);
     let lambert = fits.iter().find(|fit| fit.model == "lambert").expect("all");
@@ -397,7 +397,7 @@ fn large_patches_return_their_roughness_within_a_hundredth() {
     for alpha in [0.1, 0.5] {
         let measured = measured_one(&text.replace("alpha = 0.3", &format!("alpha = {alpha}")));
         let data = data(&measured);
-        let best = fit::fit(&data, &Law::all(&data)).fits.remove(0);
+        let best = fit::fit(&data, &FitLaw::all(&data)).fits.remove(0);
         assert_eq!(best.model, "ggx");
         println!("{alpha}: {:?} {:?}", best.parameters, best.standard_errors);
         holds(&best, "alpha", alpha, 0.01 * alpha);

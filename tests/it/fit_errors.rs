@@ -2,7 +2,7 @@
 //! that the realisations do not tell apart are said to be alike.
 
 use gonio::fit::nodes::StopNodes;
-use gonio::fit::{self, Data, Fit, Law};
+use gonio::fit::{self, Fit, FitData, FitLaw};
 use gonio::instrument::{Grid, GridKind};
 use gonio::rng;
 use gonio::table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
@@ -14,8 +14,8 @@ use crate::support::measuring::{measured_one, test_rng};
 
 const ALPHA: f64 = 0.3;
 
-fn law(masking: Masking, anisotropic: bool) -> Law {
-    Law::Microfacet { ndf: Ndf::Ggx, masking, anisotropic }
+fn law(masking: Masking, anisotropic: bool) -> FitLaw {
+    FitLaw::Microfacet { ndf: Ndf::Ggx, masking, anisotropic }
 }
 
 fn grid(phi_i_deg: &[f64]) -> Grid {
@@ -50,7 +50,14 @@ fn poisson(mean: f64, rng: &mut Pcg64Dxsm) -> f64 {
 
 /// Realisations whose own roughness scatters by `patch` of itself along each axis, which all bins see together, and
 /// whose bins hold `hits` arrivals a stop on average, each an independent draw.
-fn simulated(truth: Law, grid: &Grid, count: usize, patch: f64, hits: f64, rng: &mut Pcg64Dxsm) -> Data {
+fn simulated(
+    truth: FitLaw,
+    grid: &Grid,
+    count: usize,
+    patch: f64,
+    hits: f64,
+    rng: &mut Pcg64Dxsm,
+) -> FitData {
     let nodes = StopNodes::of_grid(grid, 0.0, 0.8 * ALPHA);
     let sizes: Vec<f64> =
         (0..grid.stops()).flat_map(|s| grid.regions(s)).map(|r| r.projected_solid_angle()).collect();
@@ -69,7 +76,7 @@ fn simulated(truth: Law, grid: &Grid, count: usize, patch: f64, hits: f64, rng: 
 }
 
 /// The table of these realisations, F = 1.
-fn data_of(grid: &Grid, parts: &[Vec<f32>]) -> Data {
+fn data_of(grid: &Grid, parts: &[Vec<f32>]) -> FitData {
     let entries = parts[0].len();
     let mean =
         |k: usize| (parts.iter().map(|part| f64::from(part[k])).sum::<f64>() / parts.len() as f64) as f32;
@@ -97,7 +104,7 @@ fn data_of(grid: &Grid, parts: &[Vec<f32>]) -> Data {
         schlick: None,
     };
     let parts = Realisations { parts: parts.iter().map(part).collect() };
-    Data { perfect_mirror: true, ..Data::new(&table, None, Some(&parts)) }
+    FitData { perfect_mirror: true, ..FitData::new(&table, None, Some(&parts)) }
 }
 
 /// What many fits say of one parameter.
@@ -211,8 +218,8 @@ fn the_jackknife_is_what_leaving_out_and_fitting_again_gives() {
     let data = simulated(law(Masking::DirectionCorrelated, false), &grid, 8, 0.03, 3000.0, &mut test_rng(5));
     for law in [
         law(Masking::Separable, false),
-        Law::Microfacet { ndf: Ndf::Beckmann, masking: Masking::HeightCorrelated, anisotropic: false },
-        Law::BlinnPhong,
+        FitLaw::Microfacet { ndf: Ndf::Beckmann, masking: Masking::HeightCorrelated, anisotropic: false },
+        FitLaw::BlinnPhong,
     ] {
         let fit = fit::best(&data, &[law]);
         let without = |k: usize| {
@@ -220,7 +227,7 @@ fn the_jackknife_is_what_leaving_out_and_fitting_again_gives() {
                 data.parts.iter().enumerate().filter(|(at, _)| *at != k).map(|(_, part)| part).collect();
             let mean = |at: usize| others.iter().map(|part| part[0][at]).sum::<f64>() / others.len() as f64;
             let value = vec![(0..data.value[0].len()).map(mean).collect::<Vec<f64>>()];
-            fit::best(&Data { value, parts: Vec::new(), ..data.clone() }, &[law])
+            fit::best(&FitData { value, parts: Vec::new(), ..data.clone() }, &[law])
         };
         let again: Vec<Fit> = (0..8).map(without).collect();
         for (name, _) in &fit.parameters.0 {
@@ -236,7 +243,7 @@ fn the_jackknife_is_what_leaving_out_and_fitting_again_gives() {
 
 #[test]
 fn the_true_masking_is_the_best_or_said_to_be_alike() {
-    let all: Vec<Law> = Masking::ALL.into_iter().map(|masking| law(masking, false)).collect();
+    let all: Vec<FitLaw> = Masking::ALL.into_iter().map(|masking| law(masking, false)).collect();
     for count in [4, 8] {
         // Few hits: nothing is told apart. Many: all is.
         for (hits, first) in [(300.0, 0.0), (1e6, 0.95)] {
@@ -292,8 +299,8 @@ fn measured_fit(surface: &str, cells: u32, theta_i_deg: &str, count: usize, seed
          [light]\ntheta_i_deg = {theta_i_deg}\n\
          [sensor.hemisphere]\ntheta_r_bins = 12\nphi_r_bins = 24\n[stop]\nsamples = 65536\n"
     ));
-    let data = Data::new(&measured.table, Some(&measured.campaign), Some(&measured.realisations));
-    fit::fit(&data, &Law::of_normals(Ndf::Ggx, &data))
+    let data = FitData::new(&measured.table, Some(&measured.campaign), Some(&measured.realisations));
+    fit::fit(&data, &FitLaw::of_normals(Ndf::Ggx, &data))
 }
 
 /// A walk over statistical facets is the model, and the interval has to hold the campaign's roughness. No masking is

@@ -7,7 +7,7 @@ use gonio::optics::fresnel::{a_conductor, f_conductor, f_dielectric, f_schlick, 
 use gonio::optics::{FacetAngle, Fresnel};
 use gonio::sphere::{direction_deg, sin_cos_deg};
 use gonio::theory::smith::{g2_correlated, g2_separable, visibility};
-use gonio::theory::{Masking, Microfacet, Ndf, Side};
+use gonio::theory::{ArmSide, Masking, Microfacet, Ndf};
 
 struct Row<'a>(BTreeMap<&'a str, &'a str>);
 
@@ -34,7 +34,7 @@ impl Row<'_> {
         Microfacet { ndf: Ndf::Ggx, alpha_x, alpha_y, rotation: 0.0 }
     }
 
-    fn side(&self, arm: &str) -> Side {
+    fn side(&self, arm: &str) -> ArmSide {
         self.model().side(self.direction(arm))
     }
 
@@ -66,7 +66,7 @@ impl Row<'_> {
     }
 
     fn evaluate(&self) -> f64 {
-        let both = |f: fn(&Side, &Side) -> f64| f(&self.side("i"), &self.side("o"));
+        let both = |f: fn(&ArmSide, &ArmSide) -> f64| f(&self.side("i"), &self.side("o"));
         let v = |masking| visibility(masking, &self.side("i"), &self.side("o"));
         match self.0["quantity"] {
             "D" => Ndf::Ggx.d(self.direction("h"), self.number("alpha_x"), self.number("alpha_y")),

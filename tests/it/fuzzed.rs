@@ -12,7 +12,7 @@ use gonio::campaign::{self, Campaign};
 use gonio::error::Error;
 use gonio::files::sealed;
 use gonio::interchange::{self, Format, Options};
-use gonio::measure::{self, Checkpoint, Kept, Plan};
+use gonio::measure::{self, Checkpoint, Plan, StoredRun};
 use gonio::surface::io::map_file;
 use gonio::table::{realisations, store};
 
@@ -77,7 +77,7 @@ fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
             let (campaign, plan) = checkpoint_of();
             let sealed =
                 sealed::seal(Checkpoint::KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()))?;
-            Kept::from_bytes(Checkpoint::KIND, &sealed)?.ledger(&campaign, &plan).map(drop)
+            StoredRun::from_bytes(Checkpoint::KIND, &sealed)?.ledger(&campaign, &plan).map(drop)
         }
         "campaign" => match campaign::parse(bytes, "c.toml", here) {
             Ok(parsed) => {

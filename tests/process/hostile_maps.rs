@@ -9,7 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use gonio::campaign;
-use gonio::measure::{self, Ledger, Patches, Session};
+use gonio::measure::{self, Patches, RunState, Session};
 use gonio::rng::uniform;
 use rand_pcg::Pcg64Dxsm;
 use rustix::process::Signal;
@@ -160,7 +160,7 @@ fn a_run_is_ended_inside_a_block() {
     let session = Session { interrupted: &interrupted, ..Session::plain(&|_| ()) };
     let (answer, asked) = thread::scope(|scope| {
         let run = scope.spawn(|| {
-            measure::go_on(&campaign, &plan, &patches, Ledger::new(&campaign, &plan), &session).map(drop)
+            measure::go_on(&campaign, &plan, &patches, RunState::new(&campaign, &plan), &session).map(drop)
         });
         thread::sleep(Duration::from_secs(2));
         assert!(!run.is_finished());

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use gonio::campaign;
 use gonio::files::sealed;
-use gonio::measure::{self, Checkpoint, Kept, Ledger, Patches, Plan, Session};
+use gonio::measure::{self, Checkpoint, Patches, Plan, RunState, Session, StoredRun};
 use rustix::process::Signal;
 
 use crate::support::ended::{self, Whole, digests, ended_by, run, signal_to, uninterrupted};
@@ -195,7 +195,7 @@ fn kept_bytes() -> (campaign::Campaign, Plan, Vec<u8>) {
     let parsed = campaign::parse(&text, "small.toml", folder.path()).expect("a campaign");
     let plan = measure::plan(&parsed.campaign).expect("small");
     let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
-    let (empty, session) = (Ledger::new(&parsed.campaign, &plan), Session::plain(&|_| ()));
+    let (empty, session) = (RunState::new(&parsed.campaign, &plan), Session::plain(&|_| ()));
     let ledger = measure::go_on(&parsed.campaign, &plan, &patches, empty, &session).expect("no ray is lost");
     let bytes = Checkpoint::bytes(&ledger, 1, &parsed.campaign, &plan).expect("encodes");
     (parsed.campaign, plan, bytes)
@@ -205,14 +205,14 @@ fn kept_bytes() -> (campaign::Campaign, Plan, Vec<u8>) {
 fn damaged_checkpoints_are_errors_and_never_panic() {
     const KIND: &str = "gonio checkpoint 3";
     let (campaign, plan, bytes) = kept_bytes();
-    let whole = Kept::from_bytes(KIND, &bytes).expect("whole");
+    let whole = StoredRun::from_bytes(KIND, &bytes).expect("whole");
     assert!(whole.heading.faults((&campaign, None), "small.toml", "out").is_empty());
     whole.ledger(&campaign, &plan).expect("fits");
     let content = sealed::open(KIND, &bytes).expect("whole").to_vec();
     // A checksum that fits, as if somebody had meant it: what it holds is wrong, or could be a ledger all the same.
     let refused = mutations::survives(&content, 20_000, |damaged| {
         let sealed = sealed::seal(KIND, damaged.len(), |head| Ok::<_, String>([&head, damaged].concat()))?;
-        let kept = Kept::from_bytes(KIND, &sealed)?;
+        let kept = StoredRun::from_bytes(KIND, &sealed)?;
         match kept.heading.faults((&campaign, None), "small.toml", "out").first() {
             Some(fault) => Err(fault.to_string()),
             None => kept.ledger(&campaign, &plan).map(|_| ()),

@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 use gonio::surface::Heightfield;
-use gonio::trace::{Facet, Outcome, Place};
+use gonio::trace::{Facet, Outcome, SurfacePoint};
 
 /// Units in a cell.
 pub const S: i64 = 1 << 10;
@@ -206,9 +206,9 @@ impl ExactField {
     }
 
     /// The ray as the walk takes it; every number is exact.
-    pub fn as_walked(&self, field: &Heightfield, ray: &ExactRay) -> (Place, DVec3) {
+    pub fn as_walked(&self, field: &Heightfield, ray: &ExactRay) -> (SurfacePoint, DVec3) {
         let s = S as f64;
-        let place = Place::on(field, self.reduced(ray.facet), ray.u as f64 / s, ray.v as f64 / s);
+        let place = SurfacePoint::on(field, self.reduced(ray.facet), ray.u as f64 / s, ray.v as f64 / s);
         assert_eq!(place.z, self.start_z(ray) as f64 / (s * s));
         (place, DVec3::new(ray.d[0] as f64 / s, ray.d[1] as f64 / s, ray.d[2] as f64 / (s * s)))
     }

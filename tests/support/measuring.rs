@@ -6,7 +6,7 @@ use gonio::campaign::{self, Campaign};
 use gonio::measure::{self, Measured, Patches, Plan};
 use gonio::rng::{self, Purpose, StreamId};
 use gonio::surface::Heightfield;
-use gonio::trace::{Facet, Place};
+use gonio::trace::{Facet, SurfacePoint};
 use rand_pcg::Pcg64Dxsm;
 
 /// All tables of a campaign; its height maps lie in `folder`.
@@ -60,7 +60,7 @@ pub fn whole(rng: &mut Pcg64Dxsm, low: i64, high: i64) -> i64 {
 }
 
 /// A point of a random facet: inside, on an edge, or in a corner.
-pub fn start(rng: &mut Pcg64Dxsm, field: &Heightfield) -> Place {
+pub fn start(rng: &mut Pcg64Dxsm, field: &Heightfield) -> SurfacePoint {
     let (nx, ny) = (field.cells_x() as i64, field.cells_y() as i64);
     // Cells at the seams one time in four.
     let cell = |rng: &mut Pcg64Dxsm, n: i64| match whole(rng, 0, 8) {
@@ -76,7 +76,11 @@ pub fn start(rng: &mut Pcg64Dxsm, field: &Heightfield) -> Place {
         _ if a + b > 1.0 => (1.0 - a, 1.0 - b),
         _ => (a, b),
     };
-    if facet.upper { Place::on(field, facet, 1.0 - u, 1.0 - v) } else { Place::on(field, facet, u, v) }
+    if facet.upper {
+        SurfacePoint::on(field, facet, 1.0 - u, 1.0 - v)
+    } else {
+        SurfacePoint::on(field, facet, u, v)
+    }
 }
 
 /// The columns of a table's row of hits for one stop.

@@ -1,6 +1,6 @@
 //! Angle axes: a list, or `{ from, to, step }`, into strictly increasing degrees.
 
-use super::reader::{Bounds, Item, plain};
+use super::reader::{Bounds, GivenValue, plain};
 
 /// Most points of one axis.
 pub(crate) const MOST_POINTS: usize = 100_000;
@@ -13,14 +13,14 @@ pub(crate) const AZIMUTH: Bounds =
     Bounds::closed(-3600.0, 3600.0).advice("azimuths count in degrees", "azimuths count in degrees");
 
 /// The rules of an axis.
-pub(crate) struct Axis {
+pub(crate) struct AxisRules {
     bounds: Bounds,
     /// Whether angles that differ by 360 are the same.
     wraps: bool,
 }
 
 /// Polar angles of the light arm.
-pub(crate) const THETA_I: Axis = Axis {
+pub(crate) const THETA_I: AxisRules = AxisRules {
     bounds: Bounds::closed(0.0, 90.0).high_open().advice(
         "polar angles count from the normal; turn the azimuth instead",
         "the light arm stops below 90",
@@ -29,7 +29,7 @@ pub(crate) const THETA_I: Axis = Axis {
 };
 
 /// Polar angles of the sensor arm; negative ones lie on the far side of the azimuth.
-pub(crate) const THETA_R: Axis = Axis {
+pub(crate) const THETA_R: AxisRules = AxisRules {
     bounds: Bounds::closed(-90.0, 90.0)
         .low_open()
         .high_open()
@@ -38,20 +38,20 @@ pub(crate) const THETA_R: Axis = Axis {
 };
 
 /// Polar angles of an instrument that goes no lower than 60 degrees.
-pub(crate) const TO_SIXTY: Axis = Axis {
+pub(crate) const TO_SIXTY: AxisRules = AxisRules {
     bounds: Bounds::closed(0.0, 60.0)
         .advice("its arms have one side", "its arms stop at 60; use [light] and [sensor]"),
     wraps: false,
 };
 
 /// Azimuths of an instrument with one half of the hemisphere.
-pub(crate) const HALF_TURN: Axis = Axis {
+pub(crate) const HALF_TURN: AxisRules = AxisRules {
     bounds: Bounds::closed(0.0, 180.0).advice("it turns through 0 to 180", "it turns through 0 to 180"),
     wraps: false,
 };
 
 /// Azimuths of either arm.
-pub(crate) const PHI: Axis = Axis { bounds: AZIMUTH, wraps: true };
+pub(crate) const PHI: AxisRules = AxisRules { bounds: AZIMUTH, wraps: true };
 
 /// `angle` in [0, 360), never -0.
 pub(crate) fn reduced(angle: f64) -> f64 {
@@ -61,7 +61,7 @@ pub(crate) fn reduced(angle: f64) -> f64 {
 }
 
 /// The angles of an axis, strictly increasing, in degrees.
-pub(crate) fn axis(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
+pub(crate) fn axis(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
     let given = if item.is_table() { range(item, rules)? } else { list(item, rules)? };
     let mut angles: Vec<f64> =
         if rules.wraps { given.iter().map(|a| reduced(*a)).collect() } else { given.clone() };
@@ -77,7 +77,7 @@ pub(crate) fn axis(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
     Some(angles)
 }
 
-fn list(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
+fn list(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
     match item.list_length() {
         None => item.wrong_type("a list such as [0, 30, 60] or a range { from = 0, to = 75, step = 15 }"),
         Some(0) => item.refuse("must not be empty; give at least one angle"),
@@ -92,7 +92,7 @@ fn list(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
 }
 
 /// The points `from + k step` up to `to`, each from its own whole number k, so that no rounding adds up.
-fn range(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
+fn range(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
     let [from, to, step] = item.table()?.keys(["from", "to", "step"]);
     let what = "a range is { from = 0, to = 75, step = 15 }";
     let first = from.required(what).and_then(|i| i.float(&rules.bounds));
@@ -122,7 +122,7 @@ fn range(item: &Item<'_>, rules: &Axis) -> Option<Vec<f64>> {
 }
 
 /// A fault at the first angle that is not above the one before it, as written, or is there twice once reduced.
-fn check_order(item: &Item<'_>, given: &[f64], angles: &[f64]) -> Option<()> {
+fn check_order(item: &GivenValue<'_>, given: &[f64], angles: &[f64]) -> Option<()> {
     let falls = |list: &[f64]| list.windows(2).position(|pair| !matches!(pair, [a, b] if a < b));
     if falls(angles).is_none() {
         return Some(());

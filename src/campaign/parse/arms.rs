@@ -1,8 +1,8 @@
 //! `[light]` and `[sensor]`: the two arms of the goniometer.
 
 use super::angles::{PHI, THETA_I, THETA_R, axis};
-use super::reader::{Bounds, Item, Slot, Table, plain};
-use crate::campaign::schema::{Azimuth, BinLayout, Light, PhiFrom, Sensor};
+use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
+use crate::campaign::schema::{Azimuth, BinLayout, LightArm, PhiFrom, SensorArm};
 
 /// Words for [`BinLayout`].
 pub(crate) const LAYOUTS: [(&str, BinLayout); 2] =
@@ -33,10 +33,10 @@ pub(crate) const OPEN: Bounds =
     Bounds::closed(1e-6, 45.0).advice("an aperture as good as closed collects no light", "");
 
 /// Reads `[light]`. `isotropic` is unknown where the surface has faults of its own.
-pub(crate) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<Light> {
+pub(crate) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<LightArm> {
     let [theta_i, phi_i, azimuth, average, aperture] =
         slot.table()?.keys(["theta_i_deg", "phi_i_deg", "azimuth", "average_azimuth", "aperture_deg"]);
-    if azimuth.given().and_then(Item::as_text) == Some(KLEMS) {
+    if azimuth.given().and_then(GivenValue::as_text) == Some(KLEMS) {
         let why = "has no meaning with azimuth = \"klems_full\": the basis names the stops";
         let absent = [&theta_i, &phi_i, &average].map(|slot| slot.absent(why));
         let light = klems_light(&aperture);
@@ -50,15 +50,15 @@ pub(crate) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<Light> {
     let aperture_deg = aperture.or(0.0, |i| i.float(&APERTURE));
     let (theta_i_deg, aperture_deg) = (theta_i_deg?, aperture_deg?);
     above_horizon(&aperture, "source cone", &theta_i_deg, aperture_deg)?;
-    Some(Light { theta_i_deg, azimuth: azimuth?, average_azimuth: average_azimuth?, aperture_deg })
+    Some(LightArm { theta_i_deg, azimuth: azimuth?, average_azimuth: average_azimuth?, aperture_deg })
 }
 
 /// Stops in the middle of the patches of the Klems full basis.
-pub(crate) fn klems_light(aperture: &Slot<'_>) -> Option<Light> {
+pub(crate) fn klems_light(aperture: &Slot<'_>) -> Option<LightArm> {
     let theta_i_deg = KLEMS_RINGS.to_vec();
     let aperture_deg = aperture.or(0.0, |i| i.float(&APERTURE))?;
     above_horizon(aperture, "source cone", &theta_i_deg, aperture_deg)?;
-    Some(Light { theta_i_deg, azimuth: Azimuth::KlemsFull, average_azimuth: false, aperture_deg })
+    Some(LightArm { theta_i_deg, azimuth: Azimuth::KlemsFull, average_azimuth: false, aperture_deg })
 }
 
 /// The rules between `azimuth`, `phi_i_deg`, `average_azimuth` and the surface.
@@ -70,7 +70,7 @@ pub(crate) fn light_azimuth(
 ) -> Option<Azimuth> {
     let phis = phi_i.or(None, |i| axis(i, &PHI).map(Some));
     let relative = azimuth.or(None, |i| i.choice(&AZIMUTHS).map(Some));
-    let averaged = average.given().and_then(Item::as_boolean);
+    let averaged = average.given().and_then(GivenValue::as_boolean);
     // Unknown isotropy blames nobody.
     let may_average = isotropic != Some(false) || averaged == Some(true);
     match (relative?, phis?) {
@@ -93,15 +93,15 @@ pub(crate) fn light_azimuth(
 }
 
 /// Reads `[sensor]`. `light` is unknown where it has faults of its own.
-pub(crate) fn sensor(slot: &Slot<'_>, light: Option<&Light>) -> Option<Sensor> {
+pub(crate) fn sensor(slot: &Slot<'_>, light: Option<&LightArm>) -> Option<SensorArm> {
     let kinds = slot.table()?.keys(["hemisphere", "arm", "patches"]);
-    let read = |item: &Item<'_>| match item.name() {
+    let read = |item: &GivenValue<'_>| match item.name() {
         "hemisphere" => hemisphere_bins(item.table()?),
         "arm" => arm_positions(item.table()?, light),
         _ => patches(item.table()?),
     };
     let given: Vec<&Slot<'_>> = kinds.iter().filter(|slot| slot.given().is_some()).collect();
-    let mut read: Vec<Option<Sensor>> = given.iter().filter_map(|s| s.given()).map(read).collect();
+    let mut read: Vec<Option<SensorArm>> = given.iter().filter_map(|s| s.given()).map(read).collect();
     let sensor = match given[..] {
         [] => {
             return slot
@@ -109,7 +109,7 @@ pub(crate) fn sensor(slot: &Slot<'_>, light: Option<&Light>) -> Option<Sensor> {
         }
         [_] => read.pop().flatten()?,
         [first, second, ..] => {
-            let first = first.given().map_or("hemisphere", Item::name);
+            let first = first.given().map_or("hemisphere", GivenValue::name);
             return second.refuse(format!(
                 "exactly one sensor is allowed, and [sensor.{first}] is there as well: keep one"
             ));
@@ -121,21 +121,21 @@ pub(crate) fn sensor(slot: &Slot<'_>, light: Option<&Light>) -> Option<Sensor> {
     Some(sensor)
 }
 
-fn patches(table: Table<'_>) -> Option<Sensor> {
+fn patches(table: TableReader<'_>) -> Option<SensorArm> {
     let [basis] = table.keys(["basis"]);
     let () = basis.required("the basis of the patches: \"klems_full\"")?.choice(&[(KLEMS, ())])?;
-    Some(Sensor::KlemsFull)
+    Some(SensorArm::KlemsFull)
 }
 
-fn hemisphere_bins(table: Table<'_>) -> Option<Sensor> {
+fn hemisphere_bins(table: TableReader<'_>) -> Option<SensorArm> {
     let [theta_r_bins, phi_r_bins, bins] = table.keys(["theta_r_bins", "phi_r_bins", "bins"]);
     let theta_r_bins = theta_r_bins.or(18, |i| i.count(1..=9000));
     let phi_r_bins = phi_r_bins.or(36, |i| i.count(1..=36000));
     let bins = bins.or(BinLayout::Centred, |i| i.choice(&LAYOUTS));
-    Some(Sensor::Hemisphere { theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins: bins? })
+    Some(SensorArm::Hemisphere { theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins: bins? })
 }
 
-fn arm_positions(table: Table<'_>, light: Option<&Light>) -> Option<Sensor> {
+fn arm_positions(table: TableReader<'_>, light: Option<&LightArm>) -> Option<SensorArm> {
     let [theta_r, phi_r, aperture, from] =
         table.keys(["theta_r_deg", "phi_r_deg", "aperture_deg", "phi_r_from"]);
     let theta_r_deg = theta_r
@@ -146,14 +146,14 @@ fn arm_positions(table: Table<'_>, light: Option<&Light>) -> Option<Sensor> {
     let phi_r_from = azimuth_origin(&from, light);
     let (theta_r_deg, aperture_deg) = (theta_r_deg?, aperture_deg?);
     above_horizon(&aperture, "aperture", &theta_r_deg, aperture_deg)?;
-    Some(Sensor::Arm { theta_r_deg, phi_r_deg: phi_r_deg?, aperture_deg, phi_r_from: phi_r_from? })
+    Some(SensorArm::Arm { theta_r_deg, phi_r_deg: phi_r_deg?, aperture_deg, phi_r_from: phi_r_from? })
 }
 
 /// What the sensor's azimuths count from. Averaged over the light's azimuth, only the light is left.
-fn azimuth_origin(from: &Slot<'_>, light: Option<&Light>) -> Option<PhiFrom> {
+fn azimuth_origin(from: &Slot<'_>, light: Option<&LightArm>) -> Option<PhiFrom> {
     let relative = light.is_some_and(|light| light.azimuth == Azimuth::Relative);
     let default = if relative { PhiFrom::Light } else { PhiFrom::Sample };
-    match from.or(default, |i: &Item<'_>| i.choice(&PHI_FROM))? {
+    match from.or(default, |i: &GivenValue<'_>| i.choice(&PHI_FROM))? {
         PhiFrom::Sample if relative => {
             from.refuse("has no meaning where the light's azimuth is averaged; use \"light\"")
         }
@@ -174,19 +174,19 @@ pub(crate) fn above_horizon(slot: &Slot<'_>, what: &str, angles: &[f64], apertur
 }
 
 /// A fault where the table has more entries than an image can hold, counted without overflow.
-pub(crate) fn table_fits(item: &Item<'_>, light: &Light, sensor: &Sensor) -> Option<()> {
+pub(crate) fn table_fits(item: &GivenValue<'_>, light: &LightArm, sensor: &SensorArm) -> Option<()> {
     let (theta_i, phi_i) = match &light.azimuth {
         Azimuth::Relative => (light.theta_i_deg.len() as u64, 1),
         Azimuth::Absolute(phis) => (light.theta_i_deg.len() as u64, phis.len() as u64),
         Azimuth::KlemsFull => (KLEMS_PATCHES, 1),
     };
     let (rows, columns) = match sensor {
-        Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
+        SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
             let extra = u64::from(*bins == BinLayout::Centred);
             (u64::from(*theta_r_bins) + extra, u64::from(*phi_r_bins))
         }
-        Sensor::Arm { theta_r_deg, phi_r_deg, .. } => (theta_r_deg.len() as u64, phi_r_deg.len() as u64),
-        Sensor::KlemsFull => (KLEMS_PATCHES, 1),
+        SensorArm::Arm { theta_r_deg, phi_r_deg, .. } => (theta_r_deg.len() as u64, phi_r_deg.len() as u64),
+        SensorArm::KlemsFull => (KLEMS_PATCHES, 1),
     };
     let entries = [theta_i, phi_i, rows, columns].iter().try_fold(1u64, |n, axis| n.checked_mul(*axis));
     match entries {

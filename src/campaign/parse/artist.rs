@@ -1,7 +1,7 @@
 //! `[surface.artist]`: roughness, metalness and base colour as artists say them, as a GGX surface and Schlick's F0.
 
 use super::optics::reflectances;
-use super::reader::{Bounds, Table};
+use super::reader::{Bounds, TableReader};
 use crate::campaign::schema::Alpha;
 
 /// alpha = roughness^2 within [1e-4, 1].
@@ -20,7 +20,7 @@ pub(crate) struct Artist {
 
 /// alpha = roughness^2 and F0 = 0.04 (1 - metalness) + base_color metalness: the one place where they are converted.
 /// What is no metal also scatters light below its surface; that part is not a microfacet's and is left out.
-pub(crate) fn artist(table: Table<'_>) -> Option<(Alpha, Artist)> {
+pub(crate) fn artist(table: TableReader<'_>) -> Option<(Alpha, Artist)> {
     let [roughness, metalness, base_color] = table.keys(["roughness", "metalness", "base_color"]);
     let rough = roughness.required("such as 0.4; alpha is its square").and_then(|i| i.float(&ROUGHNESS));
     let metal = metalness.or(1.0, |i| i.float(&SHARE));

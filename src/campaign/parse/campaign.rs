@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::reader::{Bounds, Item, Slot, Table};
+use super::reader::{Bounds, GivenValue, Slot, TableReader};
 use super::{arms, optics, surface};
 use crate::campaign::presets;
 use crate::campaign::presets::Preset;
@@ -34,7 +34,7 @@ const MOST_APART: u32 = 16;
 const SECONDS: Bounds = Bounds::closed(1.0, 1e6);
 
 /// Reads a whole file; height maps are looked for in `folder`.
-pub(crate) fn campaign(root: Table<'_>, folder: &Path) -> Option<(Campaign, Option<Preset>)> {
+pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign, Option<Preset>)> {
     let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect, bench] = root.keys([
         "name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect", "bench",
     ]);
@@ -79,7 +79,7 @@ pub(crate) fn campaign(root: Table<'_>, folder: &Path) -> Option<(Campaign, Opti
     Some((campaign, preset))
 }
 
-fn valid_name<'a>(item: &Item<'a>) -> Option<&'a str> {
+fn valid_name<'a>(item: &GivenValue<'a>) -> Option<&'a str> {
     let name = item.text()?;
     let known = |c: char| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.');
     let fits = !name.is_empty() && name.len() <= LONGEST_NAME;
@@ -131,7 +131,7 @@ fn stop(slot: &Slot<'_>, realisations: u32) -> Option<Stop> {
 }
 
 /// Start points per stop and realisation. More than the most is a matter of time; none are no measurement.
-fn samples(item: &Item<'_>) -> Option<u64> {
+fn samples(item: &GivenValue<'_>) -> Option<u64> {
     match item.as_whole().filter(|&samples| samples > MOST_SAMPLES) {
         Some(samples) => {
             let years = samples as f64 / STARTS_PER_SECOND / (365.25 * 86_400.0);
@@ -151,7 +151,7 @@ fn expect(slot: &Slot<'_>) -> Option<Expect> {
 }
 
 /// Patch sizes and correlation lengths, the surface's own where one list is left out.
-fn resolution(item: &Item<'_>, surface: Option<&Surface>) -> Option<Resolution> {
+fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolution> {
     let [cells, lengths] = item.table()?.keys(["cells", "correlation_cells"]);
     let surface = surface?;
     if !surface.kind.is_random_heights() {
@@ -169,7 +169,7 @@ fn resolution(item: &Item<'_>, surface: Option<&Surface>) -> Option<Resolution> 
 }
 
 /// Every element of a list that is not empty; faults of all of them are told.
-fn all<T>(item: &Item<'_>, read: impl Fn(&Item<'_>) -> Option<T>) -> Option<Vec<T>> {
+fn all<T>(item: &GivenValue<'_>, read: impl Fn(&GivenValue<'_>) -> Option<T>) -> Option<Vec<T>> {
     let read: Vec<Option<T>> = item.list()?.iter().map(read).collect();
     if read.is_empty() { item.refuse("at least one number") } else { read.into_iter().collect() }
 }

@@ -19,11 +19,11 @@ pub(crate) struct Report<'s> {
     path: &'s str,
     source: &'s str,
     line_starts: Vec<usize>,
-    found: RefCell<Found>,
+    found: RefCell<FaultList>,
 }
 
 #[derive(Default)]
-struct Found {
+struct FaultList {
     faults: Vec<Fault>,
     unlisted: usize,
     notes: Vec<String>,
@@ -71,7 +71,7 @@ impl<'s> Report<'s> {
     /// All faults in the order of the file (those without a place last), and all notes.
     pub fn into_parts(self) -> (Vec<Fault>, Vec<String>) {
         let path = self.path.to_string();
-        let Found { mut faults, unlisted, notes } = self.found.into_inner();
+        let FaultList { mut faults, unlisted, notes } = self.found.into_inner();
         faults.sort_by_key(|f| (f.line.unwrap_or(usize::MAX), f.column));
         if unlisted > 0 {
             let allowed = format!("{unlisted} further faults are not listed");

@@ -5,14 +5,15 @@ use std::path::Path;
 use super::artist::Artist;
 use super::index_file;
 use super::index_file::{Dispersion, ETA, K, WAVELENGTH};
-use super::reader::{Bounds, Item, Slot, Table, plain};
+use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use crate::campaign::materials;
-use crate::campaign::schema::{Index, Law, Medium, Optics, Polarisation};
+use crate::campaign::schema::{FresnelLaw, Medium, Optics, Polarisation, RefractiveIndex};
 
 const REFLECTANCE: Bounds = Bounds::closed(0.0, 1.0);
 
-/// Words for [`Law`].
-pub(crate) const LAWS: [(&str, Law); 2] = [("schlick", Law::Schlick), ("exact", Law::Exact)];
+/// Words for [`FresnelLaw`].
+pub(crate) const LAWS: [(&str, FresnelLaw); 2] =
+    [("schlick", FresnelLaw::Schlick), ("exact", FresnelLaw::Exact)];
 
 /// Words for [`Polarisation`].
 pub(crate) const POLARISATIONS: [(&str, Polarisation); 3] =
@@ -42,7 +43,7 @@ pub(crate) fn optics(slot: &Slot<'_>, artist: Option<Artist>, around: &Around<'_
 }
 
 /// The keys that say which material.
-struct Source<'a> {
+struct MaterialKeys<'a> {
     material: Slot<'a>,
     materials: Slot<'a>,
     f0: Slot<'a>,
@@ -52,7 +53,7 @@ struct Source<'a> {
     wavelength: Slot<'a>,
 }
 
-fn given(table: Table<'_>, around: &Around<'_>) -> Option<Optics> {
+fn given(table: TableReader<'_>, around: &Around<'_>) -> Option<Optics> {
     let [material, materials, f0, eta, k, file, wavelength, fresnel, polarisation] = table.keys([
         "material",
         "materials",
@@ -64,14 +65,14 @@ fn given(table: Table<'_>, around: &Around<'_>) -> Option<Optics> {
         "fresnel",
         "polarisation",
     ]);
-    let law = fresnel.or(Law::Schlick, |i| i.choice(&LAWS));
+    let law = fresnel.or(FresnelLaw::Schlick, |i| i.choice(&LAWS));
     let polarisations = polarisation.or(vec![Polarisation::None], polarisations);
-    let source = Source { material, materials, f0, eta, k, file, wavelength };
+    let source = MaterialKeys { material, materials, f0, eta, k, file, wavelength };
     // A law that cannot be read leaves the materials as they are: no fault follows from another one.
-    let materials = source.read(law.unwrap_or(Law::Schlick), around);
+    let materials = source.read(law.unwrap_or(FresnelLaw::Schlick), around);
     let (law, polarisations) = (law?, polarisations?);
     let polarised = polarisations.iter().any(|p| *p != Polarisation::None);
-    if polarised && law == Law::Schlick {
+    if polarised && law == FresnelLaw::Schlick {
         return polarisation
             .refuse("must be \"none\": Schlick's formula knows no polarisation; fresnel = \"exact\" does");
     }
@@ -81,13 +82,13 @@ fn given(table: Table<'_>, around: &Around<'_>) -> Option<Optics> {
         ));
     }
     let materials = materials?;
-    if law == Law::Exact && matches!(materials[0], Optics::Schlick { .. }) {
+    if law == FresnelLaw::Exact && matches!(materials[0], Optics::Schlick { .. }) {
         return source
             .f0
             .refuse("holds no n and k: fresnel = \"exact\" needs a material with an index, or eta and k");
     }
     let polarise = |optics: &Optics, polarisation: Polarisation| match optics {
-        Optics::Index(index) => Optics::Index(Index { polarisation, ..index.clone() }),
+        Optics::Index(index) => Optics::Index(RefractiveIndex { polarisation, ..index.clone() }),
         other => other.clone(),
     };
     let mut all: Vec<Optics> =
@@ -96,7 +97,7 @@ fn given(table: Table<'_>, around: &Around<'_>) -> Option<Optics> {
 }
 
 /// One word, or several that differ.
-fn polarisations(item: &Item<'_>) -> Option<Vec<Polarisation>> {
+fn polarisations(item: &GivenValue<'_>) -> Option<Vec<Polarisation>> {
     if item.list_length().is_none() {
         return item.choice(&POLARISATIONS).map(|one| vec![one]);
     }
@@ -109,11 +110,11 @@ fn polarisations(item: &Item<'_>) -> Option<Vec<Polarisation>> {
     Some(read)
 }
 
-impl Source<'_> {
+impl MaterialKeys<'_> {
     /// Every material with a table of its own.
-    fn read(&self, law: Law, around: &Around<'_>) -> Option<Vec<Optics>> {
+    fn read(&self, law: FresnelLaw, around: &Around<'_>) -> Option<Vec<Optics>> {
         let ways = [&self.material, &self.materials, &self.f0, &self.eta, &self.file];
-        let given: Vec<&Item<'_>> = ways.into_iter().filter_map(Slot::given).collect();
+        let given: Vec<&GivenValue<'_>> = ways.into_iter().filter_map(Slot::given).collect();
         if self.k.given().is_some() && self.eta.given().is_none() {
             return self.k.refuse("belongs to eta; give both");
         }
@@ -139,13 +140,13 @@ impl Source<'_> {
     }
 
     /// A material by its name.
-    fn named(&self, item: &Item<'_>, law: Law) -> Option<Optics> {
+    fn named(&self, item: &GivenValue<'_>, law: FresnelLaw) -> Option<Optics> {
         let name = item.text()?;
         let f0 = match materials::named(name) {
             Ok(f0) => f0,
             Err(why) => return item.refuse(why),
         };
-        if law == Law::Schlick {
+        if law == FresnelLaw::Schlick {
             self.wavelength
                 .absent("belongs to eta, file or fresnel = \"exact\": a name's F0 is that of R, G and B")?;
             return Some(Optics::Schlick { material: Some(name.to_string()), f0 });
@@ -160,7 +161,7 @@ impl Source<'_> {
         Some(index(Some(name.to_string()), media, law))
     }
 
-    fn several(&self, item: &Item<'_>, law: Law) -> Option<Vec<Optics>> {
+    fn several(&self, item: &GivenValue<'_>, law: FresnelLaw) -> Option<Vec<Optics>> {
         let elements = item.list()?;
         let read: Vec<Option<Optics>> = elements.iter().map(|element| self.named(element, law)).collect();
         let all = read.into_iter().collect::<Option<Vec<Optics>>>()?;
@@ -177,7 +178,7 @@ impl Source<'_> {
     }
 
     /// `file`: all its lines, or the wavelengths that are asked for.
-    fn file(&self, item: &Item<'_>, around: &Around<'_>) -> Option<Vec<Medium>> {
+    fn file(&self, item: &GivenValue<'_>, around: &Around<'_>) -> Option<Vec<Medium>> {
         let name = item.text()?;
         if name.is_empty() || name.chars().any(char::is_control) {
             return item.refuse("must be a file name without control characters");
@@ -218,7 +219,7 @@ impl Source<'_> {
     }
 
     /// `eta` and `k`: one index, or one for each wavelength.
-    fn listed(&self, eta: &Item<'_>) -> Option<Vec<Medium>> {
+    fn listed(&self, eta: &GivenValue<'_>) -> Option<Vec<Medium>> {
         let medium = |wavelength_nm, eta, k| Medium { wavelength_nm, eta, k };
         if eta.list_length().is_none() {
             let clean = self.wavelength.absent("belongs to lists of eta and k");
@@ -253,12 +254,12 @@ impl Source<'_> {
 
 const NO_SURFACE: &str = "eta = 1 with k = 0 is no surface: it reflects nothing";
 
-fn index(material: Option<String>, media: Vec<Medium>, law: Law) -> Optics {
-    Optics::Index(Index { material, media, law, polarisation: Polarisation::None })
+fn index(material: Option<String>, media: Vec<Medium>, law: FresnelLaw) -> Optics {
+    Optics::Index(RefractiveIndex { material, media, law, polarisation: Polarisation::None })
 }
 
 /// A list of at least one number and at most as many as a table has colours.
-fn numbers(item: &Item<'_>, bounds: &Bounds) -> Option<Vec<f64>> {
+fn numbers(item: &GivenValue<'_>, bounds: &Bounds) -> Option<Vec<f64>> {
     let elements = item.list()?;
     if elements.is_empty() || elements.len() > MOST_COLOURS {
         return item.refuse(format!("has {} entries; 1 to {MOST_COLOURS} are allowed", elements.len()));
@@ -268,7 +269,7 @@ fn numbers(item: &Item<'_>, bounds: &Bounds) -> Option<Vec<f64>> {
 }
 
 /// Wavelengths, which increase.
-fn increasing(item: &Item<'_>, elements: &[Item<'_>]) -> Option<Vec<f64>> {
+fn increasing(item: &GivenValue<'_>, elements: &[GivenValue<'_>]) -> Option<Vec<f64>> {
     let nm = numbers(item, &WAVELENGTH)?;
     if let Some(before) = nm.windows(2).position(|pair| pair[0] >= pair[1]) {
         let earlier = plain(nm[before]);
@@ -279,7 +280,7 @@ fn increasing(item: &Item<'_>, elements: &[Item<'_>]) -> Option<Vec<f64>> {
 }
 
 /// One reflectance for all colours, or three.
-pub(crate) fn reflectances(item: &Item<'_>) -> Option<[f64; 3]> {
+pub(crate) fn reflectances(item: &GivenValue<'_>) -> Option<[f64; 3]> {
     match item.list_length() {
         None => item.float(&REFLECTANCE).map(|gray| [gray; 3]),
         Some(3) => {
@@ -293,8 +294,8 @@ pub(crate) fn reflectances(item: &Item<'_>) -> Option<[f64; 3]> {
 }
 
 /// The law of some materials, and the polarisations that each of them is measured in.
-pub(crate) fn law_of(optics: &Optics) -> (Law, Vec<Polarisation>) {
-    let mut law = Law::Schlick;
+pub(crate) fn law_of(optics: &Optics) -> (FresnelLaw, Vec<Polarisation>) {
+    let mut law = FresnelLaw::Schlick;
     let mut polarisations = Vec::new();
     for one in optics.each() {
         let of_this = match one {

@@ -16,29 +16,29 @@ const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;
 
 /// Where something is said: a dotted key and the byte it stands at.
 #[derive(Clone)]
-pub(crate) struct Place<'a> {
+pub(crate) struct KeyPath<'a> {
     report: &'a Report<'a>,
     key: String,
     at: Option<usize>,
 }
 
-impl<'a> Place<'a> {
+impl<'a> KeyPath<'a> {
     fn child(&self, name: &str, at: Option<usize>) -> Self {
         let key = if self.key.is_empty() { name.to_string() } else { format!("{}.{name}", self.key) };
-        Place { report: self.report, key, at }
+        KeyPath { report: self.report, key, at }
     }
 }
 
 /// A TOML table whose keys have not been looked at.
-pub(crate) struct Table<'a> {
-    place: Place<'a>,
+pub(crate) struct TableReader<'a> {
+    place: KeyPath<'a>,
     entries: Option<&'a DeTable<'a>>,
 }
 
-impl<'a> Table<'a> {
+impl<'a> TableReader<'a> {
     /// The table of the whole file.
     pub fn root(report: &'a Report<'a>, entries: &'a DeTable<'a>) -> Self {
-        Table { place: Place { report, key: String::new(), at: None }, entries: Some(entries) }
+        TableReader { place: KeyPath { report, key: String::new(), at: None }, entries: Some(entries) }
     }
 
     /// One slot for each of `names`, given or not. Every other key of the table is a fault.
@@ -63,7 +63,7 @@ impl<'a> Table<'a> {
         match self.entries.and_then(|entries| entries.get_key_value(name)) {
             Some((key, value)) => {
                 let place = self.place.child(name, Some(key.span().start));
-                Slot { item: Some(Item { place: place.clone(), value }), place }
+                Slot { item: Some(GivenValue { place: place.clone(), value }), place }
             }
             None => Slot { place: self.place.child(name, self.place.at), item: None },
         }
@@ -72,18 +72,18 @@ impl<'a> Table<'a> {
 
 /// A key that a table may have, given or not.
 pub(crate) struct Slot<'a> {
-    place: Place<'a>,
-    item: Option<Item<'a>>,
+    place: KeyPath<'a>,
+    item: Option<GivenValue<'a>>,
 }
 
 impl<'a> Slot<'a> {
     /// What was given.
-    pub fn given(&self) -> Option<&Item<'a>> {
+    pub fn given(&self) -> Option<&GivenValue<'a>> {
         self.item.as_ref()
     }
 
     /// What was given; a fault where nothing was.
-    pub fn required(&self, what: &str) -> Option<&Item<'a>> {
+    pub fn required(&self, what: &str) -> Option<&GivenValue<'a>> {
         if self.item.is_none() {
             return self.refuse(format!("required; {what}"));
         }
@@ -91,15 +91,15 @@ impl<'a> Slot<'a> {
     }
 
     /// What `read` makes of the given value, or `default`.
-    pub fn or<T>(&self, default: T, read: impl FnOnce(&Item<'a>) -> Option<T>) -> Option<T> {
+    pub fn or<T>(&self, default: T, read: impl FnOnce(&GivenValue<'a>) -> Option<T>) -> Option<T> {
         self.item.as_ref().map_or(Some(default), read)
     }
 
     /// The given table; an empty one where none was given, so that its required keys are named.
-    pub fn table(&self) -> Option<Table<'a>> {
+    pub fn table(&self) -> Option<TableReader<'a>> {
         match &self.item {
             Some(item) => item.table(),
-            None => Some(Table { place: self.place.clone(), entries: None }),
+            None => Some(TableReader { place: self.place.clone(), entries: None }),
         }
     }
 
@@ -121,12 +121,12 @@ impl<'a> Slot<'a> {
 }
 
 /// A value that was given.
-pub(crate) struct Item<'a> {
-    place: Place<'a>,
+pub(crate) struct GivenValue<'a> {
+    place: KeyPath<'a>,
     value: &'a Spanned<DeValue<'a>>,
 }
 
-impl<'a> Item<'a> {
+impl<'a> GivenValue<'a> {
     /// The last part of the key.
     pub fn name(&self) -> &str {
         self.place.key.rsplit('.').next().unwrap_or_default()
@@ -186,7 +186,7 @@ impl<'a> Item<'a> {
         value.and_then(|value| u64::try_from(value).ok())
     }
 
-    /// [`Item::whole`] for the sizes that fit 32 bits.
+    /// [`GivenValue::whole`] for the sizes that fit 32 bits.
     pub fn count(&self, range: RangeInclusive<u32>) -> Option<u32> {
         let value = self.whole(u64::from(*range.start())..=u64::from(*range.end()))?;
         u32::try_from(value).ok()
@@ -228,11 +228,11 @@ impl<'a> Item<'a> {
     }
 
     /// The elements of a list, each at its own place under the list's key.
-    pub fn list(&self) -> Option<Vec<Item<'a>>> {
+    pub fn list(&self) -> Option<Vec<GivenValue<'a>>> {
         let Some(array) = self.value.get_ref().as_array() else { return self.wrong_type("a list") };
         let element = |value: &'a Spanned<DeValue<'a>>| {
-            let place = Place { at: Some(value.span().start), ..self.place.clone() };
-            Item { place, value }
+            let place = KeyPath { at: Some(value.span().start), ..self.place.clone() };
+            GivenValue { place, value }
         };
         Some(array.iter().map(element).collect())
     }
@@ -243,9 +243,9 @@ impl<'a> Item<'a> {
     }
 
     /// A table.
-    pub fn table(&self) -> Option<Table<'a>> {
+    pub fn table(&self) -> Option<TableReader<'a>> {
         match self.value.get_ref().as_table() {
-            Some(entries) => Some(Table { place: self.place.clone(), entries: Some(entries) }),
+            Some(entries) => Some(TableReader { place: self.place.clone(), entries: Some(entries) }),
             None => self.wrong_type("a table"),
         }
     }

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use super::angles::{AZIMUTH, reduced};
 use super::artist;
 use super::artist::Artist;
-use super::reader::{Bounds, Item, Slot, Table, plain};
+use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use crate::campaign::schema::{
     Alpha, Detrend, HeightMap, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind,
 };
@@ -78,7 +78,7 @@ pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist: &mut Option<Artist
         "student_t",
         "blinn_phong",
     ]);
-    let given: Vec<&Item<'_>> = kinds.iter().filter_map(Slot::given).collect();
+    let given: Vec<&GivenValue<'_>> = kinds.iter().filter_map(Slot::given).collect();
     let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder, artist)).collect();
     let rotation_deg = rotation.or(0.0, rotation_deg);
     let keys = PatchKeys { realisations, cells, correlation_cells, mirror_images };
@@ -98,7 +98,7 @@ pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist: &mut Option<Artist
     }
 }
 
-fn rotation_deg(item: &Item<'_>) -> Option<f64> {
+fn rotation_deg(item: &GivenValue<'_>) -> Option<f64> {
     let given = item.float(&AZIMUTH)?;
     let rotation = reduced(given);
     if rotation != given {
@@ -129,7 +129,7 @@ fn synthesised(
 }
 
 /// Cells per side. More than the most is a matter of memory; fewer than the least are no patch.
-fn cells(item: &Item<'_>) -> Option<u32> {
+fn cells(item: &GivenValue<'_>) -> Option<u32> {
     match item.as_whole().filter(|&cells| cells > u64::from(MOST_CELLS)) {
         Some(cells) => {
             let gib = 8.0 * (cells as f64).powi(2) / f64::from(1u32 << 30);
@@ -185,7 +185,7 @@ fn made_or_measured(
     })
 }
 
-fn kind(item: &Item<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<SurfaceKind> {
+fn kind(item: &GivenValue<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<SurfaceKind> {
     match item.name() {
         "artist" => {
             let (alpha, material) = artist::artist(item.table()?)?;
@@ -211,14 +211,14 @@ fn kind(item: &Item<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<S
     }
 }
 
-fn beckmann(table: Table<'_>) -> Option<SurfaceKind> {
+fn beckmann(table: TableReader<'_>) -> Option<SurfaceKind> {
     let [spectrum, slopes @ ..] = table.keys(["spectrum", "alpha", "alpha_x", "alpha_y"]);
     let spectrum = spectrum.or(HeightSpectrum::Gaussian, |i| i.choice(&SPECTRA));
     let alphas = alphas_of(slopes);
     Some(SurfaceKind::Beckmann { alphas: alphas?, spectrum: spectrum? })
 }
 
-fn student_t(table: Table<'_>) -> Option<SurfaceKind> {
+fn student_t(table: TableReader<'_>) -> Option<SurfaceKind> {
     let [gamma, slopes @ ..] = table.keys(["gamma", "alpha", "alpha_x", "alpha_y"]);
     let gamma = gamma.required("half the power of the tails, such as 3").and_then(|i| i.float(&GAMMA));
     let alphas = alphas_of(slopes);
@@ -226,14 +226,14 @@ fn student_t(table: Table<'_>) -> Option<SurfaceKind> {
 }
 
 /// D = (n + 2)/(2 pi) cos^n is Student's law with gamma = n/2 + 2 and alpha = sqrt(2/(n + 2)): for each n another law.
-fn blinn_phong(table: Table<'_>) -> Option<SurfaceKind> {
+fn blinn_phong(table: TableReader<'_>) -> Option<SurfaceKind> {
     let [exponent] = table.keys(["exponent"]);
     let exponent = exponent.required("n of cos^n; 2/alpha^2 - 2 for the width of alpha")?.float(&EXPONENT)?;
     let alpha = (2.0 / (exponent + 2.0)).sqrt();
     Some(SurfaceKind::BlinnPhong { exponent, alphas: vec![Alpha { x: alpha, y: alpha }] })
 }
 
-fn smith(table: Table<'_>) -> Option<Smith> {
+fn smith(table: TableReader<'_>) -> Option<Smith> {
     let [ndf, heights, slopes @ ..] = table.keys(["ndf", "heights", "alpha", "alpha_x", "alpha_y"]);
     let ndf = ndf.or(SmithNdf::Ggx, |i| i.choice(&SMITH_NDF));
     let heights = heights.or(SmithHeights::Correlated, |i| i.choice(&SMITH_HEIGHTS));
@@ -241,7 +241,7 @@ fn smith(table: Table<'_>) -> Option<Smith> {
     Some(Smith { ndf: ndf?, alphas: alphas?, heights: heights? })
 }
 
-fn alphas(table: Table<'_>) -> Option<Vec<Alpha>> {
+fn alphas(table: TableReader<'_>) -> Option<Vec<Alpha>> {
     alphas_of(table.keys(["alpha", "alpha_x", "alpha_y"]))
 }
 
@@ -260,7 +260,7 @@ fn alphas_of([alpha, alpha_x, alpha_y]: [Slot<'_>; 3]) -> Option<Vec<Alpha>> {
     }
 }
 
-fn isotropic_alphas(item: &Item<'_>) -> Option<Vec<Alpha>> {
+fn isotropic_alphas(item: &GivenValue<'_>) -> Option<Vec<Alpha>> {
     let Some(length) = item.list_length() else {
         return item.float(&ALPHA).map(|alpha| vec![Alpha { x: alpha, y: alpha }]);
     };
@@ -281,7 +281,7 @@ fn isotropic_alphas(item: &Item<'_>) -> Option<Vec<Alpha>> {
     Some(values.into_iter().map(|alpha| Alpha { x: alpha, y: alpha }).collect())
 }
 
-fn height_map(table: Table<'_>, folder: &Path) -> Option<HeightMap> {
+fn height_map(table: TableReader<'_>, folder: &Path) -> Option<HeightMap> {
     let [path, pitch_x, pitch_y, height_unit, periodic, detrend, refine, tiles] = table.keys([
         "path",
         "pitch_x_um",
@@ -315,7 +315,7 @@ fn height_map(table: Table<'_>, folder: &Path) -> Option<HeightMap> {
 }
 
 /// `refine`: "auto" or a power of two.
-fn steps_between_samples(item: &Item<'_>) -> Option<Option<u32>> {
+fn steps_between_samples(item: &GivenValue<'_>) -> Option<Option<u32>> {
     const ALLOWED: &str = "must be \"auto\" or a power of two up to 64 (1: the map's own cells)";
     match (item.as_text(), item.as_whole()) {
         (Some("auto"), _) => Some(None),
@@ -338,7 +338,7 @@ fn extension(path: &str) -> String {
     Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-fn map_path<'a>(item: &Item<'a>) -> Option<&'a str> {
+fn map_path<'a>(item: &GivenValue<'a>) -> Option<&'a str> {
     let path = item.text()?;
     if path.is_empty() || path.chars().any(char::is_control) {
         return item.refuse("must be a file name without control characters");

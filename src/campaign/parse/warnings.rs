@@ -1,7 +1,7 @@
 //! What a campaign without faults may still regret.
 
 use super::faults::Report;
-use crate::campaign::schema::{Azimuth, Campaign, PhiFrom, Sensor, SurfaceKind};
+use crate::campaign::schema::{Azimuth, Campaign, PhiFrom, SensorArm, SurfaceKind};
 
 /// Roughness up to which the measurement was compared with theory.
 const TESTED_ALPHA: f64 = 2.0;
@@ -17,7 +17,7 @@ pub(crate) fn note(report: &Report<'_>, campaign: &Campaign) {
 
 /// The first position of the sensor's arm that is a lamp's as well. Positions count from the light, or both from x.
 fn sensor_in_the_light(campaign: &Campaign) -> Option<f64> {
-    let Sensor::Arm { theta_r_deg, phi_r_deg, phi_r_from, .. } = &campaign.sensor else { return None };
+    let SensorArm::Arm { theta_r_deg, phi_r_deg, phi_r_from, .. } = &campaign.sensor else { return None };
     let lamps = match (&campaign.light.azimuth, phi_r_from) {
         (Azimuth::Absolute(phis), PhiFrom::Sample) => phis.as_slice(),
         _ => &[0.0],
@@ -51,18 +51,18 @@ fn note_lobe(report: &Report<'_>, campaign: &Campaign) {
         say("light.aperture_deg", campaign.light.aperture_deg, too_wide.clone());
     }
     match &campaign.sensor {
-        Sensor::Hemisphere { theta_r_bins, .. } => {
+        SensorArm::Hemisphere { theta_r_bins, .. } => {
             let half_bin = (45.0 / f64::from(*theta_r_bins)).to_radians();
             if smallest < half_bin {
                 let text = format!("the lobe is narrower than a bin (half a bin is {half_bin:.4} radians)");
                 say(key, smallest, text);
             }
         }
-        Sensor::Arm { aperture_deg, .. } if *aperture_deg > quarter_lobe => {
+        SensorArm::Arm { aperture_deg, .. } if *aperture_deg > quarter_lobe => {
             say("sensor.arm.aperture_deg", *aperture_deg, too_wide);
         }
-        Sensor::Arm { .. } => {}
-        Sensor::KlemsFull => {
+        SensorArm::Arm { .. } => {}
+        SensorArm::KlemsFull => {
             let half_patch = 5f64.to_radians();
             if smallest < half_patch {
                 say(key, smallest, "the lobe is narrower than a patch of 10 degrees".into());

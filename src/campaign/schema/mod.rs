@@ -7,7 +7,7 @@ pub(crate) mod sample;
 
 use serde::Serialize;
 
-pub use optics::{Index, Law, Medium, Optics, Polarisation};
+pub use optics::{FresnelLaw, Medium, Optics, Polarisation, RefractiveIndex};
 pub use sample::*;
 
 /// A whole campaign file.
@@ -20,9 +20,9 @@ pub struct Campaign {
     /// The sample.
     pub surface: Surface,
     /// The light arm.
-    pub light: Light,
+    pub light: LightArm,
     /// The sensor arm.
-    pub sensor: Sensor,
+    pub sensor: SensorArm,
     /// What a facet reflects.
     pub optics: Optics,
     /// How paths are followed.
@@ -37,7 +37,7 @@ pub struct Campaign {
 
 /// The light arm.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Light {
+pub struct LightArm {
     /// Polar angles of the stops, each in [0, 90), increasing.
     pub theta_i_deg: Vec<f64>,
     /// Azimuths of the stops.
@@ -63,7 +63,7 @@ pub enum Azimuth {
 /// The sensor arm.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Sensor {
+pub enum SensorArm {
     /// Bins over the whole hemisphere.
     Hemisphere {
         /// Rows: the step is 90/rows degrees, 1 to 9000.

@@ -16,7 +16,7 @@ pub enum Optics {
         f0: [f64; 3],
     },
     /// A material whose index of refraction is known.
-    Index(Index),
+    Index(RefractiveIndex),
     /// Several materials, each with a table of its own, from the same paths. Never one of these inside; all with the
     /// same law.
     Several(Vec<Optics>),
@@ -24,13 +24,13 @@ pub enum Optics {
 
 /// A material by its index of refraction, at one or more wavelengths.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Index {
+pub struct RefractiveIndex {
     /// The material's name, where one was given.
     pub material: Option<String>,
     /// One colour of the table each, in the order of their wavelengths.
     pub media: Vec<Medium>,
     /// How the reflectance follows from the index.
-    pub law: Law,
+    pub law: FresnelLaw,
     /// What light is counted.
     pub polarisation: Polarisation,
 }
@@ -49,7 +49,7 @@ pub struct Medium {
 /// How the reflectance of a facet follows from its material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Law {
+pub enum FresnelLaw {
     /// Schlick's approximation from the reflectance at normal incidence.
     Schlick,
     /// Fresnel's equations.
@@ -140,10 +140,11 @@ impl Optics {
     }
 }
 
-impl Index {
+impl RefractiveIndex {
     fn described(&self) -> String {
         let material = self.material.as_ref().map_or(String::new(), |name| format!("{name}, "));
-        let law = if self.law == Law::Exact { "Fresnel's equations" } else { "Schlick from the index" };
+        let law =
+            if self.law == FresnelLaw::Exact { "Fresnel's equations" } else { "Schlick from the index" };
         let index = |medium: &Medium| match medium.k {
             0.0 => format!("n = {}", medium.eta),
             k => format!("n = {} + {k} i", medium.eta),

@@ -6,15 +6,17 @@ use crate::bench;
 use crate::bench::{Against, Other, Scale, scale};
 use crate::campaign::Campaign;
 use crate::cli::text::output::{Output, columns, grouped, or_na, say, to_json};
-use crate::cli::text::progress::Progress;
+use crate::cli::text::progress::RunProgress;
 use crate::error::Result;
 use crate::instrument::angle_decimals;
 
 /// Measures a campaign as planned and by another way.
 pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -> Result<u8> {
     let plans = bench::against::plans(campaign, other, replicates)?;
-    let progress =
-        Progress::new(plans.iter().map(|plan| plan.total_samples * u64::from(replicates)).sum(), "samples");
+    let progress = RunProgress::new(
+        plans.iter().map(|plan| plan.total_samples * u64::from(replicates)).sum(),
+        "samples",
+    );
     let found = bench::against(campaign, other, replicates, &|starts| progress.add(starts))?;
     progress.finish();
     let mut out = Output::default();
@@ -74,7 +76,7 @@ fn stops(found: &Against, other: Other) -> Vec<String> {
 fn ways(found: &Against) -> Vec<String> {
     let target = format!("cpu s to {} %", 100.0 * found.target);
     let headings = ["way", "Mrays", "cpu s", "error", "noise", &target];
-    let row = |way: &bench::against::Way| {
+    let row = |way: &bench::against::Variant| {
         vec![
             way.name.into(),
             format!("{:.1}", way.rays as f64 / 1e6),
@@ -94,7 +96,7 @@ pub fn sizes(campaign: &Campaign, sides: &[u32], json: bool) -> Result<u8> {
     sides.dedup();
     let stops = campaign.light.theta_i_deg.len() as u64;
     let runs = if stops > 1 { 2 * stops } else { 1 };
-    let progress = Progress::new(sides.iter().map(|&side| scale::starts(side) * runs).sum(), "samples");
+    let progress = RunProgress::new(sides.iter().map(|&side| scale::starts(side) * runs).sum(), "samples");
     let found = bench::scale(campaign, &sides, &|starts| progress.add(starts))?;
     progress.finish();
     let mut out = Output::default();

@@ -9,9 +9,9 @@ use serde_json::{Value, json};
 
 use super::targets;
 use super::text::output::{Output, columns, duration, grouped, json_text, parsed_json, say, to_json, warn};
-use super::text::progress::Progress;
+use super::text::progress::RunProgress;
 use super::text::resolution;
-use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, Other, Range, Row, TruthKind, Varies, plot};
+use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, MeasuredRung, Other, Range, TruthKind, Varies, plot};
 use crate::campaign::{self, Campaign, Parsed, Resolution};
 use crate::error::{Error, Fault, Result};
 use crate::files;
@@ -123,7 +123,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut notes = Vec::new();
     let mut patches = Patches::prepare(&campaign, &mut notes)?;
     notes.iter().for_each(warn);
-    let progress = Progress::new(ladders.total_samples(), "samples");
+    let progress = RunProgress::new(ladders.total_samples(), "samples");
     let bench = bench::bench(&campaign, ladders, &mut patches, &|starts| progress.add(starts))?;
     progress.finish();
     let answer = answer(&campaign, resolved, kind, &bench)?;
@@ -161,7 +161,7 @@ fn resolution(arguments: &Arguments, path: &Path, campaign: &Campaign, lists: &R
     let settings = bench::resolution::settings(campaign, lists)?;
     let resolved = campaign::to_toml(campaign);
     let [document, _] = outputs(arguments, path, campaign, &resolved)?;
-    let progress = Progress::new(settings.iter().map(|(_, plan)| plan.total_samples).sum(), "samples");
+    let progress = RunProgress::new(settings.iter().map(|(_, plan)| plan.total_samples).sum(), "samples");
     let rows = bench::resolution(&settings, &|starts| progress.add(starts))?;
     progress.finish();
     let answer = resolution::answer(campaign, resolved, &rows)?;
@@ -210,7 +210,7 @@ fn spare_another(document: &Path, resolved: &str) -> Result<()> {
 
 /// The JSON document: the rows of all ladders, and the fit whose b is the bias.
 fn answer(campaign: &Campaign, resolved: String, kind: TruthKind, bench: &Bench) -> Result<Value> {
-    let rows: Vec<&Row> = bench.ladders.iter().flat_map(|ladder| &ladder.rows).collect();
+    let rows: Vec<&MeasuredRung> = bench.ladders.iter().flat_map(|ladder| &ladder.rows).collect();
     let ladder = |ladder: &Ladder| Ok(json!({ "varies": ladder.varies, "fit": to_json(&ladder.fit)? }));
     Ok(json!({
         "schema": 1,
@@ -261,7 +261,7 @@ fn lines(bench: &Bench, replicates: u32) -> Vec<String> {
     lines
 }
 
-fn cells(row: &Row) -> Vec<String> {
+fn cells(row: &MeasuredRung) -> Vec<String> {
     vec![
         grouped(row.samples),
         row.realisations.to_string(),

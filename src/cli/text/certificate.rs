@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::output::{columns, or_na};
-use crate::cli::surface::Entry;
+use crate::cli::surface::PatchEntry;
 use crate::stats;
 use crate::surface::io::import::ImportedMap;
 
@@ -17,7 +17,7 @@ pub struct Pooled {
     /// Kolmogorov-Smirnov distance of all facets from the wanted law.
     ks: Option<f64>,
     /// Azimuth harmonics of the slopes: mean over patches, tested against 0.
-    harmonics: Vec<Harmonic>,
+    harmonics: Vec<PooledHarmonic>,
     /// Degrees of freedom of t.
     dof: usize,
     /// What |t| of an even set exceeds, in any harmonic, with probability 1 %.
@@ -25,7 +25,7 @@ pub struct Pooled {
 }
 
 #[derive(Serialize)]
-struct Harmonic {
+struct PooledHarmonic {
     name: &'static str,
     mean: f64,
     se: Option<f64>,
@@ -35,7 +35,7 @@ struct Harmonic {
 
 impl Pooled {
     /// Means and tests over the patches; `ks` is that of all facets.
-    pub fn of(entries: &[Entry], ks: Option<f64>) -> Self {
+    pub fn of(entries: &[PatchEntry], ks: Option<f64>) -> Self {
         let dof = entries.len().saturating_sub(1);
         let level = stats::sidak(LEVEL, HARMONICS.len());
         let t_limit = (dof > 0).then(|| stats::student_limit(level, dof));
@@ -44,7 +44,7 @@ impl Pooled {
             let (mean, se) = stats::mean_and_se(values);
             let t = se.filter(|se| *se > 0.0).map(|se| mean / se);
             let rejected = t.zip(t_limit).map(|(t, limit)| t.abs() > limit);
-            Harmonic { name, mean, se, t, rejected }
+            PooledHarmonic { name, mean, se, t, rejected }
         };
         Pooled { ks, harmonics: HARMONICS.iter().enumerate().map(harmonic).collect(), dof, t_limit }
     }
@@ -177,7 +177,7 @@ impl std::fmt::Display for Digits {
 }
 
 /// The printable certificate; `map`: of a measured map.
-pub fn lines(entries: &[Entry], pooled: &Pooled, map: bool) -> Vec<String> {
+pub fn lines(entries: &[PatchEntry], pooled: &Pooled, map: bool) -> Vec<String> {
     const HEADINGS: [&str; 12] = [
         "patch", "KS", "azimuth", "|h1|", "|h2|", "r(h)", "r(h^2)", "skew", "kurt", "range", "|mean|",
         "median",
@@ -210,7 +210,7 @@ pub fn lines(entries: &[Entry], pooled: &Pooled, map: bool) -> Vec<String> {
     lines
 }
 
-fn row((index, entry): (usize, &Entry)) -> Vec<String> {
+fn row((index, entry): (usize, &PatchEntry)) -> Vec<String> {
     let certificate = &entry.certificate;
     let (least, most) = certificate.azimuth_extremes();
     let length = |[x, y]: [f64; 2]| x.hypot(y);
@@ -225,9 +225,9 @@ fn row((index, entry): (usize, &Entry)) -> Vec<String> {
         format!("{:.4}", certificate.rank_correlation_height_squared),
         format!("{:.3}", certificate.height_skewness),
         format!("{:.3}", certificate.height_kurtosis),
-        format!("{}", Shown(certificate.height_range)),
+        format!("{}", ShortNumber(certificate.height_range)),
         small(length(certificate.mean_slope)),
-        format!("{}", Shown(certificate.median_slope)),
+        format!("{}", ShortNumber(certificate.median_slope)),
     ]
 }
 
@@ -237,9 +237,9 @@ fn small(value: f64) -> String {
 }
 
 /// A number of any size in few characters.
-struct Shown(f64);
+struct ShortNumber(f64);
 
-impl std::fmt::Display for Shown {
+impl std::fmt::Display for ShortNumber {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let size = self.0.abs();
         if size == 0.0 || (1e-2..1e3).contains(&size) {
@@ -256,7 +256,7 @@ fn harmonics(pooled: &Pooled) -> Vec<Vec<String>> {
         Some(true) => "rejected",
         Some(false) => "yes",
     };
-    let row = |harmonic: &Harmonic| {
+    let row = |harmonic: &PooledHarmonic| {
         vec![
             harmonic.name.into(),
             format!("{:.5}", harmonic.mean),

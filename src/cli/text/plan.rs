@@ -2,10 +2,10 @@
 
 use super::output::{bytes, duration, grouped, wrapped};
 use crate::campaign::{
-    Alpha, Azimuth, BinLayout, Campaign, HeightSpectrum, PhiFrom, Preset, Sensor, SmithHeights, SmithNdf,
+    Alpha, Azimuth, BinLayout, Campaign, HeightSpectrum, PhiFrom, Preset, SensorArm, SmithHeights, SmithNdf,
     SurfaceKind,
 };
-use crate::measure::{Disk, Plan, Skip};
+use crate::measure::{Disk, Plan, Saving};
 use crate::validate::prediction::aperture::ApertureBias;
 
 /// Room for the words on the left.
@@ -88,7 +88,7 @@ pub fn aperture(bias: &ApertureBias) -> Vec<String> {
 
 /// What is skipped, why, and what that saves.
 pub fn skipped(plan: &Plan) -> Vec<String> {
-    let text = |skip: &Skip| format!("{}: {}; saves {}", skip.what, skip.why, skip.saves);
+    let text = |skip: &Saving| format!("{}: {}; saves {}", skip.what, skip.why, skip.saves);
     plan.skipped.iter().flat_map(|skip| line("skipped", &text(skip))).collect()
 }
 
@@ -158,7 +158,7 @@ fn stops(campaign: &Campaign, plan: &Plan) -> String {
 
 fn sensor(campaign: &Campaign) -> String {
     match &campaign.sensor {
-        Sensor::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
+        SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
             let layout = match bins {
                 BinLayout::Centred => "centred on",
                 BinLayout::Aligned => "edges on",
@@ -167,7 +167,7 @@ fn sensor(campaign: &Campaign) -> String {
             let (theta, phi) = (step(90.0, *theta_r_bins), step(360.0, *phi_r_bins));
             format!("{layout} multiples of {theta} (theta_r) and {phi} degrees (phi_r)")
         }
-        Sensor::Arm { aperture_deg, theta_r_deg, phi_r_deg, phi_r_from } => {
+        SensorArm::Arm { aperture_deg, theta_r_deg, phi_r_deg, phi_r_from } => {
             let from = if *phi_r_from == PhiFrom::Light { "the light" } else { "the sample" };
             format!(
                 "arm positions, half-angle {aperture_deg} degrees; theta_r {}; phi_r {} from {from}",
@@ -175,7 +175,7 @@ fn sensor(campaign: &Campaign) -> String {
                 listed(phi_r_deg.iter())
             )
         }
-        Sensor::KlemsFull => "the patches of the Klems full basis".into(),
+        SensorArm::KlemsFull => "the patches of the Klems full basis".into(),
     }
 }
 

@@ -12,7 +12,7 @@ use super::output;
 const LINE_INTERVAL: u64 = 60;
 
 /// Progress on stderr, told from any thread.
-pub struct Progress {
+pub struct RunProgress {
     total: u64,
     unit: &'static str,
     /// Done by an earlier run.
@@ -23,7 +23,7 @@ pub struct Progress {
     bar: Option<ProgressBar>,
 }
 
-impl Progress {
+impl RunProgress {
     /// Starts counting to `total` of `unit` (a plural).
     pub fn new(total: u64, unit: &'static str) -> Self {
         Self::after(0, total, unit)
@@ -31,7 +31,7 @@ impl Progress {
 
     /// Goes on counting to `total` of `unit` from `before` that an earlier run did.
     pub fn after(before: u64, total: u64, unit: &'static str) -> Self {
-        Progress {
+        RunProgress {
             total,
             unit,
             before,
@@ -68,7 +68,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for RunProgress {
     fn drop(&mut self) {
         self.finish();
     }

@@ -11,9 +11,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::tensor_file::{Data, Field, TensorFile, encode};
+use super::tensor_file::{TensorData, TensorField, TensorFile, encode};
 use super::warp::{Slices, Warp, cell};
-use crate::interchange::resample::guide::Lobe;
+use crate::interchange::resample::guide::GuideLobe;
 use crate::interchange::{Brdf, Colour, Lookup, Reason};
 use crate::sphere;
 
@@ -116,7 +116,7 @@ fn phi_nodes(lookup: &Lookup) -> Vec<f64> {
 pub fn write(lookup: &Lookup, wavelengths_nm: Option<&[f64]>, description: &str) -> Reason<Vec<u8>> {
     let isotropic = lookup.is_isotropic();
     let (vndf_side, side) = if isotropic { (128, 64) } else { (64, 32) };
-    let auxiliary = Lobe::of(lookup);
+    let auxiliary = GuideLobe::of(lookup);
     let rows = if isotropic { 2 } else { NDF_NODES / 2 };
     let ndf = Map::of(rows, NDF_NODES, |m| auxiliary.d(m));
     let sigma = Map::of(rows, NDF_NODES, |w| auxiliary.sigma(w));
@@ -163,19 +163,19 @@ pub fn write(lookup: &Lookup, wavelengths_nm: Option<&[f64]>, description: &str)
     });
     let luminance: Vec<f32> = luminance.collect();
     let (np, nt) = (phi.len(), theta.len());
-    let axis = |values: &[f64]| Data::F32(values.iter().map(|&v| v as f32).collect());
-    let mut fields: Vec<Field> = vec![
-        ("description", vec![description.len()], Data::U8(description.bytes().collect())),
-        ("jacobian", vec![1], Data::U8(vec![1])),
+    let axis = |values: &[f64]| TensorData::F32(values.iter().map(|&v| v as f32).collect());
+    let mut fields: Vec<TensorField> = vec![
+        ("description", vec![description.len()], TensorData::U8(description.bytes().collect())),
+        ("jacobian", vec![1], TensorData::U8(vec![1])),
         ("phi_i", vec![np], axis(&phi)),
         ("theta_i", vec![nt], axis(&theta)),
-        ("ndf", vec![rows, NDF_NODES], Data::F32(ndf.values)),
-        ("sigma", vec![rows, NDF_NODES], Data::F32(sigma.values)),
-        ("vndf", vec![np, nt, vndf_side, vndf_side], Data::F32(vndf)),
-        ("luminance", vec![np, nt, side, side], Data::F32(luminance)),
+        ("ndf", vec![rows, NDF_NODES], TensorData::F32(ndf.values)),
+        ("sigma", vec![rows, NDF_NODES], TensorData::F32(sigma.values)),
+        ("vndf", vec![np, nt, vndf_side, vndf_side], TensorData::F32(vndf)),
+        ("luminance", vec![np, nt, side, side], TensorData::F32(luminance)),
     ];
     let name = if spectral { "spectra" } else { "rgb" };
-    fields.push((name, vec![np, nt, channels, side, side], Data::F32(spectra)));
+    fields.push((name, vec![np, nt, channels, side, side], TensorData::F32(spectra)));
     if let Some(wavelengths_nm) = wavelengths_nm {
         fields.push(("wavelengths", vec![channels], axis(wavelengths_nm)));
     }

@@ -15,7 +15,7 @@ const MOST_AXES: u16 = 8;
 
 /// The values of a field.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Data {
+pub enum TensorData {
     /// Type 10.
     F32(Vec<f32>),
     /// Type 1.
@@ -23,10 +23,10 @@ pub enum Data {
 }
 
 /// A field to write: name, sides, values.
-pub type Field = (&'static str, Vec<usize>, Data);
+pub type TensorField = (&'static str, Vec<usize>, TensorData);
 
 /// The bytes of a file.
-pub fn encode(fields: &[Field]) -> Vec<u8> {
+pub fn encode(fields: &[TensorField]) -> Vec<u8> {
     let header: usize =
         18 + fields.iter().map(|(name, sides, _)| 13 + name.len() + 8 * sides.len()).sum::<usize>();
     let mut bytes = MAGIC.to_vec();
@@ -35,8 +35,8 @@ pub fn encode(fields: &[Field]) -> Vec<u8> {
     let mut offset = header.next_multiple_of(8);
     for (name, sides, data) in fields {
         let (kind, size) = match data {
-            Data::F32(values) => (10, 4 * values.len()),
-            Data::U8(values) => (1, values.len()),
+            TensorData::F32(values) => (10, 4 * values.len()),
+            TensorData::U8(values) => (1, values.len()),
         };
         bytes.extend((name.len() as u16).to_le_bytes());
         bytes.extend(name.as_bytes());
@@ -49,15 +49,15 @@ pub fn encode(fields: &[Field]) -> Vec<u8> {
     for (_, _, data) in fields {
         bytes.resize(bytes.len().next_multiple_of(8), 0);
         match data {
-            Data::F32(values) => values.iter().for_each(|value| bytes.extend(value.to_le_bytes())),
-            Data::U8(values) => bytes.extend(values),
+            TensorData::F32(values) => values.iter().for_each(|value| bytes.extend(value.to_le_bytes())),
+            TensorData::U8(values) => bytes.extend(values),
         }
     }
     bytes
 }
 
 /// Where a field lies in the bytes of its file.
-struct Place {
+struct FieldRange {
     sides: Vec<usize>,
     kind: u8,
     data: Range<usize>,
@@ -66,7 +66,7 @@ struct Place {
 /// The fields of a file.
 pub struct TensorFile<'a> {
     bytes: &'a [u8],
-    fields: BTreeMap<String, Place>,
+    fields: BTreeMap<String, FieldRange>,
 }
 
 /// Reads numbers one after the other.
@@ -123,7 +123,7 @@ impl<'a> TensorFile<'a> {
         Ok(TensorFile { bytes, fields })
     }
 
-    fn place(cursor: &mut Cursor) -> Reason<(String, Place)> {
+    fn place(cursor: &mut Cursor) -> Reason<(String, FieldRange)> {
         let length = cursor.number(2)? as usize;
         // Shown in messages: no control characters.
         let name = String::from_utf8_lossy(cursor.take(length)?).escape_debug().to_string();
@@ -151,7 +151,7 @@ impl<'a> TensorFile<'a> {
             length.and_then(|length| offset.checked_add(length)).filter(|&end| end <= cursor.bytes.len());
         let end =
             end.ok_or_else(|| format!("field `{name}` of sides {sides:?} reaches beyond the file's end"))?;
-        Ok((name, Place { sides, kind, data: offset..end }))
+        Ok((name, FieldRange { sides, kind, data: offset..end }))
     }
 
     /// Whether there is such a field.

@@ -5,7 +5,7 @@ use std::io::Write;
 
 use super::npz;
 use crate::files::npy;
-use crate::files::npy::Values;
+use crate::files::npy::NpyValues;
 use crate::interchange::{Fail, Reason};
 use crate::table::BrdfTable;
 
@@ -23,7 +23,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
 pub fn read_back(bytes: &[u8], table: &BrdfTable) -> Reason<Vec<Vec<f32>>> {
     let array = npy::decode(bytes)?;
     let colours = table.colours.len();
-    let Values::F32(values) = array.values else { return Err("type f4 needed".into()) };
+    let NpyValues::F32(values) = array.values else { return Err("type f4 needed".into()) };
     if array.shape != npz::shape(&table.grid, colours) {
         return Err(format!("shape {:?}", array.shape));
     }

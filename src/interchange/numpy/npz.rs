@@ -12,7 +12,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use crate::files::memory;
 use crate::files::npy;
-use crate::files::npy::{Array, Values};
+use crate::files::npy::{Array, NpyValues};
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::read_back::{Listing, ReadBack};
 use crate::interchange::text::seam;
@@ -61,8 +61,8 @@ pub fn apart(values: &[f32], colours: usize) -> Vec<Vec<f32>> {
 }
 
 /// Where a channel is read from, and where it is put.
-type Channel = fn(&ColourChannels) -> &Vec<f32>;
-type Place = fn(&mut ColourChannels) -> &mut Vec<f32>;
+type ReadChannel = fn(&ColourChannels) -> &Vec<f32>;
+type WriteChannel = fn(&mut ColourChannels) -> &mut Vec<f32>;
 
 /// The archive while it is written.
 struct Archive<W: Write> {
@@ -103,7 +103,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     let mut archive = Archive { zip: ZipWriter::new_stream(out) };
     let grid = &table.grid;
     let shape_of = |colours: usize| shape(grid, colours);
-    let channels: [(&str, Channel); 5] = [
+    let channels: [(&str, ReadChannel); 5] = [
         ("brdf", |c| &c.total),
         ("single", |c| &c.single),
         ("multiple", |c| &c.multiple),
@@ -210,8 +210,8 @@ impl<R: Read + Seek> Members<R> {
     fn axis(&mut self, name: &str) -> Reason<Vec<f64>> {
         let Some(array) = self.array(name)? else { return Ok(vec![]) };
         match array.values {
-            Values::F64(values) => Ok(values),
-            Values::F32(values) => Ok(values.into_iter().map(f64::from).collect()),
+            NpyValues::F64(values) => Ok(values),
+            NpyValues::F32(values) => Ok(values.into_iter().map(f64::from).collect()),
             _ => Err(format!("array `{name}`: floats needed")),
         }
     }
@@ -219,10 +219,10 @@ impl<R: Read + Seek> Members<R> {
     fn text(&mut self, name: &str) -> Reason<String> {
         let Some(array) = self.array(name)? else { return Ok(String::new()) };
         match array.values {
-            Values::Text(texts) => <[String; 1]>::try_from(texts)
+            NpyValues::Text(texts) => <[String; 1]>::try_from(texts)
                 .map(|[text]| text)
                 .map_err(|texts| format!("array `{name}`: {} texts, one needed", texts.len())),
-            Values::U8(bytes) => {
+            NpyValues::U8(bytes) => {
                 String::from_utf8(bytes).map_err(|_| format!("array `{name}`: bytes that are not UTF-8"))
             }
             _ => Err(format!("array `{name}`: a text (str) needed")),
@@ -242,7 +242,7 @@ impl<R: Read + Seek> Members<R> {
             ..Grid::default()
         };
         grid.phi_r_relative = match self.array("phi_r_relative")?.map(|array| array.values) {
-            Some(Values::U8(values)) => values.first() == Some(&1),
+            Some(NpyValues::U8(values)) => values.first() == Some(&1),
             Some(_) => return Err("array `phi_r_relative`: u1 or bool needed".into()),
             // An azimuth that is not there tells nothing apart; a single one is where the light stood.
             None => grid.phi_i_deg.is_empty(),
@@ -271,8 +271,8 @@ impl<R: Read + Seek> Members<R> {
             return Err(format!("array `{name}` has shape {:?}, the axes make {shape:?}", array.shape));
         }
         let values = match array.values {
-            Values::F32(values) => values,
-            Values::F64(values) => values.into_iter().map(|v| v as f32).collect(),
+            NpyValues::F32(values) => values,
+            NpyValues::F64(values) => values.into_iter().map(|v| v as f32).collect(),
             _ => return Err(format!("array `{name}`: f4 or f8 needed")),
         };
         match values.iter().position(|value| !value.is_finite()) {
@@ -311,7 +311,7 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let wanted = shape(&grid, colours);
     let total = members.channel("brdf", &wanted)?.ok_or("no array `brdf`")?;
     let mut table = spectral_table(grid, apart(&total, colours), &wavelengths)?;
-    let channels: [(&str, Place); 4] = [
+    let channels: [(&str, WriteChannel); 4] = [
         ("single", |c| &mut c.single),
         ("multiple", |c| &mut c.multiple),
         ("stderr", |c| &mut c.stderr),
@@ -326,7 +326,7 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let plain = shape(&table.grid, 1);
     if let Some(array) = members.array("hits")? {
         match array.values {
-            Values::U32(hits) if array.shape == plain => table.hits = hits,
+            NpyValues::U32(hits) if array.shape == plain => table.hits = hits,
             _ => return Err(format!("array `hits`: u4 of shape {plain:?} needed")),
         }
     }

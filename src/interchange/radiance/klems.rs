@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::colour;
 use super::xml;
-use super::xml::{Side, negative_note, short};
+use super::xml::{SampleSide, negative_note, short};
 use crate::instrument::klems::{Basis, Ring, middles, patches, rings_of};
 use crate::instrument::{Grid, GridKind, Region};
 use crate::interchange::resample::nodes;
@@ -157,7 +157,7 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
 ///
 /// Held by: `klems_patches_come_back`, `colours_of_radiance_files_come_back`, `damaged_xml_is_refused`,
 /// `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
-pub fn read_side(bytes: &[u8], side: Option<Side>) -> Reason<(BrdfTable, Vec<String>)> {
+pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Reason<(BrdfTable, Vec<String>)> {
     let document = xml::read(bytes)?;
     let columns = match document.structure.as_str() {
         "Columns" => true,

@@ -23,7 +23,7 @@ pub struct Task<'a> {
 
 /// A cell: the grid of its parts, or so many cells.
 #[derive(Debug, Clone)]
-pub struct Cell {
+pub struct TreeCell {
     corner: [f64; 4],
     side: f64,
     /// Values of the parts; bit k of the place is the half of axis k.
@@ -40,7 +40,7 @@ const FINEST: f64 = 1.0 / 512.0;
 pub const FIRST: [usize; 2] = [8, 4];
 
 impl Task<'_> {
-    fn cell(&self, corner: [f64; 4], side: f64) -> Cell {
+    fn cell(&self, corner: [f64; 4], side: f64) -> TreeCell {
         let value = |part: usize| {
             let at = std::array::from_fn(|k| corner[k] + side * (0.25 + 0.5 * ((part >> k) & 1) as f64));
             (self.value)(&at) as f32
@@ -55,13 +55,13 @@ impl Task<'_> {
         let middle = corner.map(|low| low + 0.5 * side);
         let volume = side.powi(self.rank as i32) * (self.weight)(self.rank, &middle);
         let sum = parts.iter().map(|&v| f64::from(v)).sum::<f64>() / parts.len() as f64 * volume;
-        Cell { corner, side, parts, children: None, error: 0.25 * step * volume, sum }
+        TreeCell { corner, side, parts, children: None, error: 0.25 * step * volume, sum }
     }
 
     /// Gives each part of a cell that stays its mean for the value at its middle: towards the horizon a BRDF is hollow, and
     /// middles lie below it. Two opposite Gauss points, exact for squares along each axis; on which diagonal they lie changes
     /// from part to part such that products of two axes cancel over the cell.
-    fn average(&self, cell: &mut Cell) {
+    fn average(&self, cell: &mut TreeCell) {
         if cell.children.is_some() {
             return;
         }
@@ -80,11 +80,11 @@ impl Task<'_> {
     /// Cells of a regular start (the first `FIRST`^rank, the last axis slowest), and those that they were divided into.
     ///
     /// The same for any number of threads: each round divides the cells above a limit that the round before has set.
-    pub fn cells(&self) -> (usize, Vec<Cell>) {
+    pub fn cells(&self) -> (usize, Vec<TreeCell>) {
         let first = FIRST[self.rank - 3];
         let side = 1.0 / first as f64;
         let corner = |k: usize| std::array::from_fn(|a| (k / first.pow(a as u32) % first) as f64 * side);
-        let mut cells: Vec<Cell> =
+        let mut cells: Vec<TreeCell> =
             (0..first.pow(self.rank as u32)).into_par_iter().map(|k| self.cell(corner(k), side)).collect();
         let mut sum: f64 = cells.iter().map(|cell| cell.sum).sum();
         let mut open: Vec<usize> = (0..cells.len()).collect();
@@ -111,7 +111,7 @@ impl Task<'_> {
                 let corner = std::array::from_fn(|a| cell.corner[a] + half * (part >> a & 1) as f64);
                 self.cell(corner, half)
             };
-            let children: Vec<Cell> = pairs.par_iter().map(child).collect();
+            let children: Vec<TreeCell> = pairs.par_iter().map(child).collect();
             sum += children.iter().map(|cell| cell.sum).sum::<f64>();
             sum -= chosen.iter().map(|&k| cells[k].sum).sum::<f64>();
             for (n, &k) in chosen.iter().enumerate() {

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::colour;
 use super::tensor_tree::{COLOURS, Tree, coordinates};
 use super::xml;
-use super::xml::{Side, negative_note, short};
+use super::xml::{SampleSide, negative_note, short};
 use crate::interchange::{Brdf, Colour, Reason};
 
 /// Deeper than any file.
@@ -41,7 +41,7 @@ pub fn read(bytes: &[u8]) -> Reason<TensorTree> {
 /// counted.
 ///
 /// Held by: `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
-pub fn read_side(bytes: &[u8], side: Option<Side>) -> Reason<(TensorTree, Vec<String>)> {
+pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Reason<(TensorTree, Vec<String>)> {
     let document = xml::read(bytes)?;
     let rank = match document.structure.as_str() {
         "TensorTree3" => 3,
@@ -54,7 +54,7 @@ pub fn read_side(bytes: &[u8], side: Option<Side>) -> Reason<(TensorTree, Vec<St
         }
     };
     let xml::Reflection { blocks, mut notes } = document.reflection(COLOURS, side)?;
-    let (mut trees, mut levels, mut seen) = (vec![], 0, Seen::default());
+    let (mut trees, mut levels, mut seen) = (vec![], 0, CellCheck::default());
     for block in blocks {
         let mut parser = Parser { rest: block.data.trim_start(), rank, levels: 0, seen };
         trees.push(parser.group(0)?);
@@ -69,7 +69,7 @@ pub fn read_side(bytes: &[u8], side: Option<Side>) -> Reason<(TensorTree, Vec<St
 
 /// What a file's values were before they were held.
 #[derive(Debug, Clone, Copy, Default)]
-struct Seen {
+struct CellCheck {
     values: usize,
     negative: usize,
     least: f64,
@@ -80,7 +80,7 @@ struct Parser<'a> {
     rank: usize,
     /// Halvings down to the finest cell so far.
     levels: usize,
-    seen: Seen,
+    seen: CellCheck,
 }
 
 impl Parser<'_> {

@@ -11,7 +11,7 @@ use std::fmt::Write;
 use glam::DVec3;
 
 use super::colour;
-use super::tensor_cells::{Cell, FIRST, Task};
+use super::tensor_cells::{FIRST, Task, TreeCell};
 pub use super::tensor_function::{TensorTree, read, read_side};
 use super::xml;
 use crate::interchange::{Brdf, Lookup};
@@ -114,7 +114,7 @@ fn tree(rank: usize, (target, most): (f64, usize), brdf: impl Fn(DVec3, DVec3) -
 }
 
 /// The branch over `size` cells a side of the start, from the place `at` on.
-fn gathered(rank: usize, cells: &[Cell], size: usize, at: &[usize; 4]) -> Tree {
+fn gathered(rank: usize, cells: &[TreeCell], size: usize, at: &[usize; 4]) -> Tree {
     let first = FIRST[rank - 3];
     if size == 1 {
         let place = (0..rank).rev().fold(0, |place, axis| place * first + at[axis]);
@@ -128,7 +128,7 @@ fn gathered(rank: usize, cells: &[Cell], size: usize, at: &[usize; 4]) -> Tree {
 }
 
 /// A cell with all that it was divided into.
-fn grown(rank: usize, cells: &[Cell], place: usize) -> Tree {
+fn grown(rank: usize, cells: &[TreeCell], place: usize) -> Tree {
     match cells[place].children {
         Some(first) => joined(rank, (first..first + (1 << rank)).map(|k| grown(rank, cells, k)).collect()),
         None => joined(rank, cells[place].parts.iter().map(|&value| Tree::Leaf(1, vec![value])).collect()),

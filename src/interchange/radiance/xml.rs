@@ -36,29 +36,29 @@ pub use crate::instrument::klems::Ring;
 
 /// Which side of the sample, by the file's own words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum SampleSide {
     /// `Reflection Back`, +z: what Radiance calls front.
     Back,
     /// `Reflection Front`, -z.
     Front,
 }
 
-impl Side {
+impl SampleSide {
     fn direction(self) -> &'static str {
         match self {
-            Side::Back => "Reflection Back",
-            Side::Front => "Reflection Front",
+            SampleSide::Back => "Reflection Back",
+            SampleSide::Front => "Reflection Front",
         }
     }
 }
 
-impl FromStr for Side {
+impl FromStr for SampleSide {
     type Err = String;
 
     fn from_str(name: &str) -> Reason<Self> {
         match name {
-            "back" => Ok(Side::Back),
-            "front" => Ok(Side::Front),
+            "back" => Ok(SampleSide::Back),
+            "front" => Ok(SampleSide::Front),
             _ => Err("front or back needed: the block `Reflection Front` or `Reflection Back`".into()),
         }
     }
@@ -67,7 +67,7 @@ impl FromStr for Side {
 /// The blocks that become a table, and what is to be said of the others.
 pub struct Reflection<'a> {
     /// Visible, and the two of colour where both are there.
-    pub blocks: Vec<&'a Block>,
+    pub blocks: Vec<&'a DataBlock>,
     /// One sentence each.
     pub notes: Vec<String>,
 }
@@ -80,12 +80,12 @@ pub struct Document {
     /// Angle bases by name; a tensor tree's has no rings.
     pub bases: Vec<(String, Vec<Ring>)>,
     /// The blocks.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<DataBlock>,
 }
 
 /// One block of values.
 #[derive(Debug, Default, Clone, PartialEq)]
-pub struct Block {
+pub struct DataBlock {
     /// `Visible`, `CIE-X`, ..
     pub wavelength: String,
     /// `Reflection Back`, ..
@@ -151,7 +151,9 @@ pub fn read(bytes: &[u8]) -> Reason<Document> {
                 match name.as_str() {
                     "AngleBasis" => document.bases.push(Default::default()),
                     "WavelengthDataBlock" => {
-                        document.blocks.push(Block { wavelength: wavelength.clone(), ..Block::default() });
+                        document
+                            .blocks
+                            .push(DataBlock { wavelength: wavelength.clone(), ..DataBlock::default() });
                     }
                     _ => {}
                 }
@@ -272,26 +274,26 @@ impl Document {
     ///
     /// Held by: `a_missing_block_is_answered_with_those_that_are_there`, `the_wanted_side_is_read`
     /// (tests/it/interchange/interchange_radiance.rs).
-    pub fn reflection(&self, others: [&str; 2], side: Option<Side>) -> Reason<Reflection<'_>> {
-        let find = |side: Side, wavelength: &str| {
+    pub fn reflection(&self, others: [&str; 2], side: Option<SampleSide>) -> Reason<Reflection<'_>> {
+        let find = |side: SampleSide, wavelength: &str| {
             self.blocks
                 .iter()
                 .find(|block| block.is(side.direction()) && block.wavelength.eq_ignore_ascii_case(wavelength))
         };
-        let wanted = side.map_or(vec![Side::Back, Side::Front], |side| vec![side]);
+        let wanted = side.map_or(vec![SampleSide::Back, SampleSide::Front], |side| vec![side]);
         let Some((side, visible)) = wanted.iter().find_map(|&side| Some((side, find(side, "Visible")?)))
         else {
             let what = side.map_or("reflection".into(), |side| format!("`{}`", side.direction()));
             return Err(format!("no block of visible {what}; the file has {}", self.named(|_| true)));
         };
-        let coloured: Vec<&Block> = others.into_iter().filter_map(|name| find(side, name)).collect();
+        let coloured: Vec<&DataBlock> = others.into_iter().filter_map(|name| find(side, name)).collect();
         let coloured = if coloured.len() == others.len() { coloured } else { vec![] };
-        let blocks: Vec<&Block> = std::iter::once(visible).chain(coloured).collect();
+        let blocks: Vec<&DataBlock> = std::iter::once(visible).chain(coloured).collect();
         let mut notes = vec![];
-        if side == Side::Front {
+        if side == SampleSide::Front {
             notes.push("the side -z (`Reflection Front`): x and y are the file's, azimuths run clockwise seen from there".into());
         }
-        let left = |block: &Block| !blocks.iter().any(|taken| std::ptr::eq(*taken, block));
+        let left = |block: &DataBlock| !blocks.iter().any(|taken| std::ptr::eq(*taken, block));
         if self.blocks.iter().any(left) {
             notes.push(format!("`{}` is read; not read: {}", side.direction(), self.named(left)));
         }
@@ -299,8 +301,8 @@ impl Document {
     }
 
     /// Some blocks as a list: direction and wavelength of each.
-    fn named(&self, wanted: impl Fn(&Block) -> bool) -> String {
-        let name = |block: &Block| {
+    fn named(&self, wanted: impl Fn(&DataBlock) -> bool) -> String {
+        let name = |block: &DataBlock| {
             let words = format!("{} ({})", short(&block.direction), short(&block.wavelength));
             words.escape_debug().to_string()
         };
@@ -314,7 +316,7 @@ impl Document {
     }
 }
 
-impl Block {
+impl DataBlock {
     fn is(&self, direction: &str) -> bool {
         self.direction
             .split_whitespace()

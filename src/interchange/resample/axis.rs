@@ -74,15 +74,15 @@ impl Polar {
 
 /// Azimuths on the circle, radians.
 #[derive(Debug, Clone)]
-pub(crate) struct Circle {
+pub(crate) struct AzimuthCircle {
     /// Increasing, in [0, 2 pi).
     nodes: Vec<f64>,
 }
 
-impl Circle {
+impl AzimuthCircle {
     /// The nodes must increase strictly and lie in [0, 2 pi).
     pub fn new(nodes: Vec<f64>) -> Self {
-        Circle { nodes }
+        AzimuthCircle { nodes }
     }
 
     pub fn cubic(&self, x: f64) -> Taps {
@@ -147,7 +147,7 @@ mod tests {
             .map(|tap| tap.weight * [0.05, 0.15, 0.25, 0.35f64][tap.node].powi(2))
             .sum();
         assert!(at.abs() < 1e-15 && axis.cubic(0.0).iter().filter(|tap| tap.reflected).count() == 2, "{at}");
-        let circle = Circle::new((0..36).map(|k| f64::from(k) * TAU / 36.0).collect());
+        let circle = AzimuthCircle::new((0..36).map(|k| f64::from(k) * TAU / 36.0).collect());
         let at: f64 =
             circle.cubic(-0.01).iter().map(|tap| tap.weight * (tap.node as f64 * TAU / 36.0).cos()).sum();
         // Cubic's error: h^4 3/128 f'''' = (0.1745)^4/43.

@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::angles::bin_axes;
-use super::axis::{Circle, Polar, Taps};
+use super::axis::{AzimuthCircle, Polar, Taps};
 use super::lookup::WIDEST_GAP_DEG;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::text::samples::key;
@@ -160,7 +160,7 @@ impl Rows {
                 "a position of the light has no sample off the normal: nothing to fill in from".into()
             );
         }
-        let circle = Circle::new(full.iter().map(|&column| self.phi[column].to_radians()).collect());
+        let circle = AzimuthCircle::new(full.iter().map(|&column| self.phi[column].to_radians()).collect());
         if circle.widest_gap().to_degrees() > WIDEST_GAP_DEG {
             return Err("its azimuths of the sensor lie too far apart to fill in what it lacks".into());
         }

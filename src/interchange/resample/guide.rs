@@ -27,12 +27,12 @@ const DARK: f64 = 1e-3;
 
 /// GGX in vector form.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Lobe {
+pub(crate) struct GuideLobe {
     pub alpha_x: f64,
     pub alpha_y: f64,
 }
 
-impl Lobe {
+impl GuideLobe {
     /// 1/sr, positive everywhere.
     pub fn d(self, m: DVec3) -> f64 {
         let q = (m.x / self.alpha_x).powi(2) + (m.y / self.alpha_y).powi(2) + m.z * m.z;
@@ -46,7 +46,7 @@ impl Lobe {
 
     /// So many times as wide.
     pub fn scaled(self, by: f64) -> Self {
-        Lobe { alpha_x: by * self.alpha_x, alpha_y: by * self.alpha_y }
+        GuideLobe { alpha_x: by * self.alpha_x, alpha_y: by * self.alpha_y }
     }
 
     /// The one whose slopes have the medians that the light of the first stop sees: of GGX, half the facets have a
@@ -80,16 +80,16 @@ impl Lobe {
             found.map_or(1.0, |s| s.0).max(0.005)
         };
         if lookup.is_isotropic() {
-            return Lobe { alpha_x: median(2), alpha_y: median(2) };
+            return GuideLobe { alpha_x: median(2), alpha_y: median(2) };
         }
-        Lobe { alpha_x: 3f64.sqrt() * median(0), alpha_y: 3f64.sqrt() * median(1) }
+        GuideLobe { alpha_x: 3f64.sqrt() * median(0), alpha_y: 3f64.sqrt() * median(1) }
     }
 }
 
 /// The law.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Guide {
-    lobe: Lobe,
+    lobe: GuideLobe,
     diffuse: Colour,
     gloss: Colour,
 }
@@ -104,12 +104,12 @@ struct Known {
 impl Guide {
     /// The law that guides nothing: the same in all directions.
     pub fn even() -> Self {
-        Guide { lobe: Lobe { alpha_x: 1.0, alpha_y: 1.0 }, diffuse: [1.0; 3], gloss: [0.0; 3] }
+        Guide { lobe: GuideLobe { alpha_x: 1.0, alpha_y: 1.0 }, diffuse: [1.0; 3], gloss: [0.0; 3] }
     }
 
     /// The law nearest to a table that has no guide yet.
     pub fn of(lookup: &Lookup) -> Self {
-        let widest = Lobe::of(lookup);
+        let widest = GuideLobe::of(lookup);
         let rows = lookup.theta_i().partition_point(|&theta| theta <= LAST_FITTED).max(1);
         let stops = rows * lookup.phi_i().len();
         let mut known = Vec::new();
@@ -136,18 +136,18 @@ impl Guide {
     }
 
     /// The lobe, which says where values may be large.
-    pub fn lobe(&self) -> Lobe {
+    pub fn lobe(&self) -> GuideLobe {
         self.lobe
     }
 }
 
-fn lobe_brdf(lobe: Lobe, wi: DVec3, wo: DVec3) -> f64 {
+fn lobe_brdf(lobe: GuideLobe, wi: DVec3, wo: DVec3) -> f64 {
     lobe.d((wi + wo).normalize()) / (4.0 * lobe.sigma(wi) * lobe.sigma(wo))
 }
 
 /// Even part and lobe, neither negative and not both 0, that are nearest to one colour; and the squares that are left.
 /// Squares weigh with 1/value, so that lobe and floor count by their light.
-fn fitted(known: &[Known], lobe: Lobe, colour: usize) -> ([f64; 2], f64) {
+fn fitted(known: &[Known], lobe: GuideLobe, colour: usize) -> ([f64; 2], f64) {
     let (sum, cosines) = known
         .iter()
         .fold((0.0, 0.0), |(sum, cosines), k| (sum + k.to.weight * k.value[colour], cosines + k.to.weight));

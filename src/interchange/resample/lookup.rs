@@ -15,7 +15,7 @@ use glam::DVec3;
 
 use super::angles::{around, increasing};
 pub(crate) use super::angles::{bin_axes, stop_axes};
-use super::axis::{Circle, Polar, Taps};
+use super::axis::{AzimuthCircle, Polar, Taps};
 use super::folds::{Fold, unfolded};
 use super::guide::Guide;
 use super::levels::Levels;
@@ -37,12 +37,12 @@ pub struct Lookup {
     /// Measured azimuths.
     azimuths: usize,
     stops_polar: Polar,
-    stops_circle: Circle,
+    stops_circle: AzimuthCircle,
     /// The azimuth is relative and has one value: every azimuth of the light is alike.
     isotropic: bool,
     relative: bool,
     rows: Polar,
-    columns: Circle,
+    columns: AzimuthCircle,
     column_count: usize,
     row_count: usize,
     /// Per colour: [theta_i][measured phi_i][row][column] in increasing order of all angles.
@@ -64,14 +64,15 @@ impl Lookup {
         let isotropic = grid.phi_r_relative && phi_i.angles.len() == 1;
         let (theta_r_deg, phi_r_deg) = bin_axes(grid)?;
         let (rows, columns) = (increasing("theta_r", &theta_r_deg)?, around("phi_r", &phi_r_deg)?);
-        let gap = |circle: &Circle| circle.widest_gap().to_degrees();
-        let is_open = |angles: &[f64]| gap(&Circle::new(angles.to_vec())) > WIDEST_GAP_DEG;
+        let gap = |circle: &AzimuthCircle| circle.widest_gap().to_degrees();
+        let is_open = |angles: &[f64]| gap(&AzimuthCircle::new(angles.to_vec())) > WIDEST_GAP_DEG;
         let (all_phi_i, folds) = if !isotropic && is_open(&phi_i.angles) {
             unfolded(&phi_i.angles, table)
         } else {
             (phi_i.angles.clone(), Fold::none(phi_i.angles.len()))
         };
-        let (stops_circle, columns_circle) = (Circle::new(all_phi_i.clone()), Circle::new(columns.angles));
+        let (stops_circle, columns_circle) =
+            (AzimuthCircle::new(all_phi_i.clone()), AzimuthCircle::new(columns.angles));
         if !isotropic && gap(&stops_circle) > WIDEST_GAP_DEG {
             return Err(format!("azimuths of the light leave a gap of {:.0} degrees", gap(&stops_circle)));
         }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::axis::{Circle, Polar, Taps};
+use super::axis::{AzimuthCircle, Polar, Taps};
 use crate::instrument::Grid;
 
 /// Rounds of the correction towards the table's bin means; each leaves at most a third of the finest detail's error.
@@ -15,7 +15,7 @@ const GAUSS: [(f64, f64); 3] =
 /// `places` are the grid's columns in the order of the circle.
 pub(crate) fn keep_means(
     values: &mut [Vec<f32>],
-    (polar, circle): (&Polar, &Circle),
+    (polar, circle): (&Polar, &AzimuthCircle),
     grid: &Grid,
     places: &[usize],
 ) {

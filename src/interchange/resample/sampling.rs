@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::guide::Lobe;
+use super::guide::GuideLobe;
 use crate::interchange::Colour;
 use crate::sphere;
 
@@ -17,7 +17,7 @@ pub(crate) struct Sampled {
 
 /// Directions above the horizon, always the same: `count` each of half vectors after the lobe, of half vectors after a
 /// lobe a quarter as wide, and of cosines, together by the balance heuristic (Veach and Guibas 1995).
-pub(crate) fn samples(wi: DVec3, lobe: Lobe, count: usize) -> Vec<Sampled> {
+pub(crate) fn samples(wi: DVec3, lobe: GuideLobe, count: usize) -> Vec<Sampled> {
     let lobes = [lobe, lobe.scaled(0.25)];
     let density = |wo: DVec3| {
         let h = (wi + wo).normalize();

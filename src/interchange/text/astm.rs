@@ -7,7 +7,7 @@ use std::io::{BufRead, ErrorKind, Write};
 
 use super::named_columns::{Columns, names_of};
 use super::samples;
-use super::samples::Sample;
+use super::samples::MeasuredPair;
 use crate::interchange::read_back::{ReadBack, middles_deg};
 use crate::interchange::{Fail, Reason};
 use crate::table::BrdfTable;
@@ -71,7 +71,10 @@ pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBac
 }
 
 /// Visits the samples of a file; returns what its channels are and whether the file says that it is isotropic.
-fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) -> Reason<(Columns, bool)> {
+fn each_sample(
+    file: impl BufRead,
+    mut visit: impl FnMut(MeasuredPair) -> Reason<()>,
+) -> Reason<(Columns, bool)> {
     let unread = |e: std::io::Error| match e.kind() {
         ErrorKind::InvalidData => "not a text in UTF-8".to_string(),
         _ => e.to_string(),
@@ -121,7 +124,7 @@ fn each_sample(file: impl BufRead, mut visit: impl FnMut(Sample) -> Reason<()>) 
         if let Some(why) = columns.fault(&numbers) {
             return Err(format!("line {number}: {why}"));
         }
-        let mut sample = Sample::of(number, &numbers, &columns);
+        let mut sample = MeasuredPair::of(number, &numbers, &columns);
         sample.values.iter_mut().for_each(|value| *value = value.max(0.0));
         visit(sample)?;
         found += 1;

@@ -4,7 +4,7 @@ use std::io::{Chain, Cursor, Read, Write};
 
 use super::named_columns::{Columns, names_of};
 use super::samples;
-use super::samples::Sample;
+use super::samples::MeasuredPair;
 use crate::instrument::Region;
 use crate::interchange::read_back::{ReadBack, middles_deg};
 use crate::interchange::{Fail, Reason};
@@ -88,7 +88,7 @@ fn failed(error: csv::Error) -> Fail {
 /// Held by: `csv_comes_back`, `damaged_lines_are_refused` (tests/it/interchange/interchange_arrays.rs).
 pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     let text = decode_text_or_latin1(bytes)?;
-    let mut lines = Lines::open(text.as_bytes())?;
+    let mut lines = SampleLines::open(text.as_bytes())?;
     let mut found = Vec::new();
     for sample in lines.by_ref() {
         if found.len() == MOST_LINES {
@@ -101,12 +101,12 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
 
 /// Holds a file of the table's own bins, in their order, to the table, line by line.
 pub fn read_back(file: impl Read, table: &BrdfTable) -> Reason<Option<ReadBack>> {
-    let mut lines = Lines::open(file)?;
+    let mut lines = SampleLines::open(file)?;
     samples::held_to(table, 0.0, |each| lines.try_for_each(|sample| each(sample?)))
 }
 
 /// The samples of a file, line by line.
-pub struct Lines<R> {
+pub struct SampleLines<R> {
     records: csv::StringRecordsIntoIter<Chain<Cursor<Vec<u8>>, R>>,
     angles: Vec<usize>,
     columns: Columns,
@@ -115,7 +115,7 @@ pub struct Lines<R> {
     decimal_commas: bool,
 }
 
-impl<R: Read> Lines<R> {
+impl<R: Read> SampleLines<R> {
     /// Reads the heading.
     pub fn open(mut file: R) -> Reason<Self> {
         let head = head(&mut file)?;
@@ -137,10 +137,10 @@ impl<R: Read> Lines<R> {
             heading.iter().enumerate().map(|(k, cell)| if own(k) { SIZE } else { cell }).collect();
         let columns = Columns::of(&names, ANGLES.len())?;
         let records = reader.into_records();
-        Ok(Lines { records, angles, columns, isotropic, decimal_commas: mark != b',' })
+        Ok(SampleLines { records, angles, columns, isotropic, decimal_commas: mark != b',' })
     }
 
-    fn sample(&self, record: csv::Result<csv::StringRecord>) -> Reason<Sample> {
+    fn sample(&self, record: csv::Result<csv::StringRecord>) -> Reason<MeasuredPair> {
         let record = record.map_err(|e| one_line(&e))?;
         let line = record.position().map_or(0, |at| at.line());
         let number = |cell: &str| {
@@ -157,7 +157,7 @@ impl<R: Read> Lines<R> {
         if let Some(why) = self.columns.fault(&all) {
             return Err(format!("line {line}: {why}"));
         }
-        let sample = Sample::of(line as usize, &all, &self.columns);
+        let sample = MeasuredPair::of(line as usize, &all, &self.columns);
         // Rounded as a table holds it: what f32 cannot hold is infinite there.
         if let Some(value) = sample.values.iter().find(|v| !(v.is_finite() && **v >= 0.0)) {
             return Err(format!("line {line}: {value} is no BRDF value (not negative, at most 3.4e38)"));
@@ -185,8 +185,8 @@ fn head(file: &mut impl Read) -> Reason<Vec<u8>> {
     }
 }
 
-impl<R: Read> Iterator for Lines<R> {
-    type Item = Reason<Sample>;
+impl<R: Read> Iterator for SampleLines<R> {
+    type Item = Reason<MeasuredPair>;
 
     fn next(&mut self) -> Option<Self::Item> {
         let record = self.records.next()?;

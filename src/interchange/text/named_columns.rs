@@ -8,7 +8,7 @@ use crate::table::BrdfTable;
 use crate::table::brdf_table::named_wavelength;
 
 /// Numbers of one sample, one for each colour.
-pub type Values = SmallVec<[f32; 3]>;
+pub type ColourValues = SmallVec<[f32; 3]>;
 
 /// What one column holds.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,7 +124,7 @@ impl Columns {
     }
 
     /// The values of a line.
-    pub fn values(&self, numbers: &[f64]) -> Values {
+    pub fn values(&self, numbers: &[f64]) -> ColourValues {
         if self.is_xyz {
             let xyz: Colour = std::array::from_fn(|k| numbers[self.values[k]]);
             return colour::rgb(xyz).iter().map(|&value| value as f32).collect();
@@ -133,7 +133,7 @@ impl Columns {
     }
 
     /// The standard errors of a line; empty where they are unknown.
-    pub fn errors(&self, numbers: &[f64]) -> Values {
+    pub fn errors(&self, numbers: &[f64]) -> ColourValues {
         self.errors.iter().map(|&column| numbers[column] as f32).collect()
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::named_columns::{Columns, Values};
+use super::named_columns::{ColourValues, Columns};
 use crate::files::memory;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::read_back::{Listing, ReadBack, middles_deg, upper};
@@ -17,26 +17,26 @@ const MOST_GAPS: usize = 1 << 22;
 
 /// The values for (theta_i, phi_i, theta_r, phi_r) in degrees, absolute azimuths.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
+pub struct MeasuredPair {
     /// The stop.
     pub light: [f64; 2],
     /// The sensor.
     pub sensor: [f64; 2],
     /// A value for each colour.
-    pub values: Values,
+    pub values: ColourValues,
     /// Their standard errors; empty where they are unknown.
-    pub errors: Values,
+    pub errors: ColourValues,
     /// Arrivals, where they are counted.
     pub hits: Option<u32>,
     /// Where it stands in the file.
     pub line: usize,
 }
 
-impl Sample {
+impl MeasuredPair {
     /// Four angles, and what the columns say of the numbers. A negative polar angle is the far side of its plane,
     /// phi + 180.
     pub fn of(line: usize, numbers: &[f64], columns: &Columns) -> Self {
-        Sample {
+        MeasuredPair {
             light: upper([numbers[0], numbers[1]]),
             sensor: upper([numbers[2], numbers[3]]),
             values: columns.values(numbers),
@@ -78,23 +78,23 @@ impl Sample {
 /// same at all stops, the table has those. Pairs that the list does not have are gaps ([`BrdfTable::is_gap`]).
 ///
 /// Held by: tests/it/interchange/interchange_angles.rs, tests/it/interchange/ragged_scans.rs.
-pub fn table(samples: &[Sample], columns: &Columns, isotropic: bool) -> Reason<BrdfTable> {
+pub fn table(samples: &[MeasuredPair], columns: &Columns, isotropic: bool) -> Reason<BrdfTable> {
     if samples.is_empty() {
         return Err("no samples".into());
     }
-    if let Some(fault) = samples.iter().find_map(Sample::fault) {
+    if let Some(fault) = samples.iter().find_map(MeasuredPair::fault) {
         return Err(fault);
     }
-    let from_light = || samples.iter().cloned().map(Sample::seen_from_light).collect::<Vec<_>>();
+    let from_light = || samples.iter().cloned().map(MeasuredPair::seen_from_light).collect::<Vec<_>>();
     if isotropic {
-        return one_azimuth(Layout::of(&from_light()).table(columns, true)?);
+        return one_azimuth(SampleLayout::of(&from_light()).table(columns, true)?);
     }
-    let absolute = Layout::of(samples);
+    let absolute = SampleLayout::of(samples);
     if absolute.gaps() == 0 {
         return absolute.table(columns, false);
     }
     let turned = from_light();
-    let relative = Layout::of(&turned);
+    let relative = SampleLayout::of(&turned);
     // The azimuths by which the list has fewer gaps are those of the instrument.
     if relative.gaps() < absolute.gaps() {
         relative.table(columns, true)
@@ -104,20 +104,20 @@ pub fn table(samples: &[Sample], columns: &Columns, isotropic: bool) -> Reason<B
 }
 
 /// Samples over all pairs of their stops and directions.
-struct Layout<'a> {
-    samples: &'a [Sample],
+struct SampleLayout<'a> {
+    samples: &'a [MeasuredPair],
     stops: Directions,
     points: Directions,
     /// Stop and direction of each sample.
     places: Vec<(usize, usize)>,
 }
 
-impl<'a> Layout<'a> {
-    fn of(samples: &'a [Sample]) -> Self {
+impl<'a> SampleLayout<'a> {
+    fn of(samples: &'a [MeasuredPair]) -> Self {
         let (mut stops, mut points) = (Directions::default(), Directions::default());
-        let place = |sample: &Sample| (stops.place(sample.light), points.place(sample.sensor));
+        let place = |sample: &MeasuredPair| (stops.place(sample.light), points.place(sample.sensor));
         let places = samples.iter().map(place).collect();
-        Layout { samples, stops, points, places }
+        SampleLayout { samples, stops, points, places }
     }
 
     /// Pairs without a sample, at least.
@@ -136,14 +136,14 @@ impl<'a> Layout<'a> {
         }
         // A few thousand lines may list millions of pairs, each with all colours: no length of a file says it before.
         memory::check(needed::table(stop_count * bins, columns.colours()))?;
-        let mut first: Vec<Option<&Sample>> = vec![None; stop_count * bins];
+        let mut first: Vec<Option<&MeasuredPair>> = vec![None; stop_count * bins];
         for (sample, (stop, bin)) in self.samples.iter().zip(self.places) {
             match &mut first[stop * bins + bin] {
                 Some(earlier) => agree(earlier, sample)?,
                 empty => *empty = Some(sample),
             }
         }
-        let number = |sample: &Option<&Sample>, c: usize| sample.map_or(0.0, |sample| sample.values[c]);
+        let number = |sample: &Option<&MeasuredPair>, c: usize| sample.map_or(0.0, |sample| sample.values[c]);
         let total = (0..columns.colours()).map(|c| first.iter().map(|sample| number(sample, c)).collect());
         let (stops_deg, points_deg) = (self.stops.list, self.points.list);
         let grid = Grid { kind: GridKind::Points, stops_deg, points_deg, phi_r_relative, ..Grid::default() };
@@ -161,7 +161,7 @@ impl<'a> Layout<'a> {
 }
 
 /// Errors and arrivals of an entry. Every value counts as an arrival where none are counted.
-fn put(table: &mut BrdfTable, entry: usize, sample: &Sample) {
+fn put(table: &mut BrdfTable, entry: usize, sample: &MeasuredPair) {
     for (colour, &error) in table.colours.iter_mut().zip(&sample.errors) {
         (colour.stderr[entry], colour.stderr_single[entry]) = (error, error);
     }
@@ -196,7 +196,7 @@ pub fn alike(a: f64, b: f64) -> bool {
     (a - b).abs() <= 4.0 * f64::from(f32::EPSILON) * a.abs().max(b.abs())
 }
 
-fn agree(a: &Sample, b: &Sample) -> Reason<()> {
+fn agree(a: &MeasuredPair, b: &MeasuredPair) -> Reason<()> {
     match (0..a.values.len()).find(|&c| !alike(f64::from(a.values[c]), f64::from(b.values[c]))) {
         Some(c) => Err(format!(
             "lines {} and {}: the same light {:?} and sensor {:?} (degrees) with {} and {}",
@@ -234,7 +234,7 @@ pub fn one_azimuth(mut table: BrdfTable) -> Reason<BrdfTable> {
 pub fn held_to(
     table: &BrdfTable,
     digits: f64,
-    visit: impl FnOnce(&mut dyn FnMut(Sample) -> Reason<()>) -> Reason<()>,
+    visit: impl FnOnce(&mut dyn FnMut(MeasuredPair) -> Reason<()>) -> Reason<()>,
 ) -> Reason<Option<ReadBack>> {
     listed(table, digits, visit)?.finish()
 }
@@ -243,12 +243,12 @@ pub fn held_to(
 pub fn listed<'a>(
     table: &'a BrdfTable,
     digits: f64,
-    visit: impl FnOnce(&mut dyn FnMut(Sample) -> Reason<()>) -> Reason<()>,
+    visit: impl FnOnce(&mut dyn FnMut(MeasuredPair) -> Reason<()>) -> Reason<()>,
 ) -> Reason<Listing<'a>> {
     let (grid, bins) = (&table.grid, table.grid.bins());
     let (mut listing, mut entry, mut middles) = (Listing::new(table), 0, Vec::new());
     let mut middles_of = None;
-    let mut each = |sample: Sample| {
+    let mut each = |sample: MeasuredPair| {
         while table.is_gap(entry) {
             entry += 1;
         }

@@ -1,6 +1,6 @@
 //! From the sums of every realisation to the table: values, error bars, albedos.
 
-use super::fresnel_sums::Colour;
+use super::fresnel_sums::ColourSource;
 use super::lost_light;
 use super::slopes;
 use super::slopes::SlopeClass;
@@ -9,8 +9,8 @@ use super::tally_flux::TallyFlux;
 use crate::campaign;
 use crate::campaign::{Campaign, Optics};
 use crate::measure::plan::Plan;
-use crate::measure::rounds::Finished;
-use crate::measure::stopping::{Look, Progress, StoppedBy};
+use crate::measure::rounds::FinishedTable;
+use crate::measure::stopping::{Look, StopProgress, StoppedBy};
 use crate::stats;
 use crate::table::brdf_table::HITS_OF_AN_EMPTY_BIN;
 use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
@@ -69,7 +69,7 @@ pub struct Measured {
 pub(crate) fn assemble(
     campaign: &Campaign,
     plan: &Plan,
-    finished: &Finished,
+    finished: &FinishedTable,
     patch_digest: &str,
 ) -> Vec<Measured> {
     let flux = finished.flux();
@@ -79,14 +79,14 @@ pub(crate) fn assemble(
         .collect();
     let hits = total_hits(plan, &flux);
     let empty = empty_bin_errors(plan, &flux, &sizes);
-    let source = Source { plan, flux: &flux, sizes: &sizes };
+    let source = TableSource { plan, flux: &flux, sizes: &sizes };
     let of_material = |(material, optics): (usize, &Optics)| {
         let campaign = campaign.with_optics(optics);
         let colours = plan.weighing.colours(material);
         let parts: Vec<RealisationPart> =
             flux.iter().map(|stops| source.realisation(stops, &colours)).collect();
         let wavelengths = optics.wavelengths_nm();
-        let channels = |(place, &colour): (usize, &Colour)| {
+        let channels = |(place, &colour): (usize, &ColourSource)| {
             let measured = ColourChannels::of_realisations(&parts, place, &hits, &empty);
             ColourChannels {
                 orders: source.orders(colour),
@@ -117,15 +117,15 @@ pub(crate) fn assemble(
 }
 
 /// What tables are made of: [realisation][stop], and the bins' projected solid angles, [stop][bin].
-pub(crate) struct Source<'a> {
+pub(crate) struct TableSource<'a> {
     pub plan: &'a Plan,
     pub flux: &'a [Vec<TallyFlux<'a>>],
     sizes: &'a [Vec<f64>],
 }
 
-impl Source<'_> {
+impl TableSource<'_> {
     /// BRDF values of one realisation: flux over projected solid angle.
-    fn realisation(&self, stops: &[TallyFlux], colours: &[Colour]) -> RealisationPart {
+    fn realisation(&self, stops: &[TallyFlux], colours: &[ColourSource]) -> RealisationPart {
         let mut part = RealisationPart {
             total: vec![Vec::new(); colours.len()],
             single: vec![Vec::new(); colours.len()],
@@ -173,7 +173,7 @@ impl Source<'_> {
     }
 
     /// Orders 2, 3, ... of a colour, where they are kept apart.
-    fn orders(&self, colour: Colour) -> Vec<Vec<f32>> {
+    fn orders(&self, colour: ColourSource) -> Vec<Vec<f32>> {
         let weighing = &self.plan.weighing;
         let groups = if weighing.by_order() { weighing.groups() } else { 0 };
         let order = |group| self.brdf(self.flux, |flux, bin| flux.group(weighing, group, colour, bin));
@@ -212,7 +212,12 @@ fn entries<T>(plan: &Plan, of: impl Fn(usize, usize) -> T) -> Vec<T> {
         .collect()
 }
 
-fn stop_result(source: &Source, stop: usize, colours: &[Colour], end: &Progress) -> StopResult {
+fn stop_result(
+    source: &TableSource,
+    stop: usize,
+    colours: &[ColourSource],
+    end: &StopProgress,
+) -> StopResult {
     let plan = source.plan;
     let realisations: Vec<TallyFlux> = source.flux.iter().map(|stops| stops[stop]).collect();
     let tallies: Vec<&Tally> = realisations.iter().map(|flux| flux.tally).collect();
@@ -226,12 +231,12 @@ fn stop_result(source: &Source, stop: usize, colours: &[Colour], end: &Progress)
         whole.iter().map(albedo).collect()
     };
     let closure = |flux: &TallyFlux| {
-        (0..orders).map(|order| flux.order(order, Colour::Unit)).sum::<f64>() + flux.truncated()
+        (0..orders).map(|order| flux.order(order, ColourSource::Unit)).sum::<f64>() + flux.truncated()
     };
     StopResult {
         albedo_by_order: (0..orders).map(of_order).collect(),
         closure: whole.iter().map(closure).collect(),
-        perfect: colours == [Colour::Unit],
+        perfect: colours == [ColourSource::Unit],
         orders: (0..orders).map(|k| tallies.iter().map(|tally| tally.orders[k].count).sum()).collect(),
         cut: tallies.iter().map(|tally| tally.cut.count).sum(),
         hidden: tallies.iter().map(|tally| tally.hidden.count).sum(),

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use crate::campaign::{Campaign, Law, Optics};
+use crate::campaign::{Campaign, FresnelLaw, Optics};
 use crate::measure::optics::reflectances_of;
 use crate::optics::FacetAngle;
 use crate::optics::fresnel::Fresnel;
@@ -18,7 +18,7 @@ pub const HIGHEST: u32 = 8;
 
 /// What is summed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Sums {
+enum SumKind {
     /// Paths.
     Counts,
     /// The parts of Schlick's polynomial.
@@ -29,8 +29,8 @@ enum Sums {
 
 /// The sums of a campaign.
 #[derive(Debug, Clone)]
-pub struct Weighing {
-    sums: Sums,
+pub struct FresnelSums {
+    sums: SumKind,
     bounces: u32,
     by_order: bool,
     /// Every colour of every material, one after the other.
@@ -41,7 +41,7 @@ pub struct Weighing {
 
 /// How one colour of a table follows from the sums.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Colour {
+pub enum ColourSource {
     /// F = 1.
     Unit,
     /// Schlick, from the parts.
@@ -67,23 +67,23 @@ pub struct PathWeights {
     pub first: usize,
 }
 
-impl Weighing {
+impl FresnelSums {
     /// What a campaign needs.
     pub fn of(campaign: &Campaign) -> Self {
         let of_material = campaign.optics.each().into_iter().map(Optics::colours).collect();
         let schlick = |optics: &&Optics| match optics {
             Optics::Schlick { .. } => true,
-            Optics::Index(index) => index.law == Law::Schlick,
+            Optics::Index(index) => index.law == FresnelLaw::Schlick,
             Optics::PerfectMirror | Optics::Several(_) => false,
         };
         let sums = match campaign.optics {
-            Optics::PerfectMirror => Sums::Counts,
+            Optics::PerfectMirror => SumKind::Counts,
             _ if campaign.trace.bounces <= HIGHEST && campaign.optics.each().iter().all(schlick) => {
-                Sums::Parts
+                SumKind::Parts
             }
-            _ => Sums::Colours,
+            _ => SumKind::Colours,
         };
-        Weighing {
+        FresnelSums {
             sums,
             bounces: campaign.trace.bounces,
             by_order: campaign.trace.by_order,
@@ -94,7 +94,7 @@ impl Weighing {
 
     /// The same with the reflectance of every colour followed along the path, as tests compare it with.
     pub fn traced(self) -> Self {
-        Weighing { sums: if self.sums == Sums::Counts { self.sums } else { Sums::Colours }, ..self }
+        FresnelSums { sums: if self.sums == SumKind::Counts { self.sums } else { SumKind::Colours }, ..self }
     }
 
     /// Highest order.
@@ -109,25 +109,25 @@ impl Weighing {
 
     /// Whether paths need the angles at their facets.
     pub fn needs_angles(&self) -> bool {
-        self.sums != Sums::Counts
+        self.sums != SumKind::Counts
     }
 
     /// Whether every colour has sums of its own.
     pub fn is_traced(&self) -> bool {
-        self.sums == Sums::Colours
+        self.sums == SumKind::Colours
     }
 
     /// Whether Schlick's reflectance for any F0 follows from the sums.
     pub fn serves_any_f0(&self) -> bool {
-        self.sums == Sums::Parts || (self.sums == Sums::Colours && self.bounces == 1)
+        self.sums == SumKind::Parts || (self.sums == SumKind::Colours && self.bounces == 1)
     }
 
     /// Sums of order 1 for each bin, beside the flux with F = 1: (1-c)^5, and traced colours.
     pub fn first_sums(&self) -> usize {
         match self.sums {
-            Sums::Counts => 0,
-            Sums::Parts => 1,
-            Sums::Colours => 1 + self.reflectances.len(),
+            SumKind::Counts => 0,
+            SumKind::Parts => 1,
+            SumKind::Colours => 1 + self.reflectances.len(),
         }
     }
 
@@ -148,9 +148,9 @@ impl Weighing {
     /// The sums of a group.
     pub fn group(&self, group: usize) -> Range<usize> {
         let size = |group: usize| match self.sums {
-            Sums::Counts => 1,
-            Sums::Parts => 1 + self.degree(group),
-            Sums::Colours => self.reflectances.len(),
+            SumKind::Counts => 1,
+            SumKind::Parts => 1 + self.degree(group),
+            SumKind::Colours => self.reflectances.len(),
         };
         let first = (0..group).map(size).sum();
         first..first + size(group)
@@ -164,25 +164,25 @@ impl Weighing {
     /// Sums of one order for the albedo.
     pub fn order_sums(&self, order: usize) -> usize {
         match self.sums {
-            Sums::Counts => 0,
-            Sums::Parts => order + 1,
-            Sums::Colours => self.reflectances.len(),
+            SumKind::Counts => 0,
+            SumKind::Parts => order + 1,
+            SumKind::Colours => self.reflectances.len(),
         }
     }
 
     /// The colours of one material's table.
-    pub fn colours(&self, material: usize) -> Vec<Colour> {
+    pub fn colours(&self, material: usize) -> Vec<ColourSource> {
         let first: usize = self.of_material[..material].iter().sum();
         let colour = |place: usize| match (self.sums, self.reflectances[place].fresnel) {
-            (Sums::Counts, _) => Colour::Unit,
-            (Sums::Parts, Fresnel::Schlick { f0 }) => Colour::Schlick { f0 },
-            _ => Colour::Traced { place },
+            (SumKind::Counts, _) => ColourSource::Unit,
+            (SumKind::Parts, Fresnel::Schlick { f0 }) => ColourSource::Schlick { f0 },
+            _ => ColourSource::Traced { place },
         };
         (first..first + self.of_material[material]).map(colour).collect()
     }
 
     /// Every colour of every material.
-    pub fn all_colours(&self) -> Vec<Colour> {
+    pub fn all_colours(&self) -> Vec<ColourSource> {
         (0..self.of_material.len()).flat_map(|material| self.colours(material)).collect()
     }
 
@@ -194,9 +194,9 @@ impl Weighing {
         let group = if self.by_order { (order as usize).saturating_sub(2) } else { 0 };
         *first = if order > 1 { self.group(group).start } else { 0 };
         match self.sums {
-            Sums::Counts if order == 1 => {}
-            Sums::Counts => bins.push(1.0),
-            Sums::Parts => {
+            SumKind::Counts if order == 1 => {}
+            SumKind::Counts => bins.push(1.0),
+            SumKind::Parts => {
                 parts::of_path(angles, of_order);
                 if order == 1 {
                     bins.push(of_order[1]);
@@ -205,7 +205,7 @@ impl Weighing {
                     parts::add_raised(of_order, self.degree(group), bins);
                 }
             }
-            Sums::Colours => {
+            SumKind::Colours => {
                 let product = |r: &Reflectance| angles.iter().map(|&angle| r.at(angle)).product::<f64>();
                 of_order.extend(self.reflectances.iter().map(product));
                 if order == 1 {
@@ -224,13 +224,13 @@ mod tests {
     use super::*;
     use crate::campaign;
 
-    fn weighing(optics: &str, trace: &str) -> Weighing {
+    fn weighing(optics: &str, trace: &str) -> FresnelSums {
         let text = format!(
             "name = \"w\"\n[surface]\nrealisations = 1\n[surface.ggx]\nalpha = 0.5\n[light]\ntheta_i_deg = [0]\n\
              [sensor.hemisphere]\n{optics}\n[trace]\n{trace}\n[stop]\nsamples = 1\n"
         );
         let parsed = campaign::parse(&text, "w", Path::new("")).unwrap_or_else(|e| panic!("{e}"));
-        Weighing::of(&parsed.campaign)
+        FresnelSums::of(&parsed.campaign)
     }
 
     #[test]

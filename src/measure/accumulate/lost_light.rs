@@ -6,14 +6,18 @@
 //! [f, f + bound] the root mean square distance from f is bound/sqrt(3), which is added to the standard error in
 //! square (JCGM 100, 4.3.7); 95 % of it, 1.96 bound/sqrt(3), covers the bound.
 
-use super::assemble::Source;
-use super::fresnel_sums::Colour;
+use super::assemble::TableSource;
+use super::fresnel_sums::ColourSource;
 use super::tally_flux::TallyFlux;
 use crate::stats;
 use crate::table::ColourChannels;
 
 /// The channels of a colour with errors that cover the lost light, and with its bound.
-pub(crate) fn covered(source: &Source, colour: Colour, channels: ColourChannels) -> ColourChannels {
+pub(crate) fn covered(
+    source: &TableSource,
+    colour: ColourSource,
+    channels: ColourChannels,
+) -> ColourChannels {
     let weighing = &source.plan.weighing;
     let single =
         source.brdf(source.flux, |flux, bin| flux.left().map_or(0.0, |left| left.single(colour, bin)));
@@ -44,10 +48,10 @@ pub fn with_bound(se: f64, bound: f64) -> f64 {
 }
 
 /// What lost light may have added to the albedos of order 1 and of all orders: mean of realisations and colours.
-pub(crate) fn of_albedos(realisations: &[TallyFlux], colours: &[Colour]) -> [f64; 2] {
+pub(crate) fn of_albedos(realisations: &[TallyFlux], colours: &[ColourSource]) -> [f64; 2] {
     let of = |flux: &TallyFlux, orders: usize, beyond: f64| {
         let Some(left) = flux.left() else { return 0.0 };
-        let flux = |&colour: &Colour| (0..orders).map(|order| left.order(order, colour)).sum::<f64>();
+        let flux = |&colour: &ColourSource| (0..orders).map(|order| left.order(order, colour)).sum::<f64>();
         stats::mean(&colours.iter().map(flux).collect::<Vec<_>>()) + beyond * left.truncated()
     };
     let mean = |orders: usize, beyond: f64| {

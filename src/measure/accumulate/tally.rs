@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::fresnel_sums::Weighing;
+use super::fresnel_sums::FresnelSums;
 use super::slopes::SeenBySlope;
 
 /// One unit of flux is 2^-90: a share of 1e-15 still has 40 bits, and 2^38 blocks still fit.
@@ -29,23 +29,23 @@ pub struct Tally {
     pub single: Vec<u128>,
     /// Order 1 weighted by (1-c)^5, then in each traced colour, by bin; empty where F = 1.
     pub first: Vec<Vec<u128>>,
-    /// Orders above 1, group by group as `Weighing` has them, by bin; empty for one bounce.
+    /// Orders above 1, group by group as `FresnelSums` has them, by bin; empty for one bounce.
     pub multiple: Vec<Vec<u128>>,
     /// Arrivals by bin.
     pub hits: Vec<u64>,
     /// Paths that leave, by order - 1.
     pub orders: Vec<Order>,
     /// Paths beyond the last order.
-    pub cut: Fate,
+    pub cut: FluxCount,
     /// Starts that the light does not see.
-    pub hidden: Fate,
+    pub hidden: FluxCount,
     /// Paths over the edge of an open map.
-    pub left_map: Fate,
+    pub left_map: FluxCount,
     /// Where those would arrive if nothing lay beyond the edge; in its `cut`, those that may go on from something
     /// there and arrive anywhere. `None` before the first.
     pub left: Option<Box<Tally>>,
     /// Starts whose facets send light into no aperture.
-    pub outside: Fate,
+    pub outside: FluxCount,
     /// What the light sees of the starts, by the slope of their facets.
     pub seen: SeenBySlope,
     /// Faults of the program.
@@ -54,7 +54,7 @@ pub struct Tally {
 
 /// Paths that end in one way.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Fate {
+pub struct FluxCount {
     /// Their number.
     pub count: u64,
     /// Their flux with F = 1, units.
@@ -68,13 +68,13 @@ pub struct Order {
     pub count: u64,
     /// Their flux with F = 1, units.
     pub flux: u128,
-    /// Their flux by weight, as `Weighing` has them, units.
+    /// Their flux by weight, as `FresnelSums` has them, units.
     pub weighted: Vec<u128>,
 }
 
 impl Tally {
     /// An empty tally for so many bins.
-    pub fn new(bins: usize, weighing: &Weighing) -> Self {
+    pub fn new(bins: usize, weighing: &FresnelSums) -> Self {
         let of_bins = |sums: usize| vec![vec![0u128; bins]; sums];
         let order =
             |order: usize| Order { weighted: vec![0; weighing.order_sums(order)], ..Order::default() };
@@ -84,11 +84,11 @@ impl Tally {
             multiple: of_bins(weighing.multiple_sums()),
             hits: vec![0; bins],
             orders: (1..=weighing.bounces()).map(order).collect(),
-            cut: Fate::default(),
-            hidden: Fate::default(),
-            left_map: Fate::default(),
+            cut: FluxCount::default(),
+            hidden: FluxCount::default(),
+            left_map: FluxCount::default(),
             left: None,
-            outside: Fate::default(),
+            outside: FluxCount::default(),
             seen: SeenBySlope::default(),
             lost: 0,
         }
@@ -144,7 +144,7 @@ impl Tally {
             && self.left.iter().all(|left| left.sums_are_sound(self.left_map.count))
     }
 
-    fn fates(&self) -> [Fate; 4] {
+    fn fates(&self) -> [FluxCount; 4] {
         [self.cut, self.hidden, self.left_map, self.outside]
     }
 
@@ -162,7 +162,7 @@ impl Tally {
     }
 
     /// The sums of the paths over the edge of an open map.
-    pub fn left(&mut self, weighing: &Weighing) -> &mut Tally {
+    pub fn left(&mut self, weighing: &FresnelSums) -> &mut Tally {
         let bins = self.single.len();
         self.left.get_or_insert_with(|| Box::new(Tally::new(bins, weighing)))
     }
@@ -180,7 +180,7 @@ impl Tally {
     }
 }
 
-impl Fate {
+impl FluxCount {
     /// Adds one path.
     pub fn add(&mut self, flux: u128) {
         self.count += 1;
@@ -193,7 +193,7 @@ impl Fate {
         self.flux += u128::from(count) * flux;
     }
 
-    fn merge(&mut self, other: Fate) {
+    fn merge(&mut self, other: FluxCount) {
         self.count += other.count;
         self.flux += other.flux;
     }

@@ -1,6 +1,6 @@
 //! The sums of one incidence and realisation as fractions of the incident flux: what colours are made of.
 
-use super::fresnel_sums::{Colour, Weighing};
+use super::fresnel_sums::{ColourSource, FresnelSums};
 use super::tally::{Tally, from_units};
 use crate::optics::parts;
 
@@ -29,37 +29,41 @@ impl<'a> TallyFlux<'a> {
     }
 
     /// Flux of order 1 in one colour. Schlick: F0 times the whole plus (1 - F0) times the (1-c)^5 part.
-    pub fn single(&self, colour: Colour, bin: usize) -> f64 {
+    pub fn single(&self, colour: ColourSource, bin: usize) -> f64 {
         let Tally { single, first, .. } = self.tally;
         match colour {
-            Colour::Unit => self.of(single[bin]),
-            Colour::Schlick { f0 } => f0 * self.of(single[bin]) + (1.0 - f0) * self.of(first[0][bin]),
-            Colour::Traced { place } => self.of(first[1 + place][bin]),
+            ColourSource::Unit => self.of(single[bin]),
+            ColourSource::Schlick { f0 } => f0 * self.of(single[bin]) + (1.0 - f0) * self.of(first[0][bin]),
+            ColourSource::Traced { place } => self.of(first[1 + place][bin]),
         }
     }
 
     /// Flux of the orders above 1 in one colour.
-    pub fn multiple(&self, weighing: &Weighing, colour: Colour, bin: usize) -> f64 {
+    pub fn multiple(&self, weighing: &FresnelSums, colour: ColourSource, bin: usize) -> f64 {
         (0..weighing.groups()).map(|group| self.group(weighing, group, colour, bin)).sum()
     }
 
     /// Flux of one group of orders above 1 in one colour.
-    pub fn group(&self, weighing: &Weighing, group: usize, colour: Colour, bin: usize) -> f64 {
+    pub fn group(&self, weighing: &FresnelSums, group: usize, colour: ColourSource, bin: usize) -> f64 {
         let (multiple, sums) = (&self.tally.multiple, weighing.group(group));
         match colour {
-            Colour::Unit => self.of(multiple[sums.start][bin]),
-            Colour::Schlick { f0 } => parts::at_f0(multiple[sums].iter().map(|sum| self.of(sum[bin])), f0),
-            Colour::Traced { place } => self.of(multiple[sums.start + place][bin]),
+            ColourSource::Unit => self.of(multiple[sums.start][bin]),
+            ColourSource::Schlick { f0 } => {
+                parts::at_f0(multiple[sums].iter().map(|sum| self.of(sum[bin])), f0)
+            }
+            ColourSource::Traced { place } => self.of(multiple[sums.start + place][bin]),
         }
     }
 
     /// Flux of paths that leave after `order` + 1 bounces, in one colour.
-    pub fn order(&self, order: usize, colour: Colour) -> f64 {
+    pub fn order(&self, order: usize, colour: ColourSource) -> f64 {
         let order = &self.tally.orders[order];
         match colour {
-            Colour::Unit => self.of(order.flux),
-            Colour::Schlick { f0 } => parts::at_f0(order.weighted.iter().map(|&units| self.of(units)), f0),
-            Colour::Traced { place } => self.of(order.weighted[place]),
+            ColourSource::Unit => self.of(order.flux),
+            ColourSource::Schlick { f0 } => {
+                parts::at_f0(order.weighted.iter().map(|&units| self.of(units)), f0)
+            }
+            ColourSource::Traced { place } => self.of(order.weighted[place]),
         }
     }
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use super::band_run::Finished;
-use super::header::Heading;
-use super::run_state::{Kept, Ledger};
+use super::band_run::FinishedBands;
+use super::header::RunHeader;
+use super::run_state::{RunState, StoredRun};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
@@ -53,11 +53,11 @@ impl BandFiles {
     /// What is there, by number: headings of whole files of one run in bands.
     ///
     /// Errors: `Io`; `Format`, which names the file that is damaged, or of bands of another length.
-    pub fn headings(&self) -> Result<Finished> {
+    pub fn headings(&self) -> Result<FinishedBands> {
         let mut found = BTreeMap::new();
         let mut first: Option<Band> = None;
         for path in self.paths()? {
-            let heading = Heading::read(KIND, &path).map_err(with_advice)?;
+            let heading = RunHeader::read(KIND, &path).map_err(with_advice)?;
             let band = heading.band.filter(|band| self.path(*band) == path);
             let band =
                 band.ok_or_else(|| Error::format(&path, format!("is not what its name says; {ADVICE}")))?;
@@ -72,7 +72,7 @@ impl BandFiles {
     }
 
     /// Writes the file of the band that `plan` is of.
-    pub fn save(&self, ledger: &Ledger, campaign: &Campaign, plan: &Plan) -> Result<()> {
+    pub fn save(&self, ledger: &RunState, campaign: &Campaign, plan: &Plan) -> Result<()> {
         let band = plan.band.ok_or_else(|| Error::Internal("a band without its number".into()))?;
         files::write_atomically(&self.path(band), &ledger.to_bytes(KIND, 0, campaign, plan)?)
     }
@@ -84,8 +84,8 @@ impl BandFiles {
 }
 
 /// The content of a band's file.
-pub fn load(path: &Path) -> Result<Kept> {
-    Kept::from_bytes(KIND, &files::read(path)?).map_err(|why| with_advice(Error::format(path, why)))
+pub fn load(path: &Path) -> Result<StoredRun> {
+    StoredRun::from_bytes(KIND, &files::read(path)?).map_err(|why| with_advice(Error::format(path, why)))
 }
 
 fn with_advice(error: Error) -> Error {

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 
 use super::band_files;
 use super::band_files::BandFiles;
-use super::checkpoint::{Checkpoint, Found};
-use super::header::Heading;
-use super::run_state::Ledger;
+use super::checkpoint::{Checkpoint, FoundCheckpoint};
+use super::header::RunHeader;
+use super::run_state::RunState;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::measure::accumulate::assemble::Measured;
@@ -27,15 +27,15 @@ pub struct BandRun<'a> {
     files: &'a BandFiles,
     checkpoint: &'a Checkpoint,
     /// Bands with a file, by number.
-    finished: Finished,
+    finished: FinishedBands,
     /// The band that was under way.
-    under_way: Option<Found>,
+    under_way: Option<FoundCheckpoint>,
     /// Digests of the patches, as far as they are known: all bands are of one specimen, whichever machine measures them.
     patches: Vec<Option<[u8; 32]>>,
 }
 
 /// Files of finished bands, by number.
-pub type Finished = BTreeMap<u64, (PathBuf, Heading)>;
+pub type FinishedBands = BTreeMap<u64, (PathBuf, RunHeader)>;
 
 impl<'a> BandRun<'a> {
     /// Goes on after what was found, which must be of this campaign.
@@ -44,8 +44,8 @@ impl<'a> BandRun<'a> {
     pub fn new(
         (campaign, plan): (&'a Campaign, &'a Plan),
         (files, checkpoint): (&'a BandFiles, &'a Checkpoint),
-        finished: Finished,
-        under_way: Option<Found>,
+        finished: FinishedBands,
+        under_way: Option<FoundCheckpoint>,
     ) -> Result<Self> {
         let mut patches: Vec<Option<[u8; 32]>> = vec![None; plan.realisations as usize];
         let headings = finished.values().map(|(path, heading)| (path, heading));
@@ -101,7 +101,7 @@ impl<'a> BandRun<'a> {
     }
 
     /// What there is of a band, and whether that is in its file.
-    fn ledger(&mut self, plan: &Plan) -> Result<(Ledger, bool)> {
+    fn ledger(&mut self, plan: &Plan) -> Result<(RunState, bool)> {
         let number = plan.band.map_or(0, |band| band.number);
         let under_way = self.under_way.take_if(|found| found.kept.heading.band == plan.band);
         let file = self.finished.get(&number);
@@ -121,7 +121,7 @@ impl<'a> BandRun<'a> {
                 let wrong = |why| Error::format(&path, format!("{why}; --force starts again"));
                 kept.ledger(self.campaign, plan).map_err(wrong)?
             }
-            None => Ledger::new(self.campaign, plan),
+            None => RunState::new(self.campaign, plan),
         };
         Ok((ledger.on_patches(&self.patches), is_kept))
     }

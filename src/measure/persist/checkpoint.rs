@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::run_state::{Kept, Ledger};
+use super::run_state::{RunState, StoredRun};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
@@ -17,11 +17,11 @@ pub struct Checkpoint {
 
 /// A checkpoint that was found.
 #[derive(Debug)]
-pub struct Found {
+pub struct FoundCheckpoint {
     /// Its file.
     pub path: PathBuf,
     /// Its content.
-    pub kept: Kept,
+    pub kept: StoredRun,
     /// The newer file, and why it was passed over.
     pub passed_over: Option<String>,
 }
@@ -44,15 +44,15 @@ impl Checkpoint {
     ///
     /// Errors: `Io`; `Format` where every file that is there is damaged.
     /// Held by: `a_damaged_checkpoint_gives_way_to_the_one_before`.
-    pub fn load(&self) -> Result<Option<Found>> {
-        let mut whole: Vec<(&PathBuf, Kept)> = Vec::new();
+    pub fn load(&self) -> Result<Option<FoundCheckpoint>> {
+        let mut whole: Vec<(&PathBuf, StoredRun)> = Vec::new();
         let mut damaged = Vec::new();
         for path in &self.slots {
             let bytes = match files::read(path) {
                 Err(Error::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => continue,
                 read => read?,
             };
-            match Kept::from_bytes(Self::KIND, &bytes) {
+            match StoredRun::from_bytes(Self::KIND, &bytes) {
                 Ok(kept) => whole.push((path, kept)),
                 Err(why) => damaged.push((path, why)),
             }
@@ -61,7 +61,7 @@ impl Checkpoint {
         match (whole.pop(), damaged.pop()) {
             (Some((path, kept)), damaged) => {
                 let passed_over = damaged.map(|(path, why)| format!("{}: {why}", path.display()));
-                Ok(Some(Found { path: path.clone(), kept, passed_over }))
+                Ok(Some(FoundCheckpoint { path: path.clone(), kept, passed_over }))
             }
             (None, Some((path, why))) => Err(Error::format(path, format!("{why}; --force starts again"))),
             (None, None) => Ok(None),
@@ -74,7 +74,7 @@ impl Checkpoint {
     }
 
     /// The bytes of the checkpoint of this `number`.
-    pub fn bytes(ledger: &Ledger, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>> {
+    pub fn bytes(ledger: &RunState, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>> {
         ledger.to_bytes(Self::KIND, number, campaign, plan)
     }
 

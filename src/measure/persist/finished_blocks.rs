@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 /// A set of blocks: ranges in increasing order that neither touch nor overlap.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub(crate) struct Blocks(Vec<Range<u64>>);
+pub(crate) struct FinishedBlocks(Vec<Range<u64>>);
 
-impl Blocks {
+impl FinishedBlocks {
     /// Adds a block that is not among them.
     pub fn insert(&mut self, block: u64) {
         let ranges = &mut self.0;
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn blocks_in_any_order_make_one_range() {
         for order in [[0, 1, 2, 3], [3, 2, 1, 0], [0, 3, 1, 2], [2, 0, 3, 1], [1, 3, 0, 2]] {
-            let mut blocks = Blocks::default();
+            let mut blocks = FinishedBlocks::default();
             for (inserted, block) in (1..).zip(order) {
                 blocks.insert(block);
                 assert!(blocks.is_sound(4) && blocks.count() == inserted, "{order:?}: {blocks:?}");
@@ -70,7 +70,7 @@ mod tests {
 
     #[test]
     fn what_is_missing_lies_between() {
-        let mut blocks = Blocks::default();
+        let mut blocks = FinishedBlocks::default();
         assert_eq!(blocks.missing(&(3..9)), [3..9]);
         [1, 4, 5, 8].into_iter().for_each(|block| blocks.insert(block));
         assert_eq!(blocks.missing(&(0..10)), [0..1, 2..4, 6..8, 9..10]);
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn ranges_that_no_set_has_are_found() {
         for ranges in [vec![3..3], vec![0..2, 2..3], vec![4..6, 0..1], vec![0..11], vec![0..3, 2..4]] {
-            assert!(!Blocks(ranges.clone()).is_sound(10), "{ranges:?}");
+            assert!(!FinishedBlocks(ranges.clone()).is_sound(10), "{ranges:?}");
         }
     }
 }

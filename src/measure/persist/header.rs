@@ -18,7 +18,7 @@ const LONGEST: usize = 1 << 24;
 
 /// What the bytes of a ledger say of it before its sums.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Heading {
+pub struct RunHeader {
     /// Version of the program that wrote it.
     pub version: String,
     /// The resolved campaign.
@@ -41,13 +41,13 @@ pub struct Heading {
     pub(crate) cost: Cost,
 }
 
-impl Heading {
+impl RunHeader {
     /// The heading of a file of this `kind`, which is read to its end and held to its checksum, a piece at a time.
     pub(crate) fn read(kind: &str, path: &Path) -> Result<Self> {
         let begin =
             sealed::checked(kind, &mut files::open(path)?, LONGEST).map_err(|e| Error::io(path, e))?;
         let begin = begin.map_err(|why| Error::format(path, why))?;
-        let read = postcard::take_from_bytes::<Heading>(&begin);
+        let read = postcard::take_from_bytes::<RunHeader>(&begin);
         read.map(|(heading, _)| heading).map_err(|e| Error::format(path, unreadable(&e)))
     }
 

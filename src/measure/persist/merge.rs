@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::run_state::Ledger;
+use super::run_state::RunState;
 use super::shard::Shards;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -74,7 +74,7 @@ impl Merge {
         } else {
             self.plan.of_band(band.clone())?
         };
-        let mut ledger = Ledger::new(campaign, &part);
+        let mut ledger = RunState::new(campaign, &part);
         let wanted = &self.stops[band];
         for (dealt, file) in self.dealt.iter().zip(self.shards.files()) {
             let places = wanted.iter().zip(0..).filter(|(stop, _)| dealt.binary_search(stop).is_ok());

@@ -3,7 +3,7 @@
 //! The sums are integers and blocks are told by their numbers, so that a run that goes on from here ends with the
 //! bytes of one that never stopped.
 
-use super::header::{Heading, unreadable};
+use super::header::{RunHeader, unreadable};
 use crate::campaign;
 use crate::campaign::Campaign;
 use crate::error::Error;
@@ -15,7 +15,7 @@ use crate::measure::rounds::Tables;
 
 /// A run so far.
 #[derive(Debug, Clone)]
-pub struct Ledger {
+pub struct RunState {
     pub(crate) tables: Tables,
     /// SHA-256 of the patch of each realisation, where it has been made and has heights.
     pub(crate) digests: Vec<Option<[u8; 32]>>,
@@ -25,17 +25,17 @@ pub struct Ledger {
 
 /// A ledger read from bytes, not yet held against a campaign.
 #[derive(Debug, Clone)]
-pub struct Kept {
+pub struct StoredRun {
     /// What it is of.
-    pub heading: Heading,
+    pub heading: RunHeader,
     tables: Tables,
 }
 
-impl Ledger {
+impl RunState {
     /// Nothing measured.
     pub fn new(campaign: &Campaign, plan: &Plan) -> Self {
         let digests = vec![None; plan.realisations as usize];
-        Ledger { tables: Tables::new(campaign, plan), digests, cost: Cost::default() }
+        RunState { tables: Tables::new(campaign, plan), digests, cost: Cost::default() }
     }
 
     /// Share of the planned starts that are measured, in percent: less than 100 also at the end, where stops ended early.
@@ -67,7 +67,7 @@ impl Ledger {
     }
 
     /// Takes over stops of another ledger (`places`: theirs, here), which must be at their end, or says what is wrong.
-    pub(crate) fn take(&mut self, other: Ledger, places: &[(usize, usize)]) -> Result<(), String> {
+    pub(crate) fn take(&mut self, other: RunState, places: &[(usize, usize)]) -> Result<(), String> {
         self.tables.take(other.tables, places)?;
         for (mine, theirs) in self.digests.iter_mut().zip(other.digests) {
             *mine = mine.or(theirs);
@@ -83,7 +83,7 @@ impl Ledger {
         campaign: &Campaign,
         plan: &Plan,
     ) -> Result<Vec<u8>, Error> {
-        let heading = Heading {
+        let heading = RunHeader {
             version: env!("CARGO_PKG_VERSION").into(),
             campaign: campaign::to_toml(campaign),
             number,
@@ -101,23 +101,24 @@ impl Ledger {
     }
 }
 
-impl Kept {
+impl StoredRun {
     /// What the bytes of a file hold, or what is wrong with them.
     ///
     /// Memory is bounded by the size of the file. Held by: `damaged_checkpoints_are_errors_and_never_panic`.
     pub fn from_bytes(kind: &str, bytes: &[u8]) -> Result<Self, String> {
         let content = sealed::open(kind, bytes)?;
-        let read = postcard::take_from_bytes::<(Heading, Tables)>(content);
+        let read = postcard::take_from_bytes::<(RunHeader, Tables)>(content);
         let ((heading, tables), rest) = read.map_err(|e| unreadable(&e))?;
         if !rest.is_empty() {
             return Err(format!("{} bytes too many", rest.len()));
         }
-        Ok(Kept { heading, tables })
+        Ok(StoredRun { heading, tables })
     }
 
     /// The ledger, for a campaign that it has no faults with; else what is wrong with the sums.
-    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<Ledger, String> {
-        let Kept { heading: Heading { band, blocks, by_slope, mut digests, cost, .. }, mut tables } = self;
+    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<RunState, String> {
+        let StoredRun { heading: RunHeader { band, blocks, by_slope, mut digests, cost, .. }, mut tables } =
+            self;
         if band != plan.band {
             return Err("other stops at a time than those that were asked for".into());
         }
@@ -131,6 +132,6 @@ impl Kept {
         tables.complete(campaign, plan);
         tables.extend(campaign, plan, blocks);
         digests.resize(plan.realisations as usize, None);
-        Ok(Ledger { tables, digests, cost })
+        Ok(RunState { tables, digests, cost })
     }
 }

@@ -9,8 +9,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::header::Heading;
-use super::run_state::{Kept, Ledger};
+use super::header::RunHeader;
+use super::run_state::{RunState, StoredRun};
 use crate::campaign;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -84,13 +84,13 @@ impl Shard {
 }
 
 /// Writes the file of a shard whose run is at its end.
-pub fn save(path: &Path, ledger: &Ledger, campaign: &Campaign, plan: &Plan) -> Result<()> {
+pub fn save(path: &Path, ledger: &RunState, campaign: &Campaign, plan: &Plan) -> Result<()> {
     files::write_atomically(path, &ledger.to_bytes(KIND, 0, campaign, plan)?)
 }
 
 /// What the file of a shard says of itself; it is read to its end and held to its checksum, a piece at a time.
-pub fn heading(path: &Path) -> Result<Heading> {
-    let heading = Heading::read(KIND, path)?;
+pub fn heading(path: &Path) -> Result<RunHeader> {
+    let heading = RunHeader::read(KIND, path)?;
     match heading.shard {
         Some(_) => Ok(heading),
         None => Err(Error::format(path, "says of no shard")),
@@ -98,8 +98,8 @@ pub fn heading(path: &Path) -> Result<Heading> {
 }
 
 /// Reads the file of a shard.
-pub(crate) fn load(path: &Path) -> Result<Kept> {
-    Kept::from_bytes(KIND, &files::read(path)?).map_err(|why| Error::format(path, why))
+pub(crate) fn load(path: &Path) -> Result<StoredRun> {
+    StoredRun::from_bytes(KIND, &files::read(path)?).map_err(|why| Error::format(path, why))
 }
 
 /// The files of shards that lie in a folder, by name; a file is taken as it is.
@@ -120,7 +120,7 @@ pub fn find(at: &Path) -> Result<Vec<PathBuf>> {
 
 /// Shards that belong together, one of each number at most.
 pub struct Shards {
-    all: Vec<(Shard, PathBuf, Heading)>,
+    all: Vec<(Shard, PathBuf, RunHeader)>,
     of: u32,
 }
 
@@ -129,10 +129,10 @@ impl Shards {
     ///
     /// Errors: `Format`, which names the file that is there twice, of another campaign, version or number of shards, or
     /// of other patches.
-    pub fn new(found: Vec<(PathBuf, Heading)>) -> Result<Self> {
+    pub fn new(found: Vec<(PathBuf, RunHeader)>) -> Result<Self> {
         let with_shard =
-            |(path, heading): (PathBuf, Heading)| heading.shard.map(|shard| (shard, path, heading));
-        let mut all: Vec<(Shard, PathBuf, Heading)> = found.into_iter().filter_map(with_shard).collect();
+            |(path, heading): (PathBuf, RunHeader)| heading.shard.map(|shard| (shard, path, heading));
+        let mut all: Vec<(Shard, PathBuf, RunHeader)> = found.into_iter().filter_map(with_shard).collect();
         all.sort_by(|a, b| (a.0, &a.1).cmp(&(b.0, &b.1)));
         let Some((first, others)) = all.split_first() else {
             return Err(Error::Usage("no shard is there to be merged".into()));
@@ -193,8 +193,8 @@ impl Shards {
 }
 
 /// Whether a shard is of the run that the first is of.
-fn agree(first: &(Shard, PathBuf, Heading), other: &(Shard, PathBuf, Heading)) -> Result<()> {
-    let (Heading { version, campaign, digests, .. }, at) = (&first.2, first.1.display());
+fn agree(first: &(Shard, PathBuf, RunHeader), other: &(Shard, PathBuf, RunHeader)) -> Result<()> {
+    let (RunHeader { version, campaign, digests, .. }, at) = (&first.2, first.1.display());
     let refused = |key: &str, here: &str, there: &str| {
         Err(Error::format(&other.1, format!("{key} = {here}, in {at} it is {there}: not of one run")))
     };

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::{Plan, saturated};
 use crate::campaign::Campaign;
 use crate::table::realisations;
-use crate::table::realisations::{GROUPS, Kept};
+use crate::table::realisations::{GROUPS, StoredRealisations};
 
 /// A sum of 2^-90 in a file, at most 19 digits of base 128 and mostly 12 to 14; a count of a bin, mostly 1 to 3.
 const BYTES_PER_SUM: u128 = 14;
@@ -82,9 +82,9 @@ fn realisations_of(plan: &Plan, material: usize, limit: u64) -> u64 {
     let part = 2 * plan.weighing.colours(material).len() + schlick_channels(plan);
     let count = plan.realisations as usize;
     match realisations::kept(&plan.grid, part, count, limit) {
-        Kept::All => realisations::file_bytes(&plan.grid, part, count),
-        Kept::Groups => realisations::file_bytes(&plan.grid, part, GROUPS),
-        Kept::Nothing => 0,
+        StoredRealisations::All => realisations::file_bytes(&plan.grid, part, count),
+        StoredRealisations::Groups => realisations::file_bytes(&plan.grid, part, GROUPS),
+        StoredRealisations::Nothing => 0,
     }
 }
 

@@ -6,7 +6,7 @@ use crate::campaign::{Alpha, Campaign, SurfaceKind};
 use crate::measure::prepared_patch::CELLS_PER_START;
 use crate::sphere;
 use crate::surface::io::import;
-use crate::trace::{BLOCK, Together};
+use crate::trace::{BLOCK, BatchedStarts};
 
 // Measured on one core of about 4 GHz, patches of 1024 x 1024 cells, correlation 8.
 const NS_PER_SYNTHESISED_CELL: f64 = 1600.0;
@@ -46,7 +46,7 @@ const INDEX: u128 = 12;
 /// Sums of turned areas, of a thread.
 const SUMS: u128 = 2;
 /// Starts that a thread follows together.
-const STARTS: u128 = Together::BYTES as u128 / CELLS_PER_START as u128;
+const STARTS: u128 = BatchedStarts::BYTES as u128 / CELLS_PER_START as u128;
 
 /// What a run takes, bytes.
 pub(crate) struct Memory {

@@ -8,7 +8,7 @@ pub(crate) mod start_sampler;
 
 use serde::Serialize;
 
-use super::accumulate::fresnel_sums::Weighing;
+use super::accumulate::fresnel_sums::FresnelSums;
 use super::persist::shard::Shard;
 use crate::campaign::{Azimuth, Campaign, SurfaceKind};
 use crate::error::{Error, Result};
@@ -19,7 +19,7 @@ use crate::surface::io::import::ABSURD_SDQ;
 use crate::trace::BLOCK;
 use bands::Band;
 use estimate::{Memory, cells_and_relief, memory, seconds};
-use savings::{Skip, skips};
+use savings::{Saving, skips};
 use start_sampler::StartSampler;
 
 /// Largest sum of the flux that starts carry, of what falls on the patch in one block.
@@ -80,9 +80,9 @@ pub struct Plan {
     pub colours: usize,
     /// What is summed of every path; tests have colours traced that follow from others.
     #[serde(skip)]
-    pub weighing: Weighing,
+    pub weighing: FresnelSums,
     /// What is left out, and why.
-    pub skipped: Vec<Skip>,
+    pub skipped: Vec<Saving>,
     /// Stops that are measured and written at a time: all, or as many as fit the memory.
     pub band_stops: usize,
     /// Estimated peak memory.
@@ -156,7 +156,7 @@ pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan
         images,
         folded,
         colours: campaign.optics.colours(),
-        weighing: Weighing::of(campaign),
+        weighing: FresnelSums::of(campaign),
         skipped: Vec::new(),
         band_stops: grid.stops(),
         memory_bytes: 0,

@@ -9,7 +9,7 @@ use crate::instrument::GridKind;
 
 /// Something that the campaign does not need.
 #[derive(Debug, Clone, Serialize)]
-pub struct Skip {
+pub struct Saving {
     /// What is left out.
     pub what: String,
     /// Why the answer stays the same.
@@ -19,10 +19,10 @@ pub struct Skip {
 }
 
 /// The list of what is skipped. `tests/it/measure/skips.rs` holds each to its reason.
-pub(crate) fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Skip> {
+pub(crate) fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Saving> {
     let mut skipped = Vec::new();
     let mut skip = |what: &str, why: &str, saves: String| {
-        skipped.push(Skip { what: what.into(), why: why.into(), saves });
+        skipped.push(Saving { what: what.into(), why: why.into(), saves });
     };
     of_rays(campaign, plan, &mut skip);
     of_apertures(plan, &mut skip);

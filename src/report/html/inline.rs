@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use half::f16;
 use serde_json::{Value, json};
 
-use super::shown::{Places, Raster, Shown, shown};
+use super::shown::{DrawnHemisphere, Places, Raster, shown};
 use crate::campaign::{Campaign, SurfaceKind};
 use crate::report::plot::plots::spread;
 use crate::report::slices::Scene;
@@ -93,7 +93,7 @@ pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize) -> Opt
 
 /// Whether azimuths of the light that were not measured follow from those that were: the law of the surface is its
 /// own mirror image about both axes of the sample.
-fn is_mirrored(campaign: &Campaign, shown: &Shown, scene: &Scene) -> bool {
+fn is_mirrored(campaign: &Campaign, shown: &DrawnHemisphere, scene: &Scene) -> bool {
     let symmetric = !matches!(campaign.surface.kind, SurfaceKind::File(_));
     let (first, last) = (shown.phi_i_deg[0], shown.phi_i_deg[shown.phi_i_deg.len() - 1]);
     symmetric && !scene.table.grid.phi_r_relative && last - first < 180.0
@@ -122,7 +122,7 @@ fn shown_names(table: &BrdfTable, colours: &[usize]) -> Vec<String> {
 }
 
 /// Merges bins, leaves out stops, until the layers fit.
-fn reduction(scene: &Scene, shown: &Shown, masking: usize) -> (Reduction, Vec<String>) {
+fn reduction(scene: &Scene, shown: &DrawnHemisphere, masking: usize) -> (Reduction, Vec<String>) {
     let [rows, columns] = match &shown.sensor {
         Places::Bins(raster) => [raster.theta_deg.len() - 1, raster.phi_deg.len() - 1],
         Places::Spots { directions_deg, .. } => [1, directions_deg.len()],
@@ -199,7 +199,7 @@ impl Layer {
     }
 }
 
-fn layers(scene: &Scene, shown: &Shown, plan: &Reduction) -> Vec<Layer> {
+fn layers(scene: &Scene, shown: &DrawnHemisphere, plan: &Reduction) -> Vec<Layer> {
     let table = scene.table;
     let bins = table.grid.bins();
     let stored = |pick: &dyn Fn(usize, usize) -> f32| {
@@ -227,7 +227,11 @@ fn layers(scene: &Scene, shown: &Shown, plan: &Reduction) -> Vec<Layer> {
 }
 
 /// [colour][stop][bin] after the reduction.
-fn reduced(shown: &Shown, plan: &Reduction, value: &dyn Fn(usize, usize, usize) -> f64) -> Vec<f64> {
+fn reduced(
+    shown: &DrawnHemisphere,
+    plan: &Reduction,
+    value: &dyn Fn(usize, usize, usize) -> f64,
+) -> Vec<f64> {
     let columns = shown.phi_i_deg.len();
     let stops = plan.theta.iter().flat_map(|t| plan.phi.iter().map(move |p| t * columns + p));
     let stops: Vec<usize> = stops.map(|place| shown.stops[place]).collect();

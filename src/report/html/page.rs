@@ -38,7 +38,7 @@ pub struct Page<'a> {
     /// Its summary, as `measure` writes it; what is not known is null.
     pub summary: &'a Value,
     /// The first patch.
-    pub specimen: specimen::Shown,
+    pub specimen: specimen::ShownSpecimen,
     /// The answer of `gonio bench`, for the plot of error against samples.
     pub bench: Option<&'a Value>,
 }

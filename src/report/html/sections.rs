@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::inline::Inline;
 use super::page::Page;
-use super::specimen::Specimen;
+use super::specimen::PatchPicture;
 use crate::campaign::{Optics, SurfaceKind};
 use crate::instrument::grid::GridKind;
 use crate::instrument::{Grid, angle_decimals};
@@ -278,7 +278,7 @@ fn cost(summary: &Value) -> String {
 }
 
 /// The picture's data for the script.
-pub fn picture(specimen: &Specimen) -> Value {
+pub fn picture(specimen: &PatchPicture) -> Value {
     json!({
         "columns": specimen.cells[0],
         "rows": specimen.cells[1],

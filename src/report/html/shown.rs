@@ -22,7 +22,7 @@ const COVERED: f64 = 0.8;
 
 /// What is drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shown {
+pub struct DrawnHemisphere {
     /// Polar angles of the light, increasing, and azimuths.
     pub theta_i_deg: Vec<f64>,
     /// Azimuths of the light.
@@ -69,7 +69,7 @@ pub struct Raster {
 ///
 /// Held by: `klems_patches_are_drawn_where_they_lie`, `directions_in_rings_are_drawn_about_themselves`,
 /// `an_arm_in_a_plane_is_drawn_as_single_directions`.
-pub fn shown(grid: &Grid, has_gaps: bool) -> Option<Shown> {
+pub fn shown(grid: &Grid, has_gaps: bool) -> Option<DrawnHemisphere> {
     if grid.kind == GridKind::HalfDifference {
         return None;
     }
@@ -87,7 +87,7 @@ pub fn shown(grid: &Grid, has_gaps: bool) -> Option<Shown> {
     } else {
         directions(grid, has_gaps, &mut notes)
     };
-    Some(Shown { theta_i_deg, phi_i_deg, stops, sensor, notes })
+    Some(DrawnHemisphere { theta_i_deg, phi_i_deg, stops, sensor, notes })
 }
 
 /// The light's directions as a product. Of a list only the azimuths stay that most polar angles share.

@@ -6,7 +6,7 @@ use crate::campaign::{Campaign, SurfaceKind};
 use crate::error::Result;
 use crate::measure;
 use crate::measure::{Patch, Patches};
-use crate::report::plot::chart::{Axis, Chart, MEASURED, Marker, Series, Style, model_style};
+use crate::report::plot::chart::{Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style};
 use crate::surface::{Certificate, Heightfield, SlopeLaw};
 
 /// Cells along the longer side of the picture at most.
@@ -20,7 +20,7 @@ const LONGEST: f64 = 4.0;
 
 /// The first patch, ready to be shown.
 #[derive(Debug, Clone)]
-pub struct Specimen {
+pub struct PatchPicture {
     /// Columns and rows of the picture, in cells.
     pub cells: [usize; 2],
     /// Width of a cell over its height: 1/alpha_x to 1/alpha_y.
@@ -37,12 +37,12 @@ pub struct Specimen {
 }
 
 /// The specimen, or why there is none.
-pub type Shown = std::result::Result<Specimen, String>;
+pub type ShownSpecimen = std::result::Result<PatchPicture, String>;
 
 /// The first patch of a campaign, made from its seed (or read from where its patches lie).
-pub fn of_patches(patches: &Patches, campaign: &Campaign) -> Result<Shown> {
+pub fn of_patches(patches: &Patches, campaign: &Campaign) -> Result<ShownSpecimen> {
     Ok(match patches.realisation(0)? {
-        measure::Specimen::Patch(patch) => Ok(Specimen::of(&patch, campaign)),
+        measure::Specimen::Patch(patch) => Ok(PatchPicture::of(&patch, campaign)),
         measure::Specimen::Statistical { .. } => {
             Err("A statistical Smith surface has no heights: there is no patch to show.".into())
         }
@@ -50,7 +50,7 @@ pub fn of_patches(patches: &Patches, campaign: &Campaign) -> Result<Shown> {
 }
 
 /// The first patch, made anew from campaign and seed alone where the surface follows from them.
-pub fn remade(campaign: &Campaign) -> Result<Shown> {
+pub fn remade(campaign: &Campaign) -> Result<ShownSpecimen> {
     match &campaign.surface.kind {
         SurfaceKind::File(map) if !map.resolved_path.is_file() => {
             Ok(Err(format!("The surface is the height map {}, which is not here.", map.path)))
@@ -59,7 +59,7 @@ pub fn remade(campaign: &Campaign) -> Result<Shown> {
     }
 }
 
-impl Specimen {
+impl PatchPicture {
     /// A patch as its campaign's roughness makes it.
     pub fn of(patch: &Patch, campaign: &Campaign) -> Self {
         let alpha = patch.alpha(campaign.alphas().first().copied().flatten());
@@ -76,7 +76,16 @@ impl Specimen {
         let shades = shades(&patch.field, cells, [alpha.x * scale, alpha.y * scale]);
         let longest = LONGEST * if certificate.median_slope > 0.0 { certificate.median_slope } else { 1.0 };
         let histogram = histogram(&patch.field, shown, longest);
-        Specimen { cells, aspect: alpha.y / alpha.x, shades, certificate, of_map, law, histogram, longest }
+        PatchPicture {
+            cells,
+            aspect: alpha.y / alpha.x,
+            shades,
+            certificate,
+            of_map,
+            law,
+            histogram,
+            longest,
+        }
     }
 
     /// Share of the facets per unit of slope length, and the same of the law, bin by bin.
@@ -86,7 +95,7 @@ impl Specimen {
         let points = self.histogram.iter().enumerate().map(|(bin, share)| [middle(bin), share / width]);
         let points: Vec<[f64; 2]> = points.collect();
         let mut highest = points.iter().map(|point| point[1]).fold(0.0, f64::max);
-        let style = Style { marker: Marker::Ring, line: false, ..MEASURED };
+        let style = SeriesStyle { marker: Marker::Ring, line: false, ..MEASURED };
         let mut series = vec![Series { label: "facets of patch 0".into(), points, error: vec![], style }];
         if let Some(law) = self.law {
             let share = |bin: usize| {
@@ -100,16 +109,16 @@ impl Specimen {
                 label,
                 points,
                 error: vec![],
-                style: Style { dashes: "", ..model_style(1) },
+                style: SeriesStyle { dashes: "", ..model_style(1) },
             });
         }
         Chart {
             title: "Slopes of the patch".into(),
-            x: Axis::linear(
+            x: ChartAxis::linear(
                 if self.of_map { "slope" } else { "slope length, units of alpha" },
                 [0.0, self.longest],
             ),
-            y: Axis::linear("density", [0.0, (1.08 * highest).max(1e-6)]),
+            y: ChartAxis::linear("density", [0.0, (1.08 * highest).max(1e-6)]),
             series,
         }
     }

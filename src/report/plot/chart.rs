@@ -15,7 +15,7 @@ const SAMPLE: f64 = 34.0;
 
 /// How a series looks: told apart by colour, and without colour by dash and marker.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Style {
+pub struct SeriesStyle {
     /// Colour, as in CSS.
     pub colour: &'static str,
     /// Dashes; empty: solid.
@@ -42,7 +42,8 @@ pub enum Marker {
 }
 
 /// What was measured.
-pub const MEASURED: Style = Style { colour: "#111", dashes: "", marker: Marker::Disc, line: true };
+pub const MEASURED: SeriesStyle =
+    SeriesStyle { colour: "#111", dashes: "", marker: Marker::Disc, line: true };
 
 const OTHERS: [(&str, &str); 6] = [
     ("#0072b2", "9 4"),
@@ -54,22 +55,22 @@ const OTHERS: [(&str, &str); 6] = [
 ];
 
 /// The `index`th of the models.
-pub fn model_style(index: usize) -> Style {
+pub fn model_style(index: usize) -> SeriesStyle {
     let (colour, dashes) = OTHERS[index % OTHERS.len()];
-    Style { colour, dashes, marker: Marker::Off, line: true }
+    SeriesStyle { colour, dashes, marker: Marker::Off, line: true }
 }
 
 /// The `index`th of the models where it is a row of points.
-pub fn ratio_style(index: usize) -> Style {
-    Style { marker: series_style(index).marker, line: false, ..model_style(index) }
+pub fn ratio_style(index: usize) -> SeriesStyle {
+    SeriesStyle { marker: series_style(index).marker, line: false, ..model_style(index) }
 }
 
 /// The `index`th of several measured series of one chart.
-pub fn series_style(index: usize) -> Style {
+pub fn series_style(index: usize) -> SeriesStyle {
     let markers = [Marker::Disc, Marker::Ring, Marker::Square, Marker::Triangle];
     let (colour, _) = OTHERS[index % OTHERS.len()];
     let dashes = ["", "7 3"][index / markers.len() % 2];
-    Style { colour, dashes, marker: markers[index % markers.len()], line: true }
+    SeriesStyle { colour, dashes, marker: markers[index % markers.len()], line: true }
 }
 
 /// One series.
@@ -82,12 +83,12 @@ pub struct Series {
     /// Half-width of the error band or bar at each point; empty: none.
     pub error: Vec<f64>,
     /// How it looks.
-    pub style: Style,
+    pub style: SeriesStyle,
 }
 
 /// One axis.
 #[derive(Debug, Clone)]
-pub struct Axis {
+pub struct ChartAxis {
     /// Quantity and unit.
     pub label: String,
     /// Lowest and highest value shown.
@@ -98,24 +99,24 @@ pub struct Axis {
     pub step: Option<f64>,
 }
 
-impl Axis {
+impl ChartAxis {
     /// A linear axis.
     pub fn linear(label: &str, range: [f64; 2]) -> Self {
-        Axis { label: label.into(), range, log: false, step: None }
+        ChartAxis { label: label.into(), range, log: false, step: None }
     }
 
     /// An axis of angles, ticks at multiples of 15, 30 or 60 degrees.
     pub fn degrees(label: &str, range: [f64; 2]) -> Self {
         let width = range[1] - range[0];
         let step = [15.0, 30.0, 60.0].into_iter().find(|step| width / step <= 6.0).unwrap_or(90.0);
-        Axis { step: Some(step), ..Axis::linear(label, range) }
+        ChartAxis { step: Some(step), ..ChartAxis::linear(label, range) }
     }
 
     /// A logarithmic axis from the decade at or below to that at or above.
     pub fn decades(label: &str, [low, high]: [f64; 2]) -> Self {
         let first = low.log10().floor();
         let last = high.log10().ceil().max(first + 1.0);
-        Axis { label: label.into(), range: [10f64.powf(first), 10f64.powf(last)], log: true, step: None }
+        ChartAxis { label: label.into(), range: [10f64.powf(first), 10f64.powf(last)], log: true, step: None }
     }
 
     /// Where a value lies between the ends, 0 to 1 inside.
@@ -163,9 +164,9 @@ pub struct Chart {
     /// What it shows.
     pub title: String,
     /// To the right.
-    pub x: Axis,
+    pub x: ChartAxis,
     /// Upwards.
-    pub y: Axis,
+    pub y: ChartAxis,
     /// The series; the first lies at the bottom.
     pub series: Vec<Series>,
 }
@@ -248,7 +249,7 @@ impl Chart {
     }
 
     fn draw(&self, out: &mut Drawing, series: &Series) {
-        let Style { colour, dashes, marker, line } = series.style;
+        let SeriesStyle { colour, dashes, marker, line } = series.style;
         let places: Vec<[f64; 2]> = series.points.iter().map(|&point| self.at(point)).collect();
         if !series.error.is_empty() {
             let edge = |sign: f64| {
@@ -279,7 +280,7 @@ impl Chart {
     }
 
     /// The places of the legend's entries: rows below the label of x.
-    fn legend(&self) -> Vec<Entry<'_>> {
+    fn legend(&self) -> Vec<LegendEntry<'_>> {
         let (mut x, mut row) = (-ROOM[0] + 10.0, 0);
         let right = FRAME[0] + ROOM[1];
         let mut entries = Vec::new();
@@ -288,7 +289,7 @@ impl Chart {
             if x + width > right && x > 0.0 {
                 (x, row) = (-ROOM[0] + 10.0, row + 1);
             }
-            entries.push(Entry { series, x, row });
+            entries.push(LegendEntry { series, x, row });
             x += width;
         }
         entries
@@ -296,15 +297,15 @@ impl Chart {
 }
 
 /// One entry of a legend.
-struct Entry<'a> {
+struct LegendEntry<'a> {
     series: &'a Series,
     x: f64,
     row: usize,
 }
 
-impl Entry<'_> {
+impl LegendEntry<'_> {
     fn draw(&self, out: &mut Drawing) {
-        let Style { colour, dashes, marker, line } = self.series.style;
+        let SeriesStyle { colour, dashes, marker, line } = self.series.style;
         let y = FRAME[1] + ROOM[3] + LEGEND_ROW * self.row as f64;
         if line {
             out.add(format_args!(
@@ -373,19 +374,22 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let labels = |axis: Axis| axis.ticks().into_iter().map(|tick| tick.1).collect::<Vec<_>>();
-        assert_eq!(labels(Axis::degrees("", [-90.0, 90.0])), ["-90", "-60", "-30", "0", "30", "60", "90"]);
-        assert_eq!(labels(Axis::linear("", [0.0, 1.0])), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(Axis::decades("", [0.02, 30.0]).range, [0.01, 100.0]);
-        assert_eq!(labels(Axis::decades("", [0.2, 3.0])), ["0.1", "1", "10"]);
+        let labels = |axis: ChartAxis| axis.ticks().into_iter().map(|tick| tick.1).collect::<Vec<_>>();
+        assert_eq!(
+            labels(ChartAxis::degrees("", [-90.0, 90.0])),
+            ["-90", "-60", "-30", "0", "30", "60", "90"]
+        );
+        assert_eq!(labels(ChartAxis::linear("", [0.0, 1.0])), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(ChartAxis::decades("", [0.02, 30.0]).range, [0.01, 100.0]);
+        assert_eq!(labels(ChartAxis::decades("", [0.2, 3.0])), ["0.1", "1", "10"]);
     }
 
     #[test]
     fn names_cannot_break_out_of_the_text() {
         let chart = Chart {
             title: "<script>\"&'".into(),
-            x: Axis::linear("x", [0.0, 1.0]),
-            y: Axis::linear("y", [0.0, 1.0]),
+            x: ChartAxis::linear("x", [0.0, 1.0]),
+            y: ChartAxis::linear("y", [0.0, 1.0]),
             series: vec![],
         };
         let svg = chart.svg();

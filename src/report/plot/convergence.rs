@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::chart::{Axis, Chart, Marker, Series, Style, model_style, series_style};
+use super::chart::{Chart, ChartAxis, Marker, Series, SeriesStyle, model_style, series_style};
 use super::plots::{spread, stop_name};
 use crate::report::slices::Scene;
 
@@ -38,8 +38,8 @@ pub fn looks(scene: &Scene, stops: &Value) -> Option<Chart> {
     let mut series = Vec::new();
     for (index, at) in spread(looked.len(), MOST_ANGLES).into_iter().enumerate() {
         let points = of(looked[at]);
-        let style = Style { line: false, ..series_style(index) };
-        let curve = Style { colour: style.colour, ..model_style(index) };
+        let style = SeriesStyle { line: false, ..series_style(index) };
+        let curve = SeriesStyle { colour: style.colour, ..model_style(index) };
         let label = stop_name(scene, looked[at]);
         let fit = fitted(&points);
         let (first, last) = (points[0][0], points[points.len() - 1][0]);
@@ -57,8 +57,8 @@ pub fn looks(scene: &Scene, stops: &Value) -> Option<Chart> {
     let ([first, last], errors) = (ends(0), ends(1));
     (!series.is_empty()).then(|| Chart {
         title: "Error against samples, as the run looked at it".into(),
-        x: Axis::decades("starts in each patch, N", [first, last]),
-        y: Axis::decades("median relative error of the bright bins", errors),
+        x: ChartAxis::decades("starts in each patch, N", [first, last]),
+        y: ChartAxis::decades("median relative error of the bright bins", errors),
         series,
     })
 }
@@ -94,17 +94,17 @@ fn chart(ladder: &Value, rows: &[Value]) -> Option<Chart> {
     let fit = &ladder["fit"];
     let constants = fit["a"].as_f64().zip(fit["b"].as_f64());
     let from = constants.map_or(first[1], |(a, _)| (a / first[0]).sqrt());
-    let guide = Style { colour: "#777", dashes: "8 5", marker: Marker::Off, line: true };
+    let guide = SeriesStyle { colour: "#777", dashes: "8 5", marker: Marker::Off, line: true };
     let line = |label: &str, points, style| Series { label: label.into(), points, error: vec![], style };
     let mut series = vec![line("1/√N", curve(&|n| from * (first[0] / n).sqrt()), guide)];
     if let Some((a, b)) = constants {
         series.push(line(
             "√(a/N + b²)",
             curve(&|n| (a / n + b * b).sqrt()),
-            Style { dashes: "", ..model_style(1) },
+            SeriesStyle { dashes: "", ..model_style(1) },
         ));
     }
-    let points = Style { line: false, ..series_style(0) };
+    let points = SeriesStyle { line: false, ..series_style(0) };
     series.push(line("measured", measured.clone(), points));
     let errors =
         measured.iter().map(|p| p[1]).fold((f64::INFINITY, 0.0f64), |(l, h), e| (l.min(e), h.max(e)));
@@ -112,8 +112,8 @@ fn chart(ladder: &Value, rows: &[Value]) -> Option<Chart> {
     let what = if ladder["varies"] == "realisations" { "more realisations" } else { "more samples in each" };
     Some(Chart {
         title: format!("Error: {what}{slope}"),
-        x: Axis::decades("samples of one stop, N", [first[0], last[0]]),
-        y: Axis::decades("flux-weighted L1 of order 1", [errors.0, errors.1]),
+        x: ChartAxis::decades("samples of one stop, N", [first[0], last[0]]),
+        y: ChartAxis::decades("flux-weighted L1 of order 1", [errors.0, errors.1]),
         series,
     })
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::chart::{Axis, Chart, Series, Style, model_style, series_style};
+use super::chart::{Chart, ChartAxis, Series, SeriesStyle, model_style, series_style};
 use super::plots::spread;
 use crate::report::slices::Scene;
 use crate::stats;
@@ -25,20 +25,20 @@ pub fn chart(scene: &Scene, stops: &Value, scaled: bool) -> Option<Chart> {
         let stop = known[at];
         let theta = scene.table.grid.stop_deg(stop).0;
         let (points, error) = points(&stops[stop]["seen_by_slope"], scene.realisations);
-        let style = Style { line: false, ..series_style(index) };
+        let style = SeriesStyle { line: false, ..series_style(index) };
         series.push(Series { label: format!("theta_i {theta}°"), points, error, style });
         let averaged = scene.table.grid.phi_r_relative;
         let smith = scene.prediction.and_then(|p| p.model.smith(scene.table.grid.wi(stop), averaged));
         if let Some([g1, steepest]) = smith {
             let label = if index == 0 { "Smith's G1".into() } else { String::new() };
             let points = vec![[-STEEPEST, g1], [steepest.min(STEEPEST), g1]];
-            let style = Style { dashes: "9 4", colour: series_style(index).colour, ..model_style(0) };
+            let style = SeriesStyle { dashes: "9 4", colour: series_style(index).colour, ..model_style(0) };
             series.push(Series { label, points, error: vec![], style });
         }
     }
     (!series.is_empty()).then(|| Chart {
         title: "Masking given the normal: facets that the light sees".into(),
-        x: Axis::linear(
+        x: ChartAxis::linear(
             if scaled {
                 "slope along the light, alpha (−: towards it)"
             } else {
@@ -46,7 +46,7 @@ pub fn chart(scene: &Scene, stops: &Value, scaled: bool) -> Option<Chart> {
             },
             [-STEEPEST, STEEPEST],
         ),
-        y: Axis::linear("share of the starts that is lit", [0.0, 1.1]),
+        y: ChartAxis::linear("share of the starts that is lit", [0.0, 1.1]),
         series,
     })
 }

@@ -1,6 +1,8 @@
 //! The plots of the page: which charts a table gives, and which it cannot give, with the reason.
 
-use super::chart::{Axis, Chart, MEASURED, Marker, Series, Style, model_style, ratio_style, series_style};
+use super::chart::{
+    Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style, ratio_style, series_style,
+};
 use crate::report::slices::{Scene, Sweep, mirror_bin};
 
 /// Light angles and azimuths that get plots of their own at most.
@@ -67,7 +69,7 @@ pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
         style: MEASURED,
     });
     if scene.has_multiple() {
-        let style = Style { colour: "#777", dashes: "2 2", marker: Marker::Ring, line: true };
+        let style = SeriesStyle { colour: "#777", dashes: "2 2", marker: Marker::Ring, line: true };
         let points = curve(&|bin| scene.total(stop, bin));
         highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
         series.push(Series { label: "all orders".into(), points, error: vec![], style });
@@ -80,8 +82,8 @@ pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
     let top = 1.08 * highest;
     Some(Chart {
         title: format!("In-plane lobe, {}", stop_name(scene, stop)),
-        x: Axis::degrees(SENSOR, [-90.0, 90.0]),
-        y: Axis::linear(&format!("BRDF{}, 1/sr", scene.colour_note()), [0.0, top]),
+        x: ChartAxis::degrees(SENSOR, [-90.0, 90.0]),
+        y: ChartAxis::linear(&format!("BRDF{}, 1/sr", scene.colour_note()), [0.0, top]),
         series,
     })
 }
@@ -109,14 +111,14 @@ pub fn ratio(scene: &Scene, stop: usize) -> Option<Chart> {
     }
     (series.iter().any(|series| series.points.len() > 2)).then(|| Chart {
         title: format!("Measured / model, {}", stop_name(scene, stop)),
-        x: Axis::degrees(SENSOR, [-90.0, 90.0]),
-        y: Axis::linear(&format!("ratio{}", scene.colour_note()), [0.5, 1.5]),
+        x: ChartAxis::degrees(SENSOR, [-90.0, 90.0]),
+        y: ChartAxis::linear(&format!("ratio{}", scene.colour_note()), [0.5, 1.5]),
         series,
     })
 }
 
 fn line_at_one() -> Series {
-    let style = Style { colour: "#999", dashes: "", marker: Marker::Off, line: true };
+    let style = SeriesStyle { colour: "#999", dashes: "", marker: Marker::Off, line: true };
     Series { label: String::new(), points: vec![[-90.0, 1.0], [90.0, 1.0]], error: vec![], style }
 }
 
@@ -132,7 +134,7 @@ pub fn albedo(scene: &Scene, stops: &serde_json::Value, sweep: &Sweep) -> Option
         shown.iter().filter_map(|&stop| Some([theta(stop), pick(&stops[stop])?])).collect::<Vec<_>>()
     };
     let mut series = Vec::new();
-    let mut add = |label: String, points: Vec<[f64; 2]>, error: Vec<f64>, style: Style| {
+    let mut add = |label: String, points: Vec<[f64; 2]>, error: Vec<f64>, style: SeriesStyle| {
         if !points.is_empty() {
             let error = if error.len() == points.len() { error } else { vec![] };
             series.push(Series { label, points, error, style });
@@ -165,8 +167,8 @@ pub fn albedo(scene: &Scene, stops: &serde_json::Value, sweep: &Sweep) -> Option
     let at = if scene.has_azimuths() { format!(", phi_i {}°", sweep.angle_deg) } else { String::new() };
     Some(Chart {
         title: format!("Albedo against the light's angle{at}"),
-        x: Axis::degrees("light theta_i, degrees", [0.0, 90.0]),
-        y: Axis::linear("share of the light", [0.0, (1.05 * highest).max(1e-6)]),
+        x: ChartAxis::degrees("light theta_i, degrees", [0.0, 90.0]),
+        y: ChartAxis::linear("share of the light", [0.0, (1.05 * highest).max(1e-6)]),
         series,
     })
 }
@@ -192,7 +194,7 @@ pub fn anisotropy(scene: &Scene) -> Option<Chart> {
             models.extend(scene.model(0, stop, bin).map(|value| [phi, value]));
         }
         let label = format!("theta_i {}°", rounds[row].angle_deg);
-        let style = Style { line: false, ..series_style(index) };
+        let style = SeriesStyle { line: false, ..series_style(index) };
         series.push(Series { label, points, error, style });
         let masking = scene.maskings().into_iter().next().unwrap_or_default();
         let label = if index == 0 { masking } else { String::new() };
@@ -204,8 +206,8 @@ pub fn anisotropy(scene: &Scene) -> Option<Chart> {
     let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
     (high > 0.0).then(|| Chart {
         title: "Mirror direction against the light's azimuth".into(),
-        x: Axis::degrees("light phi_i, degrees", [first, last]),
-        y: Axis::decades(&format!("BRDF{}, 1/sr", scene.colour_note()), [low, high]),
+        x: ChartAxis::degrees("light phi_i, degrees", [first, last]),
+        y: ChartAxis::decades(&format!("BRDF{}, 1/sr", scene.colour_note()), [low, high]),
         series,
     })
 }

@@ -9,7 +9,8 @@ const HEIGHT: f64 = 330.0;
 
 /// The picture; `None` where fewer than two bins lie in the plane. The model is the one with the masking `masking`.
 pub fn polar(scene: &Scene, stops: &[usize], masking: usize) -> Option<String> {
-    let lobes: Vec<Lobe> = stops.iter().filter_map(|&stop| Lobe::of(scene, stop, masking)).collect();
+    let lobes: Vec<PolarLobe> =
+        stops.iter().filter_map(|&stop| PolarLobe::of(scene, stop, masking)).collect();
     let first = *stops.first()?;
     if lobes.is_empty() {
         return None;
@@ -58,15 +59,15 @@ fn rings(out: &mut Drawing) {
 }
 
 /// One light angle's lobe.
-struct Lobe {
+struct PolarLobe {
     theta_i_deg: f64,
     measured: Vec<[f64; 2]>,
     model: Vec<[f64; 2]>,
     peak_deg: f64,
 }
 
-impl Lobe {
-    fn of(scene: &Scene, stop: usize, masking: usize) -> Option<Lobe> {
+impl PolarLobe {
+    fn of(scene: &Scene, stop: usize, masking: usize) -> Option<PolarLobe> {
         let cuts = scene.in_plane(stop);
         let peak =
             cuts.iter().max_by(|a, b| scene.single(stop, a.bin).total_cmp(&scene.single(stop, b.bin)))?;
@@ -78,7 +79,7 @@ impl Lobe {
             let point = |theta: f64, value: f64| place(theta, RADIUS * (value / highest).min(1.2));
             cuts.iter().filter_map(|cut| Some(point(cut.theta_deg, value(cut.bin)?))).collect::<Vec<_>>()
         };
-        Some(Lobe {
+        Some(PolarLobe {
             theta_i_deg: scene.table.grid.stop_deg(stop).0,
             measured: curve(&|bin| Some(scene.single(stop, bin))),
             model: curve(&|bin| scene.model(masking, stop, bin)),

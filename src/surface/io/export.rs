@@ -6,7 +6,7 @@ use npyz::WriterBuilder;
 
 use crate::error::{Error, Result};
 use crate::files::image;
-use crate::files::image::{Attribute, Part, Samples};
+use crate::files::image::{Attribute, ImagePart, Samples};
 
 use crate::surface::Heightfield;
 
@@ -14,7 +14,7 @@ use crate::surface::Heightfield;
 /// the heights).
 pub fn encode_exr(field: &Heightfield, pitch_x: f64, pitch_y: f64) -> Result<Vec<u8>> {
     let (width, height) = samples(field);
-    let mut part = Part { width, height, ..Part::default() };
+    let mut part = ImagePart { width, height, ..ImagePart::default() };
     part.channels.insert("height".into(), Samples::F32(to_f32(field)?));
     part.attributes.insert("pitch_x".into(), Attribute::Number(pitch_x));
     part.attributes.insert("pitch_y".into(), Attribute::Number(pitch_y));

@@ -54,7 +54,7 @@ pub struct ImportedMap {
 
 /// A patch as this program wrote it: heights untouched.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Patch {
+pub struct PatchFile {
     /// The periodic heights.
     pub field: Heightfield,
     /// Distance of neighbouring columns, in the unit of the heights.
@@ -75,7 +75,7 @@ pub fn load(map: &HeightMap) -> Result<ImportedMap> {
 }
 
 /// Reads a patch that this program wrote, with its pitches.
-pub fn load_patch(path: &Path) -> Result<Patch> {
+pub fn load_patch(path: &Path) -> Result<PatchFile> {
     let file = read(path)?;
     let pitch = |name: &str, value: Option<f64>| {
         let value = value.ok_or_else(|| format!("no attribute `{name}`"))?;
@@ -85,7 +85,7 @@ pub fn load_patch(path: &Path) -> Result<Patch> {
     let (pitch_x, pitch_y) = pitches.map_err(|why| Error::format(path, why))?;
     check_size(&file, true).map_err(|why| Error::format(path, why))?;
     let field = Heightfield::new(file.columns, file.rows, true, file.heights);
-    Ok(Patch { field, pitch_x, pitch_y })
+    Ok(PatchFile { field, pitch_x, pitch_y })
 }
 
 fn read(path: &Path) -> Result<MapFile> {

@@ -6,7 +6,7 @@ use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
 use crate::files::image;
 use crate::files::image::Samples;
-use crate::files::image_blocks::Blocks;
+use crate::files::image_blocks::BlockReader;
 use crate::files::{exr_header, memory, npy};
 use crate::text_decoding::decode_text_or_latin1;
 
@@ -59,7 +59,7 @@ pub fn needed(bytes: &[u8]) -> Result<u64, String> {
     let length = bytes.len() as u64;
     Ok(if exr_header::is_exr(bytes) {
         // Heights in f64 are four times as long as halves.
-        Blocks::open(Cursor::new(bytes))?.bytes().saturating_mul(8)
+        BlockReader::open(Cursor::new(bytes))?.bytes().saturating_mul(8)
     } else if bytes.starts_with(NPY_MAGIC) {
         npy::check_header(bytes, 2)?;
         let header = NpyHeader::from_reader(&mut &*bytes).map_err(|e| format!("NPY header: {e}"))?;

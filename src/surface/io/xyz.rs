@@ -14,7 +14,7 @@ const OFF_GRID: f64 = 0.01;
 const LONGEST_HEAD: usize = 40;
 
 /// The grid that the points spell out.
-struct Layout {
+struct PointGrid {
     /// Columns and rows.
     counts: [usize; 2],
     /// Smallest x and y.
@@ -54,7 +54,7 @@ fn gridded(
     kind: &str,
     all: impl Iterator<Item = Result<(usize, [f64; 3]), String>> + Clone,
 ) -> Result<MapFile, String> {
-    let Layout { counts: [columns, rows], origin, step } =
+    let PointGrid { counts: [columns, rows], origin, step } =
         layout(all.clone()).map_err(|why| format!("{kind}: {why}"))?;
     let cells = columns.checked_mul(rows).ok_or_else(|| format!("{kind}: the points are no grid"))?;
     let mut lines = vec![0u32; cells];
@@ -94,7 +94,7 @@ fn counts_of(axis: usize, columns: usize, rows: usize) -> f64 {
 }
 
 /// Finds the grid: how many runs there are along the fast axis, how long the longest is, and how far all reach.
-fn layout(all: impl Iterator<Item = Result<(usize, [f64; 3]), String>>) -> Result<Layout, String> {
+fn layout(all: impl Iterator<Item = Result<(usize, [f64; 3]), String>>) -> Result<PointGrid, String> {
     let mut all = all;
     let mut next = || all.next().transpose();
     let (Some((_, first)), Some((_, second))) = (next()?, next()?) else {
@@ -132,7 +132,7 @@ fn layout(all: impl Iterator<Item = Result<(usize, [f64; 3]), String>>) -> Resul
     let step = [0, 1].map(|k| (high[k] - low[k]) / (counts[k].max(2) - 1) as f64);
     match step.iter().find(|step| !step.is_finite() || **step == 0.0) {
         Some(_) => Err("the points lie on one line".into()),
-        None => Ok(Layout { counts, origin: low, step }),
+        None => Ok(PointGrid { counts, origin: low, step }),
     }
 }
 

@@ -35,7 +35,7 @@ pub struct Targets {
 }
 
 /// One facet: its family (0 lower, 1 upper), its slope and its mean height.
-struct Facet {
+struct FacetSlope {
     family: usize,
     slope: Vec2,
     mean: f32,
@@ -112,7 +112,7 @@ impl Remap {
 
     /// Visits all cells, row by row, with their lower and upper facets.
     #[inline(always)]
-    fn each_cell(&self, heights: &[f32], mut visit: impl FnMut(usize, [Facet; 2])) {
+    fn each_cell(&self, heights: &[f32], mut visit: impl FnMut(usize, [FacetSlope; 2])) {
         let n = self.side;
         let third = 1.0 / 3.0;
         for y in 0..n {
@@ -123,8 +123,8 @@ impl Remap {
                 let (h00, h10, h01, h11) = (near[x], near[x1], far[x], far[x1]);
                 let lower = Vec2::new(h10 - h00, h01 - h00);
                 let upper = Vec2::new(h11 - h01, h11 - h10);
-                let lower = Facet { family: 0, slope: lower, mean: third * (h00 + h10 + h01) };
-                let upper = Facet { family: 1, slope: upper, mean: third * (h11 + h10 + h01) };
+                let lower = FacetSlope { family: 0, slope: lower, mean: third * (h00 + h10 + h01) };
+                let upper = FacetSlope { family: 1, slope: upper, mean: third * (h11 + h10 + h01) };
                 visit(y * n + x, [lower, upper]);
             }
         }
@@ -138,14 +138,14 @@ impl Remap {
 impl Ranking {
     /// The facet's class: by the share of *grid points* below its mean height, which parts facets nearly evenly.
     #[inline(always)]
-    fn class(&self, facet: &Facet) -> usize {
+    fn class(&self, facet: &FacetSlope) -> usize {
         let class = (self.heights.share(facet.mean) * CLASSES as f32) as usize;
         facet.family * CLASSES + class.min(CLASSES - 1)
     }
 
     /// The share of the facet's class with shorter slopes, in (0, 1).
     #[inline(always)]
-    fn share(&self, facet: &Facet) -> f32 {
+    fn share(&self, facet: &FacetSlope) -> f32 {
         self.lengths.share(self.class(facet), facet.slope.length_squared())
     }
 }

@@ -2,24 +2,24 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::trace::ray::grid_traversal::{Outcome, Place, Walker};
-use crate::trace::symmetry::Image;
+use crate::trace::ray::grid_traversal::{GridTraversal, Outcome, SurfacePoint};
+use crate::trace::symmetry::PatchSymmetry;
 
 /// A patch as it lies on the stage: the field, its slope scales and which image of it. World directions are in the
 /// sample's frame (x along alpha_x).
 #[derive(Debug, Clone, Copy)]
-pub struct Sample<'a> {
+pub struct TracedPatch<'a> {
     /// Walks the canonical field.
-    pub walker: Walker<'a>,
+    pub walker: GridTraversal<'a>,
     /// World slope per canonical slope.
     pub alpha: DVec2,
     /// Which mirror image of the field lies there.
-    pub image: Image,
+    pub image: PatchSymmetry,
 }
 
 /// How a path ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Ending {
+pub enum PathEnd {
     /// The light does not see the start.
     Hidden,
     /// It leaves along `wo` (sample's frame) after `order` bounces.
@@ -53,7 +53,7 @@ pub trait Bounce {
     fn bounce(&mut self, wi: DVec3, wo: DVec3);
 }
 
-impl Sample<'_> {
+impl TracedPatch<'_> {
     /// A world direction in canonical field coordinates: (ax wx, ay wy, wz), seen from the field.
     pub fn to_field(&self, w: DVec3) -> DVec3 {
         let xy = self.image.to_field(self.alpha * DVec2::new(w.x, w.y));
@@ -61,7 +61,7 @@ impl Sample<'_> {
     }
 
     /// The mirror direction of `wi` at a facet: 2 (wi.N) N/(N.N) - wi with N = (-ax p, -ay q, 1), not normalised.
-    pub fn reflected(&self, wi: DVec3, place: &Place) -> DVec3 {
+    pub fn reflected(&self, wi: DVec3, place: &SurfacePoint) -> DVec3 {
         let corners = self.walker.field().corners(place.facet.x, place.facet.y);
         let slope = corners.slope(place.facet.upper);
         let world = self.alpha * self.image.from_field(slope);
@@ -72,17 +72,17 @@ impl Sample<'_> {
     /// Follows a path from `start` under light from `wi` through at most `bounces` orders.
     ///
     /// Where the light's ray leaves an open map the path is followed as one that the light may see: it ends as
-    /// [`Ending::LeftMap`] with all that is known of it.
-    pub fn trace(&self, start: Place, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> Ending {
+    /// [`PathEnd::LeftMap`] with all that is known of it.
+    pub fn trace(&self, start: SurfacePoint, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> PathEnd {
         let perhaps_lit = match self.walker.walk(&start, self.to_field(wi)) {
             Outcome::Escaped => false,
-            Outcome::Hit(_) => return Ending::Hidden,
+            Outcome::Hit(_) => return PathEnd::Hidden,
             Outcome::LeftMap => true,
-            Outcome::Lost => return Ending::Lost,
+            Outcome::Lost => return PathEnd::Lost,
         };
         let cut = |down: bool| match perhaps_lit {
-            true => Ending::LeftMap { wo: None, order: bounces, further: false },
-            false => Ending::Cut { down },
+            true => PathEnd::LeftMap { wo: None, order: bounces, further: false },
+            false => PathEnd::Cut { down },
         };
         let mut place = start;
         let mut back = wi;
@@ -95,12 +95,12 @@ impl Sample<'_> {
             }
             match self.walker.walk(&place, self.to_field(wo)) {
                 Outcome::Escaped if perhaps_lit => {
-                    return Ending::LeftMap { wo: Some(wo), order, further: false };
+                    return PathEnd::LeftMap { wo: Some(wo), order, further: false };
                 }
-                Outcome::Escaped => return Ending::Out { wo, order },
+                Outcome::Escaped => return PathEnd::Out { wo, order },
                 Outcome::Hit(next) => place = next,
                 Outcome::LeftMap => return left_map(wo, order, bounces),
-                Outcome::Lost => return Ending::Lost,
+                Outcome::Lost => return PathEnd::Lost,
             }
             back = -wo;
         }
@@ -108,14 +108,14 @@ impl Sample<'_> {
     }
 
     /// The first bounce with shadowing and masking switched off.
-    pub fn trace_unobstructed(&self, start: Place, wi: DVec3, visit: &mut impl Bounce) -> Ending {
+    pub fn trace_unobstructed(&self, start: SurfacePoint, wi: DVec3, visit: &mut impl Bounce) -> PathEnd {
         let wo = self.reflected(wi, &start);
         visit.bounce(wi, wo);
-        if wo.z > 0.0 { Ending::Out { wo, order: 1 } } else { Ending::Cut { down: true } }
+        if wo.z > 0.0 { PathEnd::Out { wo, order: 1 } } else { PathEnd::Cut { down: true } }
     }
 }
 
 /// The end of a path whose ray along `wo` leaves an open map after `order` of at most `bounces` bounces.
-pub(crate) fn left_map(wo: DVec3, order: u32, bounces: u32) -> Ending {
-    Ending::LeftMap { wo: (wo.z > 0.0).then_some(wo), order, further: order < bounces }
+pub(crate) fn left_map(wo: DVec3, order: u32, bounces: u32) -> PathEnd {
+    PathEnd::LeftMap { wo: (wo.z > 0.0).then_some(wo), order, further: order < bounces }
 }

@@ -1,7 +1,7 @@
 //! The random walk on a statistical Smith surface: heights and normals independent by construction, so that order 1
 //! is D G2/(4 cos cos) exactly, and the instrument itself can be held to the formula.
 //!
-//! Enters: the light's direction and a stream. Leaves: the same `Ending` as a path on heights. Heights enter only as
+//! Enters: the light's direction and a stream. Leaves: the same `PathEnd` as a path on heights. Heights enter only as
 //! u = C1(h), the share of the surface below h: uniform on [0, 1] whatever the height law. Own Lambda and own normals:
 //! nothing of `theory`. Paper: Heitz, Hanika, d'Eon, Dachsbacher 2016, "Multiple-scattering microfacet BSDFs with the
 //! Smith model".
@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use rand_pcg::Pcg64Dxsm;
 
-use super::single::{Bounce, Ending};
+use super::single::{Bounce, PathEnd};
 use crate::rng::uniform;
 
 /// The slope laws that the walk can draw normals of.
@@ -38,7 +38,7 @@ impl SmithWalk {
     /// Follows a path of light from `wi` (sample's frame, wi.z > 0) through at most `bounces` orders.
     ///
     /// Held by: `order_one_is_the_formula_with_both_height_rules` (tests/it/validate/smith_surface.rs).
-    pub fn trace(&self, wi: DVec3, bounces: u32, rng: &mut Pcg64Dxsm, visit: &mut impl Bounce) -> Ending {
+    pub fn trace(&self, wi: DVec3, bounces: u32, rng: &mut Pcg64Dxsm, visit: &mut impl Bounce) -> PathEnd {
         let mut back = wi;
         // From above everything, down: a collision is certain.
         let mut u = self.next_height(1.0, -wi, rng).unwrap_or(1.0);
@@ -49,15 +49,15 @@ impl SmithWalk {
                 u = uniform(rng);
             }
             if order == bounces && wo.z <= 0.0 {
-                return Ending::Cut { down: true };
+                return PathEnd::Cut { down: true };
             }
             match self.next_height(u, wo, rng) {
-                None => return Ending::Out { wo, order },
+                None => return PathEnd::Out { wo, order },
                 Some(next) => u = next,
             }
             back = -wo;
         }
-        Ending::Cut { down: false }
+        PathEnd::Cut { down: false }
     }
 
     /// The height at which a ray along `w` from height `u` collides next, `None` if it escapes.

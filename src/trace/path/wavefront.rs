@@ -1,17 +1,17 @@
-//! Paths in waves: the meaning of `Sample::trace` for many starts at once, order by order.
+//! Paths in waves: the meaning of `TracedPatch::trace` for many starts at once, order by order.
 
 use glam::DVec3;
 
-use super::single::{Bounce, Ending, Sample, left_map};
-use crate::trace::ray::grid_traversal::{Outcome, Place};
-use crate::trace::simd::kernel::Fate;
-use crate::trace::simd::traversal::{LaneWalker, Waves};
+use super::single::{Bounce, PathEnd, TracedPatch, left_map};
+use crate::trace::ray::grid_traversal::{Outcome, SurfacePoint};
+use crate::trace::simd::kernel::RayOutcome;
+use crate::trace::simd::traversal::{SimdTraversal, Waves};
 
 /// A path under way: which one, where it is, and a direction.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     path: usize,
-    place: Place,
+    place: SurfacePoint,
     direction: DVec3,
 }
 
@@ -19,7 +19,7 @@ struct Step {
 #[derive(Debug, Clone, Copy)]
 pub struct View<'a> {
     /// The field as it lies there, the same one for all views of a wave.
-    pub sample: Sample<'a>,
+    pub sample: TracedPatch<'a>,
     /// To the light, sample's frame.
     pub wi: DVec3,
 }
@@ -28,7 +28,7 @@ pub struct View<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct Wave<'a> {
     /// Where each path starts.
-    pub starts: &'a [Place],
+    pub starts: &'a [SurfacePoint],
     /// Which view each path belongs to.
     pub of: &'a [u16],
     /// The views.
@@ -65,17 +65,17 @@ impl PathWaves {
     /// `over` is a lane walker over the field of all views. Directions are f64; only the question of what a ray meets
     /// is f32's.
     ///
-    /// Held by: `tests/it/trace/lanes.rs` against `Sample::trace`.
+    /// Held by: `tests/it/trace/lanes.rs` against `TracedPatch::trace`.
     pub fn trace<B: Bounce>(
         &mut self,
-        over: &LaneWalker,
+        over: &SimdTraversal,
         wave: &Wave,
         visits: &mut [B],
-        endings: &mut Vec<Ending>,
+        endings: &mut Vec<PathEnd>,
     ) {
         let bounces = wave.bounces;
         endings.clear();
-        endings.resize(wave.starts.len(), Ending::Hidden);
+        endings.resize(wave.starts.len(), PathEnd::Hidden);
         self.light(over, wave, endings);
         for order in 1..=bounces {
             let last = order == bounces;
@@ -89,8 +89,8 @@ impl PathWaves {
     }
 
     /// Keeps the starts that the light sees.
-    fn light(&mut self, over: &LaneWalker, wave: &Wave, endings: &mut [Ending]) {
-        let at_start = |(path, &place): (usize, &Place)| {
+    fn light(&mut self, over: &SimdTraversal, wave: &Wave, endings: &mut [PathEnd]) {
+        let at_start = |(path, &place): (usize, &SurfacePoint)| {
             let direction = wave.view(path).wi;
             Step { path, place, direction }
         };
@@ -103,22 +103,22 @@ impl PathWaves {
         let fates = self.waves.any_hit(over, wave.starts.len(), ray);
         for (fate, step) in fates.iter().zip(starts) {
             match fate {
-                Fate::Escaped => self.now.push(step),
-                Fate::Blocked => {}
-                Fate::Beyond => endings[step.path] = Ending::Lost,
+                RayOutcome::Escaped => self.now.push(step),
+                RayOutcome::Blocked => {}
+                RayOutcome::Beyond => endings[step.path] = PathEnd::Lost,
             }
         }
     }
 
     /// From every facet along its mirror direction.
-    fn reflect<B: Bounce>(&mut self, wave: &Wave, last: bool, visits: &mut [B], endings: &mut [Ending]) {
+    fn reflect<B: Bounce>(&mut self, wave: &Wave, last: bool, visits: &mut [B], endings: &mut [PathEnd]) {
         self.rays.clear();
         for &Step { path, place, direction } in &self.now {
             let wo = wave.view(path).sample.reflected(direction, &place);
             visits[path].bounce(direction, wo);
             // A path that goes down must hit again: at the last order there is nothing left to find out.
             if last && wo.z <= 0.0 {
-                endings[path] = Ending::Cut { down: true };
+                endings[path] = PathEnd::Cut { down: true };
             } else {
                 self.rays.push(Step { path, place, direction: wo });
             }
@@ -126,21 +126,21 @@ impl PathWaves {
     }
 
     /// The last order: only whether anything stops the rays.
-    fn leave(&mut self, over: &LaneWalker, wave: &Wave, order: u32, endings: &mut [Ending]) {
+    fn leave(&mut self, over: &SimdTraversal, wave: &Wave, order: u32, endings: &mut [PathEnd]) {
         let rays = &self.rays;
         let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
         let fates = self.waves.any_hit(over, rays.len(), ray);
         for (step, fate) in rays.iter().zip(fates) {
             endings[step.path] = match fate {
-                Fate::Escaped => Ending::Out { wo: step.direction, order },
-                Fate::Blocked => Ending::Cut { down: false },
-                Fate::Beyond => Ending::Lost,
+                RayOutcome::Escaped => PathEnd::Out { wo: step.direction, order },
+                RayOutcome::Blocked => PathEnd::Cut { down: false },
+                RayOutcome::Beyond => PathEnd::Lost,
             };
         }
     }
 
     /// An order with more to come: what the rays meet.
-    fn go_on(&mut self, over: &LaneWalker, wave: &Wave, order: u32, endings: &mut [Ending]) {
+    fn go_on(&mut self, over: &SimdTraversal, wave: &Wave, order: u32, endings: &mut [PathEnd]) {
         let (rays, now) = (&self.rays, &mut self.now);
         now.clear();
         let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
@@ -148,10 +148,10 @@ impl PathWaves {
             let Step { path, direction, .. } = rays[k];
             match outcome {
                 Outcome::Hit(place) => now.push(Step { path, place, direction: -direction }),
-                Outcome::Escaped => endings[path] = Ending::Out { wo: direction, order },
+                Outcome::Escaped => endings[path] = PathEnd::Out { wo: direction, order },
                 // Lanes hold periodic fields alone; what else there is ends as one path by itself does.
                 Outcome::LeftMap => endings[path] = left_map(direction, order, order + 1),
-                Outcome::Lost => endings[path] = Ending::Lost,
+                Outcome::Lost => endings[path] = PathEnd::Lost,
             }
         });
     }

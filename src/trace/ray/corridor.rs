@@ -9,7 +9,7 @@
 
 use glam::DVec3;
 
-use super::ray_state::{Outlook, Way};
+use super::ray_state::{Outlook, RayState};
 use crate::surface::Heightfield;
 
 /// Times round the field among which the one is chosen that comes back closest to where it began.
@@ -79,7 +79,7 @@ impl Corridors {
 
     /// Takes `way` over as many passes as are free of the field: `limit` is the number of edges it may cross in all,
     /// `margin` the walk's rounding at a ray parameter.
-    pub fn take(&mut self, way: &mut Way, field: &Heightfield, limit: f64, margin: impl Fn(f64) -> f64) {
+    pub fn take(&mut self, way: &mut RayState, field: &Heightfield, limit: f64, margin: impl Fn(f64) -> f64) {
         let Some(pass) = self.pass else { return };
         match free(way, field, pass, limit, margin) {
             // Past what ended it the next corridor may begin.
@@ -92,12 +92,12 @@ impl Corridors {
 
 /// `way` after all passes that are seen to be free; `None` where they are fewer than it is worth.
 fn free<'a>(
-    way: &Way<'a>,
+    way: &RayState<'a>,
     field: &Heightfield,
     pass: Pass,
     limit: f64,
     margin: impl Fn(f64) -> f64,
-) -> Option<Way<'a>> {
+) -> Option<RayState<'a>> {
     // The last of them ends below the height from which on the ray is clear, and within its limit.
     let below = (way.clear_at - way.entry.t) / pass.t;
     let most = below.min((limit - way.x.crossed - way.y.crossed) / pass.edges()).floor() - 1.0;
@@ -121,12 +121,12 @@ fn free<'a>(
 /// passes the first change comes, if all goes on as from the one to the other. `None` where they cross other edges or
 /// either comes within `margin` of the surface.
 fn side_by_side<'a>(
-    way: &Way<'a>,
+    way: &RayState<'a>,
     field: &Heightfield,
     pass: Pass,
     passes: f64,
     margin: f64,
-) -> Option<(Way<'a>, f64)> {
+) -> Option<(RayState<'a>, f64)> {
     let mut near = way.clone();
     let mut far = way.further(field, passes * pass.x, passes * pass.y)?;
     let mut until = f64::INFINITY;

@@ -8,8 +8,8 @@
 
 use glam::DVec3;
 
-use super::ray_state::Way;
-use super::tile_peaks::Peaks;
+use super::ray_state::RayState;
+use super::tile_peaks::TilePeaks;
 use super::tile_traversal;
 use crate::surface::Heightfield;
 
@@ -26,7 +26,7 @@ pub struct Facet {
 
 /// A point on a facet.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct SurfacePoint {
     /// The facet, never tested by rays that start here: a plane cannot be hit twice.
     pub facet: Facet,
     /// Along x inside the cell, [0, 1].
@@ -37,7 +37,7 @@ pub struct Place {
     pub z: f64,
 }
 
-impl Place {
+impl SurfacePoint {
     /// The point (u, v) of a facet, its height from the facet's plane.
     pub fn on(field: &Heightfield, facet: Facet, u: f64, v: f64) -> Self {
         let c = field.corners(facet.x, facet.y);
@@ -46,7 +46,7 @@ impl Place {
         } else {
             c.h00 + u * (c.h10 - c.h00) + v * (c.h01 - c.h00)
         };
-        Place { facet, u, v, z }
+        SurfacePoint { facet, u, v, z }
     }
 }
 
@@ -56,7 +56,7 @@ pub enum Outcome {
     /// Above every height: it hits nothing any more.
     Escaped,
     /// On a facet, from above.
-    Hit(Place),
+    Hit(SurfacePoint),
     /// Over the edge of a field that does not continue itself.
     LeftMap,
     /// After more steps than its slope allows: a fault of the program, counted and reported.
@@ -65,27 +65,27 @@ pub enum Outcome {
 
 /// Walks rays over one field.
 #[derive(Debug, Clone, Copy)]
-pub struct Walker<'a> {
+pub struct GridTraversal<'a> {
     field: &'a Heightfield,
     lowest: f64,
     highest: f64,
-    peaks: Option<&'a Peaks>,
+    peaks: Option<&'a TilePeaks>,
 }
 
 /// Cells that a ray is followed through one by one before whole tiles are asked for: most rays end within them.
 const NEAR: u64 = 64;
 
-impl<'a> Walker<'a> {
+impl<'a> GridTraversal<'a> {
     /// A walker over `field`.
     pub fn new(field: &'a Heightfield) -> Self {
         let (lowest, highest) = field.range();
-        Walker { field, lowest, highest, peaks: None }
+        GridTraversal { field, lowest, highest, peaks: None }
     }
 
     /// One that takes long rays over whole tiles, of which `peaks` of the same field knows the heights: the same answers,
     /// sooner.
-    pub fn with_peaks(self, peaks: &'a Peaks) -> Self {
-        Walker { peaks: Some(peaks), ..self }
+    pub fn with_peaks(self, peaks: &'a TilePeaks) -> Self {
+        GridTraversal { peaks: Some(peaks), ..self }
     }
 
     /// The field.
@@ -101,7 +101,7 @@ impl<'a> Walker<'a> {
     /// Follows the ray from `start` along `d` (any length, field coordinates) to its end.
     ///
     /// Held by: `tests/it/trace/watertight.rs` against a loop over all facets.
-    pub fn walk(&self, start: &Place, d: DVec3) -> Outcome {
+    pub fn walk(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
         self.walk_counted(start, d, &mut 0)
     }
 
@@ -110,8 +110,8 @@ impl<'a> Walker<'a> {
     ///
     /// Held by: `a_ray_crosses_as_many_cells_as_its_rise_over_the_patch_says`.
     #[inline]
-    pub fn walk_counted(&self, start: &Place, d: DVec3, cells: &mut u64) -> Outcome {
-        let mut way = Way::new(self, start, d);
+    pub fn walk_counted(&self, start: &SurfacePoint, d: DVec3, cells: &mut u64) -> Outcome {
+        let mut way = RayState::new(self, start, d);
         let limit = self.step_limit(start.z, d);
         let one_by_one = if self.peaks.is_some() { limit.min(NEAR) } else { limit };
         for _ in 0..one_by_one {

@@ -6,13 +6,13 @@
 
 use glam::DVec3;
 
-use super::grid_traversal::{Facet, Outcome, Place, Walker};
+use super::grid_traversal::{Facet, GridTraversal, Outcome, SurfacePoint};
 use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
 
 /// One axis of the walk: where the next cell edge is.
 #[derive(Clone)]
-pub(crate) struct Axis {
+pub(crate) struct AxisSteps {
     pub forward: bool,
     speed: f64,
     /// 1/|d|, infinite for a ray that never crosses such an edge.
@@ -23,12 +23,12 @@ pub(crate) struct Axis {
     pub crossed: f64,
 }
 
-impl Axis {
+impl AxisSteps {
     fn new(direction: f64, place: f64) -> Self {
         let forward = direction > 0.0;
         let first = if forward { 1.0 - place } else { place };
         let speed = direction.abs();
-        Axis { forward, speed, inverse: 1.0 / speed, first, crossed: 0.0 }
+        AxisSteps { forward, speed, inverse: 1.0 / speed, first, crossed: 0.0 }
     }
 
     /// Ray parameter of the next edge.
@@ -98,12 +98,12 @@ impl Outlook {
 
 /// A ray under way: the cell that it is in, and how it came in.
 #[derive(Clone)]
-pub(crate) struct Way<'a> {
-    start: &'a Place,
+pub(crate) struct RayState<'a> {
+    start: &'a SurfacePoint,
     pub d: DVec3,
     pub cell: (usize, usize),
-    pub x: Axis,
-    pub y: Axis,
+    pub x: AxisSteps,
+    pub y: AxisSteps,
     /// From this parameter on the ray is above every height.
     pub clear_at: f64,
     pub entry: Crossing,
@@ -113,14 +113,14 @@ pub(crate) struct Way<'a> {
     own: bool,
 }
 
-impl<'a> Way<'a> {
-    pub fn new(walker: &Walker, start: &'a Place, d: DVec3) -> Self {
-        Way {
+impl<'a> RayState<'a> {
+    pub fn new(walker: &GridTraversal, start: &'a SurfacePoint, d: DVec3) -> Self {
+        RayState {
             start,
             d,
             cell: (start.facet.x, start.facet.y),
-            x: Axis::new(d.x, start.u),
-            y: Axis::new(d.y, start.v),
+            x: AxisSteps::new(d.x, start.u),
+            y: AxisSteps::new(d.y, start.v),
             clear_at: walker.clear_at(start.z, d.z),
             // The clearance over the start's own facet is never negative, whatever rounding says.
             entry: Crossing { t: 0.0, clearance: 0.0 },
@@ -234,8 +234,8 @@ impl<'a> Way<'a> {
         self.start.z + t * self.d.z
     }
 
-    fn local(&self) -> Local<'a> {
-        Local { start: self.start, d: self.d, offset: (self.x.offset(), self.y.offset()) }
+    fn local(&self) -> RayInCell<'a> {
+        RayInCell { start: self.start, d: self.d, offset: (self.x.offset(), self.y.offset()) }
     }
 
     /// The point of the present cell between `entry` (clearance >= 0) and `exit` (< 0) where the clearance is 0.
@@ -245,18 +245,18 @@ impl<'a> Way<'a> {
         let t = entry.t + (exit.t - entry.t) * (above / (above - exit.clearance));
         let (u, v) = self.local().point(t);
         let facet = Facet { x: self.cell.0, y: self.cell.1, upper };
-        Outcome::Hit(Place::on(field, facet, u, v))
+        Outcome::Hit(SurfacePoint::on(field, facet, u, v))
     }
 }
 
 /// A ray as seen from the present cell.
-struct Local<'a> {
-    start: &'a Place,
+struct RayInCell<'a> {
+    start: &'a SurfacePoint,
     d: DVec3,
     offset: (f64, f64),
 }
 
-impl Local<'_> {
+impl RayInCell<'_> {
     fn point(&self, t: f64) -> (f64, f64) {
         (self.start.u + (t * self.d.x - self.offset.0), self.start.v + (t * self.d.y - self.offset.1))
     }

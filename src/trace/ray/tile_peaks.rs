@@ -14,12 +14,12 @@ pub(crate) trait Tiles {
 ///
 /// Held by: `every_level_holds_the_highest_corner_of_its_cells`.
 #[derive(Debug, Clone)]
-pub struct Peaks {
+pub struct TilePeaks {
     /// For each level, tiles in a row and the highest corner of each tile, row by row.
     levels: Vec<(usize, Vec<f64>)>,
 }
 
-impl Peaks {
+impl TilePeaks {
     /// The tiles of `field`: levels up to the last that cuts it into more than one tile.
     pub fn new(field: &Heightfield) -> Self {
         let (cells_x, mut rows) = (field.cells_x(), field.cells_y());
@@ -43,11 +43,11 @@ impl Peaks {
             levels.push((wide, tiles));
             (columns, rows) = (wide, high);
         }
-        Peaks { levels }
+        TilePeaks { levels }
     }
 }
 
-impl Tiles for Peaks {
+impl Tiles for TilePeaks {
     fn top_level(&self) -> usize {
         self.levels.len() - 1
     }
@@ -70,7 +70,7 @@ mod tests {
             let heights =
                 (0..(nx + extra) * (ny + extra)).map(|i| ((i * 7919) % 101) as f64 - 60.5).collect();
             let field = Heightfield::new(nx, ny, periodic, heights);
-            let peaks = Peaks::new(&field);
+            let peaks = TilePeaks::new(&field);
             for level in 0..=peaks.top_level() {
                 let side = 1 << (2 * level);
                 for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {

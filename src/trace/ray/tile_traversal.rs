@@ -8,13 +8,13 @@
 use glam::DVec3;
 
 use super::corridor::Corridors;
-use super::grid_traversal::{Outcome, Place, Walker};
-use super::ray_state::{Axis, Way};
+use super::grid_traversal::{GridTraversal, Outcome, SurfacePoint};
+use super::ray_state::{AxisSteps, RayState};
 use super::tile_peaks::Tiles;
 use crate::surface::Heightfield;
 
 /// Where a ray leaves the tile that it is in.
-struct Exit {
+struct TileExit {
     t: f64,
     across_x: bool,
     /// Edges that it crosses along each axis.
@@ -22,11 +22,11 @@ struct Exit {
     y: f64,
 }
 
-/// Follows the ray from `start` along `d` to its end: bit for bit `Walker::walk`, of whose field `tiles` are.
+/// Follows the ray from `start` along `d` to its end: bit for bit `GridTraversal::walk`, of whose field `tiles` are.
 ///
-/// Held by: `tests/it/trace/long_rays.rs`, ray by ray against `Walker::walk`.
-pub(crate) fn walk(walker: &Walker, tiles: &impl Tiles, start: &Place, d: DVec3) -> Outcome {
-    let mut way = Way::new(walker, start, d);
+/// Held by: `tests/it/trace/long_rays.rs`, ray by ray against `GridTraversal::walk`.
+pub(crate) fn walk(walker: &GridTraversal, tiles: &impl Tiles, start: &SurfacePoint, d: DVec3) -> Outcome {
+    let mut way = RayState::new(walker, start, d);
     // The start's cell is left by the walk itself: the facet under the start is not tested.
     if let Some(outcome) = way.cross(walker.field()) {
         return outcome;
@@ -35,7 +35,12 @@ pub(crate) fn walk(walker: &Walker, tiles: &impl Tiles, start: &Place, d: DVec3)
 }
 
 /// Follows a ray that has left its start's cell to its end.
-pub(crate) fn go_on(walker: &Walker, tiles: &impl Tiles, start: &Place, mut way: Way) -> Outcome {
+pub(crate) fn go_on(
+    walker: &GridTraversal,
+    tiles: &impl Tiles,
+    start: &SurfacePoint,
+    mut way: RayState,
+) -> Outcome {
     let (field, d) = (walker.field(), way.d);
     let limit = walker.step_limit(start.z, d) as f64;
     let (lowest, highest) = walker.range();
@@ -119,26 +124,26 @@ fn round(field: &Heightfield, d: DVec3) -> Option<f64> {
 
 /// The exit from the tile of 4^level x 4^level cells that the ray is in, and the edges that the walk crosses on the
 /// way there: an edge across x before one across y only if it comes strictly first.
-fn exit(way: &Way, field: &Heightfield, level: usize) -> Exit {
+fn exit(way: &RayState, field: &Heightfield, level: usize) -> TileExit {
     let to_x = to_edge(&way.x, way.cell.0, level, field.cells_x());
     let to_y = to_edge(&way.y, way.cell.1, level, field.cells_y());
     let (tx, ty) = (way.x.after(to_x - 1.0), way.y.after(to_y - 1.0));
     if tx < ty {
-        Exit { t: tx, across_x: true, x: to_x, y: edges_until(&way.y, to_y, |t| t <= tx, tx) }
+        TileExit { t: tx, across_x: true, x: to_x, y: edges_until(&way.y, to_y, |t| t <= tx, tx) }
     } else {
-        Exit { t: ty, across_x: false, x: edges_until(&way.x, to_x, |t| t < ty, ty), y: to_y }
+        TileExit { t: ty, across_x: false, x: edges_until(&way.x, to_x, |t| t < ty, ty), y: to_y }
     }
 }
 
 /// Edges from the present cell to the far side of its tile, which ends with the field.
-fn to_edge(axis: &Axis, cell: usize, level: usize, cells: usize) -> f64 {
+fn to_edge(axis: &AxisSteps, cell: usize, level: usize, cells: usize) -> f64 {
     let side = 1usize << (2 * level);
     let within = cell & (side - 1);
     (if axis.forward { (side - within).min(cells - cell) } else { within + 1 }) as f64
 }
 
 /// How many of the next edges, fewer than `most`, are `passed`; `t` is the parameter where they cease to be.
-fn edges_until(axis: &Axis, most: f64, passed: impl Fn(f64) -> bool, t: f64) -> f64 {
+fn edges_until(axis: &AxisSteps, most: f64, passed: impl Fn(f64) -> bool, t: f64) -> f64 {
     let guess = (axis.edges_before(t).ceil() - axis.crossed).clamp(0.0, most - 1.0);
     let mut edges = if guess.is_finite() { guess } else { 0.0 };
     // The guess is rounded; parameters of edges grow with their number.
@@ -153,7 +158,7 @@ fn edges_until(axis: &Axis, most: f64, passed: impl Fn(f64) -> bool, t: f64) -> 
 
 /// The cell `edges` further along an axis, no further than just over the field's edge, and whether it lies there: of a
 /// periodic field it is the first cell on the other side.
-fn moved(axis: &Axis, cell: usize, edges: f64, cells: usize) -> (usize, bool) {
+fn moved(axis: &AxisSteps, cell: usize, edges: f64, cells: usize) -> (usize, bool) {
     let by = edges as usize;
     match axis.forward {
         true if cell + by < cells => (cell + by, false),

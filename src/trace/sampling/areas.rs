@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Dxsm;
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::surface::Heightfield;
-use crate::trace::ray::grid_traversal::{Facet, Place};
+use crate::trace::ray::grid_traversal::{Facet, SurfacePoint};
 
 /// Starts in a block.
 pub const BLOCK: u64 = 65_536;
@@ -40,7 +40,7 @@ const GROUP: usize = 4;
 
 /// The areas that the facets of a window turn to one light direction, summed by groups of cells: what a block steps
 /// along. Serves any number of blocks.
-pub struct Starts<'a> {
+pub struct AreaSampler<'a> {
     field: &'a Heightfield,
     window: Window,
     /// Canonical light direction in field coordinates.
@@ -49,11 +49,11 @@ pub struct Starts<'a> {
     before: Vec<f64>,
 }
 
-impl<'a> Starts<'a> {
+impl<'a> AreaSampler<'a> {
     /// Sums the areas that `field`'s facets in `window` turn to `light` (canonical, field coordinates): a facet of
     /// slope (p, q) turns max(0, light.z - light.x p - light.y q)/2 of a cell's area to it.
     pub fn new(field: &'a Heightfield, window: Window, light: DVec3) -> Self {
-        let mut starts = Starts { field, window, light, before: vec![0.0] };
+        let mut starts = AreaSampler { field, window, light, before: vec![0.0] };
         let mut areas = vec![[0.0; 2]; window.x.1 - window.x.0];
         let (mut near, mut far) = (vec![0.0; areas.len() + 1], vec![0.0; areas.len() + 1]);
         copy_heights(field, window.y.0, window.x.0, &mut far);
@@ -87,11 +87,11 @@ impl<'a> Starts<'a> {
     }
 
     /// Calls `visit` with `count` start points of equal flux, in the order of the facets.
-    pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) {
+    pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(SurfacePoint)) {
         let mut steps = SystematicSteps::new(count, self.total() / count as f64, rng::uniform(rng));
         let mut start = |facet: Facet| {
             let (u, v) = point_in(facet.upper, rng);
-            visit(Place::on(self.field, facet, u, v));
+            visit(SurfacePoint::on(self.field, facet, u, v));
         };
         for (group, ends) in self.before.windows(2).enumerate() {
             if steps.is_before(ends[1]) {

@@ -9,19 +9,19 @@ use glam::{DVec2, DVec3};
 use rand_pcg::Pcg64Dxsm;
 
 use super::areas::point_in;
-use super::slope_index::{FacetIndex, Slopes};
+use super::slope_index::{SlopeIndex, Slopes};
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
-use crate::trace::path::single::Sample;
-use crate::trace::ray::grid_traversal::{Facet, Place};
+use crate::trace::path::single::TracedPatch;
+use crate::trace::ray::grid_traversal::{Facet, SurfacePoint};
 
 /// Facets that are looked at together.
 const TOGETHER: usize = 64;
 
 /// The bins of an index that may send light from one direction into some cones.
-pub struct Selection<'a> {
-    index: &'a FacetIndex,
-    sample: Sample<'a>,
+pub struct ConeSampler<'a> {
+    index: &'a SlopeIndex,
+    sample: TracedPatch<'a>,
     /// Canonical light direction in field coordinates.
     light: DVec3,
     slots: Vec<Slots>,
@@ -35,15 +35,15 @@ struct Slots {
     end: f64,
 }
 
-impl<'a> Selection<'a> {
+impl<'a> ConeSampler<'a> {
     /// The facets of `sample`, which `index` holds, that may send light from `wi` into a cone of `half_angle` about one
     /// of `axes` (all in the sample's frame). Conservative: some of them do not.
     ///
     /// - Domain: wi.z > 0; the cones lie above the horizon, half-angle below 90 degrees (radians).
     /// - Held by: `no_wanted_facet_is_left_out`, `the_facet_index_changes_nothing_but_noise`.
     pub fn new(
-        index: &'a FacetIndex,
-        sample: Sample<'a>,
+        index: &'a SlopeIndex,
+        sample: TracedPatch<'a>,
         wi: DVec3,
         axes: impl Iterator<Item = DVec3>,
         half_angle: f64,
@@ -59,7 +59,7 @@ impl<'a> Selection<'a> {
                 }
             });
         }
-        let mut selection = Selection { index, sample, light, slots: Vec::new() };
+        let mut selection = ConeSampler { index, sample, light, slots: Vec::new() };
         for (k, mut word) in chosen.into_iter().enumerate() {
             while word != 0 {
                 selection.add(64 * k + word.trailing_zeros() as usize);
@@ -88,7 +88,7 @@ impl<'a> Selection<'a> {
     /// Calls `visit` with the starts on the selected facets, one for every `step` of area that they turn to the
     /// light: what lies beyond a facet's own area in its slot is passed over. So the density of starts is 1/step on
     /// every facet, exactly, and no facet without a start is looked at.
-    pub fn each(&self, step: f64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Place)) {
+    pub fn each(&self, step: f64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(SurfacePoint)) {
         let mut steps = SystematicSteps::new(u64::MAX, step, rng::uniform(rng));
         let mut begin = 0.0;
         let mut candidates = Vec::with_capacity(TOGETHER);
@@ -108,7 +108,12 @@ impl<'a> Selection<'a> {
     }
 
     /// Starts on those of the candidates, each with a place in its slot, that reach so far, and drops them all.
-    fn start(&self, candidates: &mut Vec<(Facet, f64)>, rng: &mut Pcg64Dxsm, visit: &mut impl FnMut(Place)) {
+    fn start(
+        &self,
+        candidates: &mut Vec<(Facet, f64)>,
+        rng: &mut Pcg64Dxsm,
+        visit: &mut impl FnMut(SurfacePoint),
+    ) {
         let field = self.sample.walker.field();
         // All heights are asked for before the first start is followed: memory answers them side by side.
         let mut reached = [false; TOGETHER];
@@ -118,7 +123,7 @@ impl<'a> Selection<'a> {
         }
         for ((facet, _), _) in candidates.drain(..).zip(reached).filter(|(_, reached)| *reached) {
             let (u, v) = point_in(facet.upper, rng);
-            visit(Place::on(field, facet, u, v));
+            visit(SurfacePoint::on(field, facet, u, v));
         }
     }
 }
@@ -141,7 +146,7 @@ impl Normals {
 
     /// Canonical slopes in field coordinates around all of the normals: tangents at the ball in the planes y = 0 and
     /// x = 0, x/z = (cx cz +- r sqrt(cx^2 + cz^2 - r^2))/(cz^2 - r^2).
-    fn slopes(&self, sample: &Sample) -> Slopes {
+    fn slopes(&self, sample: &TracedPatch) -> Slopes {
         let (c, r) = (self.centre, self.radius);
         let range = |x: f64| {
             let (wide, below) = (r * (x * x + c.z * c.z - r * r).sqrt(), (c.z - r) * (c.z + r));
@@ -154,7 +159,7 @@ impl Normals {
     }
 
     /// Whether some of the normals may have one of `slopes`: an angle changes by no more than the slope.
-    fn meet(&self, sample: &Sample, slopes: &Slopes) -> bool {
+    fn meet(&self, sample: &TracedPatch, slopes: &Slopes) -> bool {
         let world = |slope: DVec2| sample.alpha * sample.image.from_field(slope);
         let (low, high) = (world(slopes.low), world(slopes.high));
         let middle = 0.5 * (low + high);
@@ -170,7 +175,7 @@ mod tests {
     use super::*;
     use crate::sphere;
     use crate::surface::Heightfield;
-    use crate::trace::{Image, Walker};
+    use crate::trace::{GridTraversal, PatchSymmetry};
 
     /// Every facet of a rough field, for lights, images and cones of all kinds: those that send light into a cone are
     /// among the selected bins.
@@ -179,17 +184,17 @@ mod tests {
         let side = 40;
         let height = |k: usize| 2.0 * (0.37 * k as f64).sin() * (1.3 * k as f64).cos() * (1 + k % 5) as f64;
         let field = Heightfield::new(side, side, true, (0..side * side).map(height).collect());
-        let index = FacetIndex::new(&field).expect("periodic");
+        let index = SlopeIndex::new(&field).expect("periodic");
         let mut wanted = 0;
         for case in 0..400 {
             let turn = f64::from(case);
             let alpha = DVec2::new([0.02, 0.2, 1.0][case as usize % 3], [0.05, 0.3][case as usize % 2]);
-            let image = Image::nth(case as u64 % 8);
-            let sample = Sample { walker: Walker::new(&field), alpha, image };
+            let image = PatchSymmetry::nth(case as u64 % 8);
+            let sample = TracedPatch { walker: GridTraversal::new(&field), alpha, image };
             let wi = sphere::direction_deg([0.0, 30.0, 60.0, 88.0][case as usize % 4], 37.0 * turn);
             let axis = sphere::direction_deg([0.0, 20.0, 50.0, 75.0][case as usize / 4 % 4], 61.0 * turn);
             let half_angle = [0.5f64, 3.0, 14.0][case as usize / 7 % 3].to_radians();
-            let selection = Selection::new(&index, sample, wi, std::iter::once(axis), half_angle);
+            let selection = ConeSampler::new(&index, sample, wi, std::iter::once(axis), half_angle);
             let mut selected = vec![false; 2 * side * side];
             for slots in &selection.slots {
                 for k in 0..index.count(slots.bin) {
@@ -201,7 +206,7 @@ mod tests {
                 let facet = Facet { x: k / 2 % side, y: k / 2 / side, upper: k % 2 == 1 };
                 let slope = field.corners(facet.x, facet.y).slope(facet.upper);
                 let turned = selection.light.z - selection.light.truncate().dot(slope);
-                let wo = sample.reflected(wi, &Place::on(&field, facet, 0.3, 0.3));
+                let wo = sample.reflected(wi, &SurfacePoint::on(&field, facet, 0.3, 0.3));
                 if turned > 0.0 && wo.dot(axis) > half_angle.cos() {
                     assert!(selected, "case {case}: {facet:?} sends light to {wo}");
                     wanted += 1;

@@ -18,7 +18,7 @@ const WHOLE: f64 = 4_503_599_627_370_496.0;
 
 /// Facets sorted by slope.
 #[derive(Debug, Clone)]
-pub struct FacetIndex {
+pub struct SlopeIndex {
     cells_x: usize,
     /// Facets of bin b are `facets[first[b]..first[b + 1]]`.
     first: Vec<u32>,
@@ -39,7 +39,7 @@ pub struct Slopes {
     pub high: DVec2,
 }
 
-impl FacetIndex {
+impl SlopeIndex {
     /// Sorts the facets of `field`, by counting; `None` for an open field, or one with more than 2^32 facets.
     ///
     /// Held by: `every_facet_stands_in_the_bin_of_its_slope`.
@@ -74,7 +74,7 @@ impl FacetIndex {
             facets[*at as usize] = facet;
             *at += 1;
         }
-        Some(FacetIndex { cells_x, first, facets, sums, steepest })
+        Some(SlopeIndex { cells_x, first, facets, sums, steepest })
     }
 
     /// Number of bins.
@@ -201,7 +201,7 @@ mod tests {
         let height = |k: usize| (0.37 * k as f64).sin() * 10f64.powi((k % 7) as i32 - 3);
         let (nx, ny) = (37, 20);
         let field = Heightfield::new(nx, ny, true, (0..nx * ny).map(height).collect());
-        let index = FacetIndex::new(&field).expect("periodic");
+        let index = SlopeIndex::new(&field).expect("periodic");
         let mut seen = vec![false; 2 * nx * ny];
         for bin in 0..index.bins() {
             let Slopes { low, high } = index.slopes(bin);
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn the_bins_of_a_rectangle_hold_its_slopes() {
         let field = Heightfield::new(2, 2, true, vec![0.0, 900.0, -900.0, 0.0]);
-        let index = FacetIndex::new(&field).expect("periodic");
+        let index = SlopeIndex::new(&field).expect("periodic");
         for (low, high) in [((-0.3, 2.0), (0.1, 2.5)), ((-900.0, -3.0), (-80.0, 900.0))] {
             let wanted = Slopes { low: DVec2::from(low), high: DVec2::from(high) };
             let mut found = Vec::new();

@@ -9,23 +9,23 @@ use glam::DVec3;
 use rand_pcg::Pcg64Dxsm;
 
 use super::areas::point_in;
-use super::slope_index::{FacetIndex, Slopes};
+use super::slope_index::{SlopeIndex, Slopes};
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::surface::Heightfield;
-use crate::trace::ray::grid_traversal::{Facet, Place};
+use crate::trace::ray::grid_traversal::{Facet, SurfacePoint};
 
 /// The facets of a field, sorted by slope, under one light.
-pub struct BySlope<'a> {
-    index: &'a FacetIndex,
+pub struct SlopeSampler<'a> {
+    index: &'a SlopeIndex,
     field: &'a Heightfield,
     /// Canonical light direction in field coordinates.
     light: DVec3,
-    bins: Vec<Bin>,
+    bins: Vec<VisibleBin>,
 }
 
 /// A bin of the index that is turned to the light, at least in part.
-struct Bin {
+struct VisibleBin {
     bin: usize,
     /// No facet of it turns more of a cell's area to the light.
     most: f64,
@@ -39,7 +39,7 @@ struct Bin {
 /// as brings their number down to this.
 const FACETS_LOOKED_AT: usize = 1 << 21;
 
-impl<'a> BySlope<'a> {
+impl<'a> SlopeSampler<'a> {
     /// Sums what the facets of `field`, which `index` holds, turn to `light` (canonical, field coordinates), bin by bin:
     /// exactly, from the sums of their slopes; where a bin is turned away in part, facet by facet, of large fields by
     /// equal steps over their facets from an offset of `stream`, whose mean over all offsets is exact.
@@ -48,7 +48,7 @@ impl<'a> BySlope<'a> {
     /// 4096^2, one facet of 16, a block's whole area has a standard error of 1e-5 to 8e-5 of it: its 65,536 starts have
     /// one of some 2e-3.
     /// Held by: `areas_looked_at_in_steps_are_exact_in_the_mean`.
-    pub fn new(index: &'a FacetIndex, field: &'a Heightfield, light: DVec3, stream: &mut Pcg64Dxsm) -> Self {
+    pub fn new(index: &'a SlopeIndex, field: &'a Heightfield, light: DVec3, stream: &mut Pcg64Dxsm) -> Self {
         let facets = 2 * field.cells_x() * field.cells_y();
         let step = facets.div_ceil(FACETS_LOOKED_AT);
         let offset = if step == 1 { 0 } else { (rng::uniform(stream) * step as f64) as usize };
@@ -57,12 +57,12 @@ impl<'a> BySlope<'a> {
 
     /// The same with every `step`-th facet from `offset` on looked at.
     fn with_steps(
-        index: &'a FacetIndex,
+        index: &'a SlopeIndex,
         field: &'a Heightfield,
         light: DVec3,
         (step, offset): (usize, usize),
     ) -> Self {
-        let mut starts = BySlope { index, field, light, bins: Vec::new() };
+        let mut starts = SlopeSampler { index, field, light, bins: Vec::new() };
         // How many facets are passed over until the next is looked at.
         let mut wait = offset;
         for bin in index.in_rows_there_and_back() {
@@ -83,7 +83,7 @@ impl<'a> BySlope<'a> {
             };
             if area > 0.0 {
                 let end = starts.total() + area;
-                starts.bins.push(Bin { bin, most, least, end });
+                starts.bins.push(VisibleBin { bin, most, least, end });
             }
         }
         starts
@@ -122,7 +122,7 @@ impl<'a> BySlope<'a> {
     }
 
     /// A facet of a bin with a chance in proportion to its area; `share` in [0, 1) chooses the first candidate.
-    fn facet(&self, bin: &Bin, share: f64, rng: &mut Pcg64Dxsm) -> u32 {
+    fn facet(&self, bin: &VisibleBin, share: f64, rng: &mut Pcg64Dxsm) -> u32 {
         let count = self.index.count(bin.bin);
         let mut share = share;
         loop {
@@ -140,7 +140,7 @@ impl<'a> BySlope<'a> {
 /// The starts of several blocks, to be followed together: rays that start in one part of a patch look at the same
 /// heights, whichever block they belong to.
 #[derive(Default)]
-pub struct Together {
+pub struct BatchedStarts {
     /// Tile, facet and block, from high bits to low ones.
     starts: Vec<u64>,
     /// What is left of each block's stream.
@@ -149,10 +149,10 @@ pub struct Together {
 
 /// Starts of one tile of so many cells a side follow each other: the heights around it fit a core's cache.
 const TILE: usize = 64;
-/// Bits of a block's number in `Together`.
+/// Bits of a block's number in `BatchedStarts`.
 const BLOCK_BITS: u32 = 8;
 
-impl Together {
+impl BatchedStarts {
     /// Blocks that can be followed together.
     pub const MOST_BLOCKS: usize = 1 << BLOCK_BITS;
     /// Bytes of a start, and as many again while starts are sorted.
@@ -160,7 +160,7 @@ impl Together {
 
     /// Adds `count` starts of equal flux; its number is how many blocks there were before. How many of them a bin of
     /// the index gets follows from equal steps; which of its facets, from their areas, by rejection.
-    pub fn add(&mut self, starts: &BySlope, count: u64, mut stream: Pcg64Dxsm) {
+    pub fn add(&mut self, starts: &SlopeSampler, count: u64, mut stream: Pcg64Dxsm) {
         let block = self.streams.len() as u64;
         let facets = starts.facets(count, &mut stream);
         let start = |facet: u32| {
@@ -176,13 +176,18 @@ impl Together {
     /// same order as if it were alone.
     ///
     /// Held by: `blocks_together_start_where_each_starts_alone`.
-    pub fn each(mut self, index: &FacetIndex, field: &Heightfield, mut visit: impl FnMut(usize, Place)) {
+    pub fn each(
+        mut self,
+        index: &SlopeIndex,
+        field: &Heightfield,
+        mut visit: impl FnMut(usize, SurfacePoint),
+    ) {
         radsort::sort(&mut self.starts);
         for start in self.starts {
             let block = (start & ((1 << BLOCK_BITS) - 1)) as usize;
             let facet = index.at((start >> BLOCK_BITS) as u32);
             let (u, v) = point_in(facet.upper, &mut self.streams[block]);
-            visit(block, Place::on(field, facet, u, v));
+            visit(block, SurfacePoint::on(field, facet, u, v));
         }
     }
 }
@@ -203,12 +208,13 @@ mod tests {
     #[test]
     fn areas_looked_at_in_steps_are_exact_in_the_mean() {
         let field = field();
-        let index = FacetIndex::new(&field).expect("periodic");
+        let index = SlopeIndex::new(&field).expect("periodic");
         for (theta, step) in [(20.0, 2), (60.0, 7), (89.0, 16)] {
             let light = sphere::direction_deg(theta, 40.0);
-            let total = |step, offset| BySlope::with_steps(&index, &field, light, (step, offset)).total();
+            let total =
+                |step, offset| SlopeSampler::with_steps(&index, &field, light, (step, offset)).total();
             let facets = (0..2 * SIDE * SIDE).map(|number| index.at(number as u32));
-            let all = BySlope::with_steps(&index, &field, light, (1, 0));
+            let all = SlopeSampler::with_steps(&index, &field, light, (1, 0));
             let exact: f64 = facets.map(|facet| all.turned(&facet)).sum();
             let mean = (0..step).map(|offset| total(step, offset)).sum::<f64>() / step as f64;
             // Sums of 2,048 areas up to 4, each rounded: 2048^2 2^-53 of the mean at most.
@@ -220,7 +226,7 @@ mod tests {
     #[test]
     fn blocks_together_start_where_each_starts_alone() {
         let field = field();
-        let index = FacetIndex::new(&field).expect("periodic");
+        let index = SlopeIndex::new(&field).expect("periodic");
         let lights = [10.0, 130.0, 250.0].map(|phi| sphere::direction_deg(50.0, phi));
         let stream = |block: usize| {
             let id =
@@ -228,10 +234,10 @@ mod tests {
             rng::stream(id)
         };
         let starts_of = |blocks: &[usize]| {
-            let mut together = Together::default();
+            let mut together = BatchedStarts::default();
             for &block in blocks {
                 let mut stream = stream(block);
-                together.add(&BySlope::new(&index, &field, lights[block], &mut stream), 500, stream);
+                together.add(&SlopeSampler::new(&index, &field, lights[block], &mut stream), 500, stream);
             }
             let mut starts = vec![Vec::new(); blocks.len()];
             together.each(&index, &field, |block, place| starts[block].push(place));

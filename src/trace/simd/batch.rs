@@ -2,14 +2,14 @@
 
 use glam::DVec3;
 
-use crate::trace::ray::grid_traversal::Place;
+use crate::trace::ray::grid_traversal::SurfacePoint;
 
 /// Lanes of the widest vector.
 pub(crate) const LANES: usize = 32;
 
 /// As many rays as the widest vector has lanes, field by field.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Part {
+pub(crate) struct BatchPart {
     pub cell_x: [i32; LANES],
     pub cell_y: [i32; LANES],
     /// 0 or -1: the start's facet is the upper one.
@@ -26,12 +26,12 @@ pub(crate) struct Part {
 ///
 /// Answers come in the order of the pushes. Coordinates are relative to the start's cell.
 #[derive(Debug, Default)]
-pub struct LaneRays {
+pub struct RayBatch {
     len: usize,
-    parts: Vec<Part>,
+    parts: Vec<BatchPart>,
 }
 
-impl LaneRays {
+impl RayBatch {
     /// Number of rays.
     pub fn len(&self) -> usize {
         self.len
@@ -49,10 +49,10 @@ impl LaneRays {
 
     /// Adds a ray from `start` along `d` (field coordinates, any length).
     #[inline(always)]
-    pub fn push(&mut self, start: &Place, d: DVec3) {
+    pub fn push(&mut self, start: &SurfacePoint, d: DVec3) {
         let (part, at) = (self.len / LANES, self.len % LANES);
         if part == self.parts.len() {
-            self.parts.push(Part::default());
+            self.parts.push(BatchPart::default());
         }
         let part = &mut self.parts[part];
         part.cell_x[at] = start.facet.x as i32;
@@ -68,7 +68,7 @@ impl LaneRays {
     }
 
     /// The part that holds ray `index`.
-    pub(crate) fn part(&self, index: usize) -> &Part {
+    pub(crate) fn part(&self, index: usize) -> &BatchPart {
         &self.parts[index / LANES]
     }
 }

@@ -1,17 +1,17 @@
 //! Rays against the two facets of the cells that they are in.
 
 use super::batch::LANES;
-use super::kernel::{Answers, Exit, LaneHit, Rays};
-use super::max_pyramid::LaneField;
+use super::kernel::{CellExit, HitBuffer, LaneHit, RayLanes};
+use super::max_pyramid::MaxPyramid;
 use super::vector::Lanes;
 
 /// How rays cross their cells.
 ///
 /// In a ray's frame the diagonal runs across its way (from (1, 0) to (0, 1): it is always crossed) or, where one axis
 /// is mirrored, along it (from (0, 0) to (1, 1): crossed where a ray enters and leaves by edges across the same axis).
-pub(crate) struct Cell<S: Lanes> {
+pub(crate) struct CellCrossing<S: Lanes> {
     /// Where the rays leave the cell.
-    pub exit: Exit<S>,
+    pub exit: CellExit<S>,
     /// Below the surface at the diagonal: the facet by which the ray entered is hit.
     pub hit_first: S::M,
     /// Below the surface at the exit: the facet by which it leaves is hit.
@@ -23,10 +23,10 @@ pub(crate) struct Cell<S: Lanes> {
     diagonal: S::F,
 }
 
-impl<S: Lanes> Cell<S> {
+impl<S: Lanes> CellCrossing<S> {
     /// The cells that `rays` are in, entered by their edges.
     #[inline(always)]
-    pub fn cross(s: S, rays: &Rays<S>, field: &LaneField) -> Self {
+    pub fn cross(s: S, rays: &RayLanes<S>, field: &MaxPyramid) -> Self {
         let across = s.xor(s.mask(u32::MAX), s.negative(s.xor_i(rays.mirror_x, rays.mirror_y)));
         let exit = rays.exit(s, s.splat_i(-1));
         let crosses = s.or(across, s.xor(s.mask(u32::MAX), s.xor(rays.by_x, exit.by_x)));
@@ -35,7 +35,7 @@ impl<S: Lanes> Cell<S> {
 
     /// The cells that rays start in: `rays.by_x` says on which side of the diagonal. The own facet is not tested.
     #[inline(always)]
-    pub fn leave(s: S, rays: &Rays<S>, field: &LaneField) -> Self {
+    pub fn leave(s: S, rays: &RayLanes<S>, field: &MaxPyramid) -> Self {
         let across = s.xor(s.mask(u32::MAX), s.negative(s.xor_i(rays.mirror_x, rays.mirror_y)));
         let exit = rays.exit(s, s.splat_i(-1));
         let along = s.xor(s.mask(u32::MAX), s.xor(rays.by_x, exit.by_x));
@@ -49,9 +49,9 @@ impl<S: Lanes> Cell<S> {
     #[inline(always)]
     fn clearances(
         s: S,
-        rays: &Rays<S>,
-        field: &LaneField,
-        exit: Exit<S>,
+        rays: &RayLanes<S>,
+        field: &MaxPyramid,
+        exit: CellExit<S>,
         across: S::M,
         crosses: S::M,
     ) -> Self {
@@ -75,13 +75,13 @@ impl<S: Lanes> Cell<S> {
         let at_diagonal = s.add(low, s.mul(middle, s.sub(high, low)));
         let hit_first = s.and(crosses, s.lt(rays.height(s, diagonal), at_diagonal));
         let hit_last = s.lt(rays.height(s, exit.t), at_exit);
-        Cell { exit, hit_first, hit_last, across, crosses, diagonal }
+        CellCrossing { exit, hit_first, hit_last, across, crosses, diagonal }
     }
 
     /// Three corner heights: where the exit's edge begins, the diagonal's other end (across) or the corner behind
     /// (along), and the far corner, where the exit's edge ends.
     #[inline(always)]
-    fn corners(s: S, rays: &Rays<S>, field: &LaneField, exit: &Exit<S>, across: S::M) -> [S::F; 3] {
+    fn corners(s: S, rays: &RayLanes<S>, field: &MaxPyramid, exit: &CellExit<S>, across: S::M) -> [S::F; 3] {
         let row_shift = s.splat_i(field.cells_x.trailing_zeros() as i32);
         let (near_x, far_x) = ends(s, rays.x, rays.mirror_x, field.cells_x);
         let (near_y, far_y) = ends(s, rays.y, rays.mirror_y, field.cells_y);
@@ -97,7 +97,7 @@ impl<S: Lanes> Cell<S> {
 
     /// Notes what the rays of `lanes` hit.
     #[inline(always)]
-    pub fn record(&self, s: S, rays: &Rays<S>, lanes: u32, answers: &mut Answers) {
+    pub fn record(&self, s: S, rays: &RayLanes<S>, lanes: u32, answers: &mut HitBuffer) {
         let mirrored_x = s.negative(rays.mirror_x);
         // The side of the diagonal: where it runs across, the first facet is the near one; where it runs along, the
         // facet above it is the one entered across x, and left across y.

@@ -4,9 +4,9 @@ use super::vector::{Gathered, Lanes};
 
 /// Lanes of two vectors; the second one's lanes follow the first one's.
 #[derive(Clone, Copy)]
-pub(crate) struct Pair<S>(pub S);
+pub(crate) struct Interleaved<S>(pub S);
 
-impl<S: Lanes> Lanes for Pair<S> {
+impl<S: Lanes> Lanes for Interleaved<S> {
     type F = [S::F; 2];
     type I = [S::I; 2];
     type M = [S::M; 2];

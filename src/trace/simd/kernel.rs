@@ -3,13 +3,13 @@
 //! A ray is walked in its own frame: axes mirrored so that it runs towards +x and +y (a mirrored coordinate is
 //! !x, which keeps tiles of 4^L cells whole), and its direction scaled to |dx| + |dy| = 1, so that its parameter counts
 //! the edges it crosses. It skips a cell or a tile of 4 x 4, 16 x 16, ... cells wherever it stays above the highest
-//! corner there; in a cell where it does not, its clearance is looked at where it leaves each facet (`Cell`), as in
+//! corner there; in a cell where it does not, its clearance is looked at where it leaves each facet (`CellCrossing`), as in
 //! `walk`. What happens to a ray depends on that ray alone: lanes that want a facet test wait until enough do, and
 //! lanes that are done are refilled from the batch.
 
-use super::batch::{LANES, LaneRays};
-use super::cell::Cell;
-use super::max_pyramid::LaneField;
+use super::batch::{LANES, RayBatch};
+use super::cell::CellCrossing;
+use super::max_pyramid::MaxPyramid;
 use super::queue::Queue;
 use super::vector::Lanes;
 
@@ -23,7 +23,7 @@ pub const LONGEST: f32 = 4096.0;
 /// What became of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
-pub enum Fate {
+pub enum RayOutcome {
     /// It rises above every height.
     Escaped,
     /// It hits a facet.
@@ -50,9 +50,9 @@ pub struct LaneHit {
 
 /// The answers to a batch, in its order.
 #[derive(Debug, Default, Clone, PartialEq)]
-pub struct Answers {
+pub struct HitBuffer {
     /// One for each ray.
-    pub fates: Vec<Fate>,
+    pub fates: Vec<RayOutcome>,
     /// Valid where the fate is `Blocked`, if hits were asked for.
     pub hits: Vec<LaneHit>,
 }
@@ -62,7 +62,7 @@ const REFILL: usize = 4;
 const POSTPONE: usize = 6;
 
 /// The rays in the lanes.
-pub(crate) struct Rays<S: Lanes> {
+pub(crate) struct RayLanes<S: Lanes> {
     /// Place in the batch.
     pub id: S::I,
     /// Cell of the start, and present cell, mirrored and unwrapped.
@@ -92,7 +92,7 @@ pub(crate) struct Rays<S: Lanes> {
 }
 
 /// Where a ray leaves a cell or tile.
-pub(crate) struct Exit<S: Lanes> {
+pub(crate) struct CellExit<S: Lanes> {
     /// First cell beyond, along each axis.
     pub x: S::I,
     pub y: S::I,
@@ -101,15 +101,15 @@ pub(crate) struct Exit<S: Lanes> {
     pub by_x: S::M,
 }
 
-impl<S: Lanes> Rays<S> {
+impl<S: Lanes> RayLanes<S> {
     /// The exit from the tile of 2^shift x 2^shift cells that the ray is in; `tile` is -1 << shift.
     #[inline(always)]
-    pub fn exit(&self, s: S, tile: S::I) -> Exit<S> {
+    pub fn exit(&self, s: S, tile: S::I) -> CellExit<S> {
         let x = s.sub_i(s.and_i(self.x, tile), tile);
         let y = s.sub_i(s.and_i(self.y, tile), tile);
         let tx = s.mul(s.sub(s.to_f(s.sub_i(x, self.start_x)), self.u), self.inverse_x);
         let ty = s.mul(s.sub(s.to_f(s.sub_i(y, self.start_y)), self.v), self.inverse_y);
-        Exit { x, y, t: s.min(tx, ty), by_x: s.lt(tx, ty) }
+        CellExit { x, y, t: s.min(tx, ty), by_x: s.lt(tx, ty) }
     }
 
     /// The ray's height at `t`.
@@ -123,12 +123,12 @@ impl<S: Lanes> Rays<S> {
 #[inline(always)]
 pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
     s: S,
-    field: &LaneField,
-    rays: &LaneRays,
-    answers: &mut Answers,
+    field: &MaxPyramid,
+    rays: &RayBatch,
+    answers: &mut HitBuffer,
 ) {
     answers.fates.clear();
-    answers.fates.resize(rays.len(), Fate::Escaped);
+    answers.fates.resize(rays.len(), RayOutcome::Escaped);
     if CLOSEST {
         answers.hits.clear();
         answers.hits.resize(rays.len(), LaneHit::default());
@@ -158,7 +158,7 @@ pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
 
 /// The lanes of one walk.
 struct Walk<S: Lanes> {
-    rays: Rays<S>,
+    rays: RayLanes<S>,
     /// 2 x level of the tile that each lane looks at.
     shift: S::I,
     live: u32,
@@ -177,9 +177,9 @@ struct Walk<S: Lanes> {
 
 impl<S: Lanes> Walk<S> {
     #[inline(always)]
-    fn new(s: S, field: &LaneField) -> Self {
+    fn new(s: S, field: &MaxPyramid) -> Self {
         let (zero, none) = (s.splat(0.0), s.splat_i(0));
-        let rays = Rays {
+        let rays = RayLanes {
             id: none,
             start_x: none,
             start_y: none,
@@ -225,7 +225,7 @@ impl<S: Lanes> Walk<S> {
 
     /// One step of every lane that does not wait: over a tile that it clears, down a level, or to wait.
     #[inline(always)]
-    fn step(&mut self, s: S, field: &LaneField, answers: &mut Answers) {
+    fn step(&mut self, s: S, field: &MaxPyramid, answers: &mut HitBuffer) {
         let rays = &self.rays;
         let tile = s.shl(self.all_ones, self.shift);
         let exit = rays.exit(s, tile);
@@ -248,7 +248,7 @@ impl<S: Lanes> Walk<S> {
 
     /// Moves the lanes of `who` to `exit`, up a level where they leave a tile of the next; returns those at their end.
     #[inline(always)]
-    fn advance(&mut self, s: S, who: S::M, exit: &Exit<S>, tile: S::I) -> u32 {
+    fn advance(&mut self, s: S, who: S::M, exit: &CellExit<S>, tile: S::I) -> u32 {
         let rays = &mut self.rays;
         // Along the other axis a ray stays within the tile, and never goes back.
         let last_x = s.add_i(exit.x, self.all_ones);
@@ -270,8 +270,8 @@ impl<S: Lanes> Walk<S> {
 
     /// Tests the facets of all waiting lanes' cells.
     #[inline(always)]
-    fn facets<const CLOSEST: bool>(&mut self, s: S, field: &LaneField, answers: &mut Answers) {
-        let cell = Cell::cross(s, &self.rays, field);
+    fn facets<const CLOSEST: bool>(&mut self, s: S, field: &MaxPyramid, answers: &mut HitBuffer) {
+        let cell = CellCrossing::cross(s, &self.rays, field);
         let waiting = s.mask(self.waiting);
         let hit = s.and(waiting, s.or(cell.hit_first, cell.hit_last));
         let bits = s.bits(hit);
@@ -279,7 +279,7 @@ impl<S: Lanes> Walk<S> {
             if CLOSEST {
                 cell.record(s, &self.rays, bits, answers);
             }
-            self.retire(s, bits, Fate::Blocked, answers);
+            self.retire(s, bits, RayOutcome::Blocked, answers);
         }
         let on = s.without(waiting, hit);
         let done = self.advance(s, on, &cell.exit, self.all_ones);
@@ -289,18 +289,18 @@ impl<S: Lanes> Walk<S> {
 
     /// Ends the lanes of `done`: above everything, or too long.
     #[inline(always)]
-    fn retire_clear(&mut self, s: S, done: u32, answers: &mut Answers) {
+    fn retire_clear(&mut self, s: S, done: u32, answers: &mut HitBuffer) {
         // No branch on `done`: most steps end some lane, no pattern says which.
         let beyond = done & !s.bits(s.lt(self.rays.end, s.splat(LONGEST)));
         // Fates are `Escaped` unless said otherwise.
         if beyond != 0 {
-            self.retire(s, beyond, Fate::Beyond, answers);
+            self.retire(s, beyond, RayOutcome::Beyond, answers);
         }
         self.live &= !done;
     }
 
     #[inline(always)]
-    fn retire(&mut self, s: S, lanes: u32, fate: Fate, answers: &mut Answers) {
+    fn retire(&mut self, s: S, lanes: u32, fate: RayOutcome, answers: &mut HitBuffer) {
         let mut ids = [0; LANES];
         s.store_i(&mut ids, self.rays.id);
         let mut left = lanes;

@@ -10,10 +10,10 @@
 #![allow(unsafe_code)]
 #![deny(clippy::undocumented_unsafe_blocks)]
 
-use super::batch::LaneRays;
+use super::batch::RayBatch;
 use super::kernel;
-use super::kernel::Answers;
-use super::max_pyramid::LaneField;
+use super::kernel::HitBuffer;
+use super::max_pyramid::MaxPyramid;
 use super::vector::One;
 
 /// Which vectors carry the rays.
@@ -66,7 +66,12 @@ impl Kernel {
 
     /// Runs the kernel over `rays`; with `CLOSEST`, `answers` gets what they hit as well. A kernel that the processor
     /// lacks is replaced by the scalar one: the answers are the same.
-    pub(crate) fn run<const CLOSEST: bool>(self, field: &LaneField, rays: &LaneRays, answers: &mut Answers) {
+    pub(crate) fn run<const CLOSEST: bool>(
+        self,
+        field: &MaxPyramid,
+        rays: &RayBatch,
+        answers: &mut HitBuffer,
+    ) {
         #[cfg(target_arch = "x86_64")]
         if self.available() {
             match self {
@@ -85,8 +90,8 @@ impl Kernel {
 mod x86 {
     use std::arch::x86_64::*;
 
-    use super::{Answers, LaneField, LaneRays, kernel};
-    use crate::trace::simd::interleaved::Pair;
+    use super::{HitBuffer, MaxPyramid, RayBatch, kernel};
+    use crate::trace::simd::interleaved::Interleaved;
     use crate::trace::simd::vector::{Gathered, Lanes};
 
     /// A vector's indices in memory.
@@ -103,13 +108,21 @@ mod x86 {
 
     // The features stay off FMA: a fused product would round unlike the other kernels.
     #[target_feature(enable = "avx512f,avx2,bmi1,bmi2,lzcnt,popcnt")]
-    pub(crate) fn run_avx512<const CLOSEST: bool>(field: &LaneField, rays: &LaneRays, answers: &mut Answers) {
-        kernel::run::<Pair<Avx512>, CLOSEST>(Pair(Avx512(())), field, rays, answers);
+    pub(crate) fn run_avx512<const CLOSEST: bool>(
+        field: &MaxPyramid,
+        rays: &RayBatch,
+        answers: &mut HitBuffer,
+    ) {
+        kernel::run::<Interleaved<Avx512>, CLOSEST>(Interleaved(Avx512(())), field, rays, answers);
     }
 
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    pub(crate) fn run_avx2<const CLOSEST: bool>(field: &LaneField, rays: &LaneRays, answers: &mut Answers) {
-        kernel::run::<Pair<Avx2>, CLOSEST>(Pair(Avx2(())), field, rays, answers);
+    pub(crate) fn run_avx2<const CLOSEST: bool>(
+        field: &MaxPyramid,
+        rays: &RayBatch,
+        answers: &mut HitBuffer,
+    ) {
+        kernel::run::<Interleaved<Avx2>, CLOSEST>(Interleaved(Avx2(())), field, rays, answers);
     }
 
     /// For each mask of 8 lanes: the rank of each lane among those set, and the lanes set in order.

@@ -5,8 +5,8 @@
 
 use rayon::prelude::*;
 
-use super::batch::LaneRays;
-use super::kernel::{Answers, LaneHit};
+use super::batch::RayBatch;
+use super::kernel::{HitBuffer, LaneHit};
 use super::lanes::Kernel;
 use super::vector::Gathered;
 use crate::surface::Heightfield;
@@ -26,7 +26,7 @@ const MOST_CELLS: usize = 1 << 29;
 /// cell (x, y) stands at ((y + ny) >> 2L) nx + (x >> 2L), so that one formula serves all levels and their rows never
 /// overlap.
 #[derive(Debug, Clone)]
-pub struct LaneField {
+pub struct MaxPyramid {
     pub(crate) cells_x: usize,
     pub(crate) cells_y: usize,
     pub(crate) heights: Gathered,
@@ -37,7 +37,7 @@ pub struct LaneField {
     pub(crate) steepest: f32,
 }
 
-impl LaneField {
+impl MaxPyramid {
     /// The lanes' copy of `field`; `None` where only the f64 walk serves: an open map, sides that are no powers of
     /// two, heights that f32 would round.
     pub fn new(field: &Heightfield) -> Option<Self> {
@@ -56,11 +56,11 @@ impl LaneField {
         let (maxima, steepest) = maxima(&heights, cells_x, cells_y);
         let highest = field.range().1 as f32;
         let (heights, maxima) = (Gathered::new(heights), Gathered::new(maxima));
-        Some(LaneField { cells_x, cells_y, heights, maxima, highest, steepest })
+        Some(MaxPyramid { cells_x, cells_y, heights, maxima, highest, steepest })
     }
 }
 
-impl LaneField {
+impl MaxPyramid {
     /// The corner heights of a cell.
     #[inline]
     pub(crate) fn corners(&self, x: usize, y: usize) -> Corners {
@@ -89,19 +89,19 @@ impl LaneField {
     /// Whether anything stops each ray.
     ///
     /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
-    pub fn any_hit(&self, kernel: Kernel, rays: &LaneRays, answers: &mut Answers) {
+    pub fn any_hit(&self, kernel: Kernel, rays: &RayBatch, answers: &mut HitBuffer) {
         kernel.run::<false>(self, rays, answers);
     }
 
     /// What each ray meets first.
     ///
     /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
-    pub fn closest_hit(&self, kernel: Kernel, rays: &LaneRays, answers: &mut Answers) {
+    pub fn closest_hit(&self, kernel: Kernel, rays: &RayBatch, answers: &mut HitBuffer) {
         kernel.run::<true>(self, rays, answers);
     }
 }
 
-impl Tiles for LaneField {
+impl Tiles for MaxPyramid {
     fn top_level(&self) -> usize {
         top_level(self.cells_x, self.cells_y)
     }
@@ -166,7 +166,7 @@ mod tests {
     fn every_level_holds_the_highest_corner_of_its_cells() {
         for (nx, ny) in [(8, 8), (16, 8), (8, 64), (32, 32), (128, 64)] {
             let field = bumpy(nx, ny);
-            let lanes = LaneField::new(&field).expect("periodic, powers of two");
+            let lanes = MaxPyramid::new(&field).expect("periodic, powers of two");
             for level in (0..=lanes.top_level()).map(|level| 2 * level) {
                 for (y, x) in (0..ny).flat_map(|y| (0..nx).map(move |x| (y, x))) {
                     let mut highest = f64::NEG_INFINITY;
@@ -187,7 +187,7 @@ mod tests {
     fn fields_that_f32_or_masks_cannot_hold_are_left_to_the_walk() {
         let of = |nx: usize, ny: usize, periodic: bool, h: f64| {
             let extra = usize::from(!periodic);
-            LaneField::new(&Heightfield::new(nx, ny, periodic, vec![h; (nx + extra) * (ny + extra)]))
+            MaxPyramid::new(&Heightfield::new(nx, ny, periodic, vec![h; (nx + extra) * (ny + extra)]))
         };
         assert!(of(8, 16, true, 0.25).is_some());
         assert!(of(8, 16, false, 0.25).is_none());

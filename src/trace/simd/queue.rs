@@ -2,10 +2,10 @@
 //!
 //! All lanes are full here: the first cell, where the own facet is not tested, costs no waiting.
 
-use super::batch::{LANES, LaneRays, Part};
-use super::cell::Cell;
-use super::kernel::{Answers, Fate, LONGEST, Rays};
-use super::max_pyramid::LaneField;
+use super::batch::{BatchPart, LANES, RayBatch};
+use super::cell::CellCrossing;
+use super::kernel::{HitBuffer, LONGEST, RayLanes, RayOutcome};
+use super::max_pyramid::MaxPyramid;
 use super::vector::Lanes;
 
 /// Room of the queue: what may be left, what is added, and what a vector writes beyond.
@@ -15,7 +15,7 @@ const MOST_VERTICAL: f32 = 1e18;
 
 /// A stack of rays, field by field.
 pub(crate) struct Queue<'a> {
-    batch: &'a LaneRays,
+    batch: &'a RayBatch,
     next: usize,
     len: usize,
     ints: [[i32; ROOM]; 4],
@@ -23,7 +23,7 @@ pub(crate) struct Queue<'a> {
 }
 
 impl<'a> Queue<'a> {
-    pub fn new(batch: &'a LaneRays) -> Self {
+    pub fn new(batch: &'a RayBatch) -> Self {
         Queue { batch, next: 0, len: 0, ints: [[0; ROOM]; 4], floats: [[0.0; ROOM]; 10] }
     }
 
@@ -33,7 +33,7 @@ impl<'a> Queue<'a> {
 
     /// Prepares rays until a vector could be refilled twice, or none are left; some end already here.
     #[inline(always)]
-    pub fn fill<S: Lanes, const CLOSEST: bool>(&mut self, s: S, field: &LaneField, answers: &mut Answers) {
+    pub fn fill<S: Lanes, const CLOSEST: bool>(&mut self, s: S, field: &MaxPyramid, answers: &mut HitBuffer) {
         if self.len < S::WIDTH {
             while self.next < self.batch.len() && self.len < 3 * S::WIDTH {
                 self.prepare::<S, CLOSEST>(s, field, answers);
@@ -43,7 +43,7 @@ impl<'a> Queue<'a> {
 
     /// Moves rays into the `free` lanes; returns the lanes that took one.
     #[inline(always)]
-    pub fn take<S: Lanes>(&mut self, rays: &mut Rays<S>, s: S, free: u32) -> u32 {
+    pub fn take<S: Lanes>(&mut self, rays: &mut RayLanes<S>, s: S, free: u32) -> u32 {
         let mut lanes = free;
         while lanes.count_ones() as usize > self.len {
             lanes &= lanes - 1;
@@ -78,7 +78,7 @@ impl<'a> Queue<'a> {
 
     /// Scales and mirrors the next `WIDTH` rays of the batch and takes them through their first cell.
     #[inline(always)]
-    fn prepare<S: Lanes, const CLOSEST: bool>(&mut self, s: S, field: &LaneField, answers: &mut Answers) {
+    fn prepare<S: Lanes, const CLOSEST: bool>(&mut self, s: S, field: &MaxPyramid, answers: &mut HitBuffer) {
         let (batch, at) = (self.batch, self.next);
         let part = batch.part(at);
         let within = at % LANES;
@@ -90,13 +90,13 @@ impl<'a> Queue<'a> {
         let rises = s.lt(s.mul(length, s.splat(field.steepest)), d[2]);
         let fits = s.lt(s.abs(d[2]), s.mul(length, s.splat(MOST_VERTICAL)));
         let rays = mirrored(s, part, at, d, length, field.highest);
-        let cell = Cell::leave(s, &rays, field);
+        let cell = CellCrossing::leave(s, &rays, field);
         let walked = present & s.bits(fits) & !s.bits(rises);
         let hit = walked & s.bits(cell.hit_last);
         let ends = walked & !hit & !s.bits(s.lt(cell.exit.t, rays.end));
         // Fates are `Escaped` unless said otherwise. A first cell is never too long.
-        each(hit, |k| answers.fates[at + k] = Fate::Blocked);
-        each(present & !s.bits(fits) & !s.bits(rises), |k| answers.fates[at + k] = Fate::Beyond);
+        each(hit, |k| answers.fates[at + k] = RayOutcome::Blocked);
+        each(present & !s.bits(fits) & !s.bits(rises), |k| answers.fates[at + k] = RayOutcome::Beyond);
         if CLOSEST && hit != 0 {
             cell.record(s, &rays, hit, answers);
         }
@@ -104,7 +104,7 @@ impl<'a> Queue<'a> {
     }
 
     #[inline(always)]
-    fn push<S: Lanes>(&mut self, s: S, lanes: u32, rays: &Rays<S>, cell: &Cell<S>) {
+    fn push<S: Lanes>(&mut self, s: S, lanes: u32, rays: &RayLanes<S>, cell: &CellCrossing<S>) {
         let at = self.len;
         let by_x = s.pick_i(cell.exit.by_x, s.splat_i(-1), s.splat_i(0));
         let [ids, starts_x, starts_y, entered] = &mut self.ints;
@@ -129,7 +129,14 @@ impl<'a> Queue<'a> {
 
 /// The rays of the batch from `at`, in their own frames, at their starts.
 #[inline(always)]
-fn mirrored<S: Lanes>(s: S, part: &Part, at: usize, d: [S::F; 3], length: S::F, highest: f32) -> Rays<S> {
+fn mirrored<S: Lanes>(
+    s: S,
+    part: &BatchPart,
+    at: usize,
+    d: [S::F; 3],
+    length: S::F,
+    highest: f32,
+) -> RayLanes<S> {
     let within = at % LANES;
     let (zero, one, none) = (s.splat(0.0), s.splat(1.0), s.splat_i(0));
     let all = s.splat_i(-1);
@@ -155,7 +162,7 @@ fn mirrored<S: Lanes>(s: S, part: &Part, at: usize, d: [S::F; 3], length: S::F, 
     for (k, id) in ids.iter_mut().enumerate() {
         *id = (at + k) as i32;
     }
-    Rays {
+    RayLanes {
         id: s.load_i(&ids),
         start_x,
         start_y,

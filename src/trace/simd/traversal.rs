@@ -5,47 +5,47 @@
 
 use glam::DVec3;
 
-use super::batch::LaneRays;
-use super::kernel::{Answers, Fate, LONGEST, LaneHit};
+use super::batch::RayBatch;
+use super::kernel::{HitBuffer, LONGEST, LaneHit, RayOutcome};
 use super::lanes::Kernel;
-use super::max_pyramid::LaneField;
+use super::max_pyramid::MaxPyramid;
 use crate::surface::heightfield::Corners;
-use crate::trace::ray::grid_traversal::{Facet, Outcome, Place, Walker};
+use crate::trace::ray::grid_traversal::{Facet, GridTraversal, Outcome, SurfacePoint};
 use crate::trace::ray::tile_traversal;
 
 /// A field that both the lanes and the f64 walk know.
 #[derive(Debug, Clone, Copy)]
-pub struct LaneWalker<'a> {
-    walker: Walker<'a>,
-    lanes: &'a LaneField,
+pub struct SimdTraversal<'a> {
+    walker: GridTraversal<'a>,
+    lanes: &'a MaxPyramid,
     kernel: Kernel,
 }
 
-impl<'a> LaneWalker<'a> {
+impl<'a> SimdTraversal<'a> {
     /// Rays over one field: `lanes` is made of the field of `walker`.
-    pub fn new(walker: Walker<'a>, lanes: &'a LaneField, kernel: Kernel) -> Self {
-        LaneWalker { walker, lanes, kernel }
+    pub fn new(walker: GridTraversal<'a>, lanes: &'a MaxPyramid, kernel: Kernel) -> Self {
+        SimdTraversal { walker, lanes, kernel }
     }
 
     /// The f64 walk.
-    pub fn walker(&self) -> &Walker<'a> {
+    pub fn walker(&self) -> &GridTraversal<'a> {
         &self.walker
     }
 
-    /// The f64 walk of a ray that is too long for the lanes: the answer of `Walker::walk`, sooner.
+    /// The f64 walk of a ray that is too long for the lanes: the answer of `GridTraversal::walk`, sooner.
     ///
     /// Held by: `tests/it/trace/long_rays.rs`.
-    pub fn walk_long(&self, start: &Place, d: DVec3) -> Outcome {
+    pub fn walk_long(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
         tile_traversal::walk(&self.walker, self.lanes, start, d)
     }
 
     /// Whether a ray crosses more than one leg's edges before it is above everything.
-    fn is_long(&self, start: &Place, d: DVec3) -> bool {
+    fn is_long(&self, start: &SurfacePoint, d: DVec3) -> bool {
         self.walker.clear_at(start.z, d.z) * (d.x.abs() + d.y.abs()) > f64::from(LONGEST)
     }
 
     /// The point of a ray after about so many `edges`, over the facet there.
-    fn further(&self, start: &Place, d: DVec3, edges: f64) -> Place {
+    fn further(&self, start: &SurfacePoint, d: DVec3, edges: f64) -> SurfacePoint {
         let t = edges / (d.x.abs() + d.y.abs());
         let field = self.walker.field();
         let of = |cell: usize, place: f64, d: f64, cells: usize| {
@@ -54,7 +54,7 @@ impl<'a> LaneWalker<'a> {
         };
         let (x, u) = of(start.facet.x, start.u, d.x, field.cells_x());
         let (y, v) = of(start.facet.y, start.v, d.y, field.cells_y());
-        Place { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z: start.z + t * d.z }
+        SurfacePoint { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z: start.z + t * d.z }
     }
 
     /// Bytes of the lanes' tables.
@@ -70,7 +70,7 @@ impl<'a> LaneWalker<'a> {
 
     /// Where a ray from `start` along `d` meets the facet of `hit`: on the facet's plane, within its stretch.
     #[inline]
-    fn place(&self, start: &Place, d: DVec3, hit: &LaneHit) -> Place {
+    fn place(&self, start: &SurfacePoint, d: DVec3, hit: &LaneHit) -> SurfacePoint {
         let (x, y) = self.lanes.cell(start.facet.x, start.facet.y, hit);
         let facet = Facet { x, y, upper: hit.upper };
         let corners = self.lanes.corners(x, y);
@@ -90,7 +90,7 @@ impl<'a> LaneWalker<'a> {
         let t = if t > from { t.min(to) } else { from };
         // The ends are known to 2^-23 of the ray's length: a point of the facet's edge may come out beyond it.
         let (u, v) = ((u + t * d.x).clamp(0.0, 1.0), (v + t * d.y).clamp(0.0, 1.0));
-        Place { facet, u, v, z: base + slope.x * u + slope.y * v }
+        SurfacePoint { facet, u, v, z: base + slope.x * u + slope.y * v }
     }
 }
 
@@ -103,11 +103,11 @@ const FURTHER_LEGS: u32 = 64;
 /// Memory for batches of rays, to be used again.
 #[derive(Debug, Default)]
 pub struct Waves {
-    rays: LaneRays,
-    answers: Answers,
+    rays: RayBatch,
+    answers: HitBuffer,
     /// Rays that are under way, and what became of their last leg.
     under_way: Vec<usize>,
-    leg: Answers,
+    leg: HitBuffer,
 }
 
 impl Waves {
@@ -116,10 +116,10 @@ impl Waves {
     /// Held by: `tests/it/trace/lanes.rs`.
     pub fn any_hit<'p>(
         &mut self,
-        over: &LaneWalker,
+        over: &SimdTraversal,
         count: usize,
-        ray: impl Fn(usize) -> (&'p Place, DVec3),
-    ) -> &[Fate] {
+        ray: impl Fn(usize) -> (&'p SurfacePoint, DVec3),
+    ) -> &[RayOutcome] {
         self.load(count, &ray);
         over.lanes.any_hit(over.kernel, &self.rays, &mut self.answers);
         self.go_on(over, &ray);
@@ -127,10 +127,10 @@ impl Waves {
     }
 
     /// Follows the rays that are too long for one leg.
-    fn go_on<'p>(&mut self, over: &LaneWalker, ray: &impl Fn(usize) -> (&'p Place, DVec3)) {
-        let Waves { rays, answers: Answers { fates, .. }, under_way, leg } = self;
-        let too_long = |&(index, fate): &(usize, &Fate)| {
-            *fate == Fate::Beyond && {
+    fn go_on<'p>(&mut self, over: &SimdTraversal, ray: &impl Fn(usize) -> (&'p SurfacePoint, DVec3)) {
+        let Waves { rays, answers: HitBuffer { fates, .. }, under_way, leg } = self;
+        let too_long = |&(index, fate): &(usize, &RayOutcome)| {
+            *fate == RayOutcome::Beyond && {
                 let (start, d) = ray(index);
                 over.is_long(start, d)
             }
@@ -150,14 +150,14 @@ impl Waves {
             for (&index, &fate) in under_way.iter().zip(&leg.fates) {
                 fates[index] = fate;
             }
-            under_way.retain(|&index| fates[index] == Fate::Beyond);
+            under_way.retain(|&index| fates[index] == RayOutcome::Beyond);
         }
-        for (index, fate) in fates.iter_mut().enumerate().filter(|(_, fate)| **fate == Fate::Beyond) {
+        for (index, fate) in fates.iter_mut().enumerate().filter(|(_, fate)| **fate == RayOutcome::Beyond) {
             let (start, d) = ray(index);
             *fate = match over.walk_long(start, d) {
-                Outcome::Escaped => Fate::Escaped,
-                Outcome::Hit(_) => Fate::Blocked,
-                Outcome::LeftMap | Outcome::Lost => Fate::Beyond,
+                Outcome::Escaped => RayOutcome::Escaped,
+                Outcome::Hit(_) => RayOutcome::Blocked,
+                Outcome::LeftMap | Outcome::Lost => RayOutcome::Beyond,
             };
         }
     }
@@ -167,21 +167,21 @@ impl Waves {
     /// Held by: `tests/it/trace/lanes.rs`.
     pub fn closest_hit<'p>(
         &mut self,
-        over: &LaneWalker,
+        over: &SimdTraversal,
         count: usize,
-        ray: impl Fn(usize) -> (&'p Place, DVec3),
+        ray: impl Fn(usize) -> (&'p SurfacePoint, DVec3),
         mut visit: impl FnMut(usize, Outcome),
     ) {
         self.load(count, &ray);
         over.lanes.closest_hit(over.kernel, &self.rays, &mut self.answers);
         for (index, (fate, hit)) in self.answers.fates.iter().zip(&self.answers.hits).enumerate() {
             let outcome = match fate {
-                Fate::Escaped => Outcome::Escaped,
-                Fate::Blocked => {
+                RayOutcome::Escaped => Outcome::Escaped,
+                RayOutcome::Blocked => {
                     let (start, d) = ray(index);
                     Outcome::Hit(over.place(start, d, hit))
                 }
-                Fate::Beyond => {
+                RayOutcome::Beyond => {
                     let (start, d) = ray(index);
                     over.walk_long(start, d)
                 }
@@ -190,7 +190,7 @@ impl Waves {
         }
     }
 
-    fn load<'p>(&mut self, count: usize, ray: &impl Fn(usize) -> (&'p Place, DVec3)) {
+    fn load<'p>(&mut self, count: usize, ray: &impl Fn(usize) -> (&'p SurfacePoint, DVec3)) {
         self.rays.clear();
         for index in 0..count {
             let (start, d) = ray(index);

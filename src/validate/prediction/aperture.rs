@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use super::bin_mean::{BinMeans, source_nodes};
 use super::model::Model;
-use crate::campaign::{Campaign, Sensor};
+use crate::campaign::{Campaign, SensorArm};
 use crate::instrument::{Grid, GridKind, Region, grid_of};
 use crate::optics::Fresnel;
 use crate::stats;
 use crate::theory::{Masking, Microfacet};
-use crate::validate::two_tables::{Side, paired};
+use crate::validate::two_tables::{ComparedTable, paired};
 
 /// Nodes along the radius of the light's cone.
 const ORDER: usize = 6;
@@ -81,8 +81,8 @@ pub struct ApertureBias {
 pub fn worst(campaign: &Campaign) -> Option<ApertureBias> {
     let light = campaign.light.aperture_deg.to_radians();
     let sensor = match &campaign.sensor {
-        Sensor::Arm { aperture_deg, .. } => aperture_deg.to_radians(),
-        Sensor::Hemisphere { .. } | Sensor::KlemsFull => 0.0,
+        SensorArm::Arm { aperture_deg, .. } => aperture_deg.to_radians(),
+        SensorArm::Hemisphere { .. } | SensorArm::KlemsFull => 0.0,
     };
     let Some(Model::Microfacet { surface, maskings }) = Model::of(campaign) else { return None };
     if light == 0.0 && sensor == 0.0 {
@@ -161,7 +161,7 @@ pub struct Extrapolated {
 /// - `narrow` has half of every aperture of `wide`, and is the same else. The error is that of the combination,
 ///   realisation by realisation where both were measured on the same patches, else sqrt(16 se^2 + se^2)/3.
 /// - Held by: `two_apertures_give_the_value_without_one` (tests/it/measure/instruments.rs).
-pub fn extrapolate(wide: Side, narrow: Side) -> Result<Vec<Extrapolated>, String> {
+pub fn extrapolate(wide: ComparedTable, narrow: ComparedTable) -> Result<Vec<Extrapolated>, String> {
     fits(&wide, &narrow)?;
     let (grid, both) = (&wide.table.grid, paired(&wide, &narrow));
     let (bins, columns) = (grid.bins(), grid.phi_r_deg.len());
@@ -169,8 +169,8 @@ pub fn extrapolate(wide: Side, narrow: Side) -> Result<Vec<Extrapolated>, String
     for at in 0..grid.stops() * bins {
         let (theta_i_deg, phi_i_deg) = grid.stop_deg(at / bins);
         for colour in 0..wide.table.colours.len() {
-            let value = |side: &Side| f64::from(side.table.colours[colour].total[at]);
-            let error = |side: &Side| f64::from(side.table.colours[colour].stderr[at]);
+            let value = |side: &ComparedTable| f64::from(side.table.colours[colour].total[at]);
+            let error = |side: &ComparedTable| f64::from(side.table.colours[colour].stderr[at]);
             let (a, b) = (error(&wide), error(&narrow));
             let apart = (a >= 0.0 && b >= 0.0).then(|| (16.0 * b * b + a * a).sqrt() / 3.0);
             let together = both.and_then(|(w, n)| {
@@ -197,7 +197,7 @@ pub fn extrapolate(wide: Side, narrow: Side) -> Result<Vec<Extrapolated>, String
 }
 
 /// Whether every aperture of `narrow` is half of that of `wide`, and nothing else differs.
-fn fits(wide: &Side, narrow: &Side) -> Result<(), String> {
+fn fits(wide: &ComparedTable, narrow: &ComparedTable) -> Result<(), String> {
     let (w, n) = (&wide.table.grid, &narrow.table.grid);
     let (Some(aperture_w), Some(aperture_n)) = (w.aperture_deg, n.aperture_deg) else {
         return Err("gonio.grid: only tables of an arm have apertures to extrapolate".into());
@@ -208,7 +208,7 @@ fn fits(wide: &Side, narrow: &Side) -> Result<(), String> {
     if (Grid { aperture_deg: w.aperture_deg, ..n.clone() }) != *w {
         return Err("gonio.grid: stops or positions differ from the other table's".into());
     }
-    let light = |side: &Side| side.campaign.map_or(0.0, |campaign| campaign.light.aperture_deg);
+    let light = |side: &ComparedTable| side.campaign.map_or(0.0, |campaign| campaign.light.aperture_deg);
     for (what, wide, narrow) in
         [("sensor.arm", aperture_w, aperture_n), ("light", light(wide), light(narrow))]
     {

@@ -11,13 +11,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::gauss_legendre::gauss_legendre;
-use super::quadrature::{COMPONENTS, Estimate, Integrand, Precision, Rect, SinCos, Values, integrate};
+use super::quadrature::{COMPONENTS, Components, Integral, Integrand, Precision, Rect, SinCos, integrate};
 use crate::instrument::Region;
 use crate::optics::FacetAngle;
 use crate::optics::reflectance::Reflectance;
 use crate::sphere;
 use crate::theory::smith::visibility;
-use crate::theory::{Masking, Microfacet, Side};
+use crate::theory::{ArmSide, Masking, Microfacet};
 
 /// Most maskings that one evaluation can carry.
 pub const MASKINGS: usize = COMPONENTS / 2;
@@ -99,7 +99,7 @@ impl BinMeans {
         mean
     }
 
-    fn flux(&self, lit: &Lit, model: &Microfacet, region: &Region) -> Estimate {
+    fn flux(&self, lit: &Lit, model: &Microfacet, region: &Region) -> Integral {
         let mut relative = [self.relative; COMPONENTS];
         for (k, &masking) in self.maskings.iter().enumerate() {
             if masking == Masking::DirectionCorrelated {
@@ -108,7 +108,7 @@ impl BinMeans {
             }
         }
         let precision = Precision { relative, absolute: self.absolute, max_rectangles: MAX_RECTANGLES };
-        let (chart, rects) = Chart::of_region(model, lit, region);
+        let (chart, rects) = DirectionChart::of_region(model, lit, region);
         integrate(&Mapped { lit, chart }, &rects, &precision)
     }
 }
@@ -166,7 +166,7 @@ struct Lit<'a> {
     maskings: &'a [Masking],
     reflectance: Option<Reflectance>,
     wi: DVec3,
-    side: Side,
+    side: ArmSide,
 }
 
 impl<'a> Lit<'a> {
@@ -177,7 +177,7 @@ impl<'a> Lit<'a> {
     }
 
     /// D V cos(theta_r) of every masking, alone and times (1 - c)^5: outgoing flux per solid angle, 1/sr.
-    fn densities(&self, wo: DVec3) -> Values {
+    fn densities(&self, wo: DVec3) -> Components {
         let (i, o) = (&self.side, self.model.side(wo));
         let d_cos = self.model.ndf.d_of_sum(self.wi + wo, self.model.alpha_x, self.model.alpha_y) * wo.z;
         let angle = FacetAngle::of_pair(self.wi, wo);
@@ -199,7 +199,7 @@ impl<'a> Lit<'a> {
 }
 
 /// How two angles name a direction of the sample's frame.
-enum Chart {
+enum DirectionChart {
     /// (theta, phi).
     Polar,
     /// (psi, eta) about the axis: (axis, direction of eta = 0, of eta = 90 degrees).
@@ -209,12 +209,12 @@ enum Chart {
 /// Largest steps of the first subdivision, on which the nine samples of the resolution test see the feature's trend.
 const LARGEST: [f64; 2] = [PI / 6.0, PI / 4.0];
 
-impl Chart {
+impl DirectionChart {
     /// The chart of a region and its rectangles, cut where the integrand may have kinks or narrow turns.
     ///
     /// Cuts in azimuth: the plane of incidence, and the axes of an anisotropic sample, where the canonical azimuth
     /// turns fast. In theta: theta_i of an isotropic sample, where the larger Lambda changes hands.
-    fn of_region(model: &Microfacet, lit: &Lit, region: &Region) -> (Chart, Vec<Rect>) {
+    fn of_region(model: &Microfacet, lit: &Lit, region: &Region) -> (DirectionChart, Vec<Rect>) {
         let phi_i = sphere::phi(lit.wi);
         let mut planes = vec![phi_i];
         if !model.is_isotropic() {
@@ -223,7 +223,7 @@ impl Chart {
         let (chart, u, cuts_u, v) = match *region {
             Region::Rectangle { theta, phi } => {
                 let cuts = if model.is_isotropic() { vec![sphere::theta(lit.wi)] } else { vec![] };
-                (Chart::Polar, theta, cuts, phi.map(|phi| phi - model.rotation))
+                (DirectionChart::Polar, theta, cuts, phi.map(|phi| phi - model.rotation))
             }
             Region::Cap { axis, half_angle } => {
                 let axis = model.to_sample(axis);
@@ -231,7 +231,7 @@ impl Chart {
                 let turn = sphere::phi(axis);
                 planes.iter_mut().for_each(|plane| *plane -= turn);
                 planes.push(0.0);
-                (Chart::About(axis, down, across), [0.0, half_angle], vec![], [0.0, TAU])
+                (DirectionChart::About(axis, down, across), [0.0, half_angle], vec![], [0.0, TAU])
             }
         };
         let us = steps(u, &cuts_u, LARGEST[0]);
@@ -243,8 +243,10 @@ impl Chart {
 
     fn direction(&self, (sin_u, cos_u): SinCos, (sin_v, cos_v): SinCos) -> DVec3 {
         match *self {
-            Chart::Polar => DVec3::new(sin_u * cos_v, sin_u * sin_v, cos_u),
-            Chart::About(axis, down, across) => axis * cos_u + (down * cos_v + across * sin_v) * sin_u,
+            DirectionChart::Polar => DVec3::new(sin_u * cos_v, sin_u * sin_v, cos_u),
+            DirectionChart::About(axis, down, across) => {
+                axis * cos_u + (down * cos_v + across * sin_v) * sin_u
+            }
         }
     }
 }
@@ -278,12 +280,12 @@ fn steps(ends: [f64; 2], cuts: &[f64], largest: f64) -> Vec<f64> {
 /// The lit model over a chart.
 struct Mapped<'a> {
     lit: &'a Lit<'a>,
-    chart: Chart,
+    chart: DirectionChart,
 }
 
 impl Integrand for Mapped<'_> {
     /// The area element of both charts is the sine of the first angle.
-    fn values(&self, u: SinCos, v: SinCos) -> Values {
+    fn values(&self, u: SinCos, v: SinCos) -> Components {
         self.lit.densities(self.chart.direction(u, v)).map(|value| value * u.0)
     }
 

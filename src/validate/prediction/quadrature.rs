@@ -11,7 +11,7 @@ use std::collections::BinaryHeap;
 pub const COMPONENTS: usize = 8;
 
 /// One number per function.
-pub type Values = [f64; COMPONENTS];
+pub type Components = [f64; COMPONENTS];
 
 /// (sine, cosine) of a parameter.
 pub type SinCos = (f64, f64);
@@ -19,7 +19,7 @@ pub type SinCos = (f64, f64);
 /// What is integrated over two angles u and v.
 pub trait Integrand {
     /// The functions, the area element included.
-    fn values(&self, u: SinCos, v: SinCos) -> Values;
+    fn values(&self, u: SinCos, v: SinCos) -> Components;
 
     /// The coordinates on which the narrow feature depends, scaled so that it is 1 wide about the origin and, at the
     /// distance s from there, varies over lengths of about 1 + s.
@@ -58,7 +58,7 @@ enum Along {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Precision {
     /// Of the component's own integral.
-    pub relative: Values,
+    pub relative: Components,
     /// In the unit of the integral.
     pub absolute: f64,
     /// The refinement gives up beyond so many rectangles, and the error tells.
@@ -67,11 +67,11 @@ pub struct Precision {
 
 /// Integrals with their errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct Integral {
     /// The integrals, order 15.
-    pub value: Values,
+    pub value: Components,
     /// Sum over the rectangles of the disagreement with order 7, an upper estimate for anything smooth.
-    pub error: Values,
+    pub error: Components,
     /// Rectangles in the end.
     pub rectangles: usize,
 }
@@ -88,7 +88,7 @@ const FEATURE_STEP: f64 = 2.0;
 /// parameter in which the two orders disagree more, until the precision is reached.
 ///
 /// Held by: `a_spike_far_smaller_than_the_rectangle_is_found`, `polynomials_are_integrated_exactly`.
-pub fn integrate<I: Integrand>(integrand: &I, rects: &[Rect], precision: &Precision) -> Estimate {
+pub fn integrate<I: Integrand>(integrand: &I, rects: &[Rect], precision: &Precision) -> Integral {
     let mut leaves = Vec::new();
     for &rect in rects {
         resolve(integrand, rect, &mut leaves);
@@ -130,9 +130,9 @@ fn unresolved<I: Integrand>(integrand: &I, rect: Rect) -> Option<Along> {
     }
 }
 
-fn refine<I: Integrand>(integrand: &I, leaves: Vec<Leaf>, precision: &Precision) -> Estimate {
+fn refine<I: Integrand>(integrand: &I, leaves: Vec<Leaf>, precision: &Precision) -> Integral {
     let (mut value, mut error) = totals(&leaves);
-    let allowed = |value: &Values| {
+    let allowed = |value: &Components| {
         let mut allowed = [0.0; COMPONENTS];
         for c in 0..COMPONENTS {
             allowed[c] = (precision.relative[c] * value[c].abs()).max(precision.absolute);
@@ -161,10 +161,10 @@ fn refine<I: Integrand>(integrand: &I, leaves: Vec<Leaf>, precision: &Precision)
     }
     settled.append(&mut heap.into_vec());
     let (value, error) = totals(&settled);
-    Estimate { value, error, rectangles: settled.len() }
+    Integral { value, error, rectangles: settled.len() }
 }
 
-fn totals(leaves: &[Leaf]) -> (Values, Values) {
+fn totals(leaves: &[Leaf]) -> (Components, Components) {
     let (mut value, mut error) = ([0.0; COMPONENTS], [0.0; COMPONENTS]);
     for leaf in leaves {
         for c in 0..COMPONENTS {
@@ -179,8 +179,8 @@ fn totals(leaves: &[Leaf]) -> (Values, Values) {
 #[derive(Debug, Clone, Copy)]
 struct Leaf {
     rect: Rect,
-    value: Values,
-    error: Values,
+    value: Components,
+    error: Components,
     /// Where the two orders disagree more.
     along: Along,
     /// Largest error in units of the wanted precision.
@@ -222,13 +222,13 @@ impl Leaf {
         Leaf { rect, value, error, along, rank: 0.0 }
     }
 
-    fn ranked(mut self, scale: &Values) -> Leaf {
+    fn ranked(mut self, scale: &Components) -> Leaf {
         self.rank = (0..COMPONENTS).fold(0.0, |rank, c| rank.max(self.error[c] / scale[c]));
         self
     }
 }
 
-fn add(sum: &mut Values, weight: f64, f: &Values) {
+fn add(sum: &mut Components, weight: f64, f: &Components) {
     for c in 0..COMPONENTS {
         sum[c] += weight * f[c];
     }
@@ -314,7 +314,7 @@ mod tests {
     struct Powers;
 
     impl Integrand for Powers {
-        fn values(&self, u: SinCos, v: SinCos) -> Values {
+        fn values(&self, u: SinCos, v: SinCos) -> Components {
             let (u, v) = (u.0.asin(), v.0.asin());
             [1.0, u.powi(13), v.powi(13), u.powi(12) * v.powi(12), u.powi(22), v.powi(22), u * v, 0.0]
         }
@@ -342,7 +342,7 @@ mod tests {
     }
 
     impl Integrand for Spike {
-        fn values(&self, u: SinCos, v: SinCos) -> Values {
+        fn values(&self, u: SinCos, v: SinCos) -> Components {
             let [x, y] = self.feature(u, v);
             let mut values = [0.0; COMPONENTS];
             values[0] = 1.0 / (PI * self.width * self.width * (1.0 + x * x + y * y).powi(2));

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use serde::Serialize;
 
-use crate::campaign::{Campaign, Index, Law, Optics, Polarisation, materials};
+use crate::campaign::{Campaign, FresnelLaw, Optics, Polarisation, RefractiveIndex, materials};
 use crate::instrument::GridKind;
 use crate::measure::optics::{fresnel_of, reflectances_of};
 use crate::optics::fresnel::f_schlick;
@@ -111,7 +111,7 @@ fn of_colour(exact: Fresnel, colour: String) -> ColourError {
 
 /// The same paths with both, where the table holds both.
 fn of_stops(campaign: &Campaign, table: &BrdfTable, media: &[Fresnel]) -> Vec<StopError> {
-    let exact = matches!(&campaign.optics, Optics::Index(Index { law: Law::Exact, .. }));
+    let exact = matches!(&campaign.optics, Optics::Index(RefractiveIndex { law: FresnelLaw::Exact, .. }));
     let Some(sums) = table.schlick.as_ref().filter(|_| exact) else { return vec![] };
     debug_assert_eq!(reflectances_of(&campaign.optics).len(), media.len());
     let bins = table.grid.bins();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gonio::campaign::{self, Alpha, Azimuth, Optics, PhiFrom, Sensor, SurfaceKind};
+use gonio::campaign::{self, Alpha, Azimuth, Optics, PhiFrom, SensorArm, SurfaceKind};
 use gonio::error::{Error, Fault};
 
 use crate::support::campaign_text::{ARM, FILE, GOOD, accepted, on, parse, with, with_arm};
@@ -450,7 +450,7 @@ fn the_sensor_is_one_of_two() {
     let sample = text("aperture", "phi_r_from = \"sample\"\naperture");
     one_fault(&sample, "phi_r_from", "sensor.arm.phi_r_from", "has no meaning");
     let from = |text: &str| match accepted(text).campaign.sensor {
-        Sensor::Arm { phi_r_from, phi_r_deg, .. } => (phi_r_from, phi_r_deg),
+        SensorArm::Arm { phi_r_from, phi_r_deg, .. } => (phi_r_from, phi_r_deg),
         other => panic!("{other:?}"),
     };
     assert_eq!(from(&with_arm(ARM)), (PhiFrom::Light, vec![0.0]));

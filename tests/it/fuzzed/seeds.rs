@@ -3,15 +3,15 @@
 use std::fs;
 use std::path::Path;
 
-use gonio::files::image::{self, Part, Samples};
+use gonio::files::image::{self, ImagePart, Samples};
 use gonio::files::sealed;
 use gonio::instrument::{Grid, GridKind};
 use gonio::interchange;
 use gonio::interchange::mitsuba::tensor_file;
-use gonio::interchange::mitsuba::tensor_file::Data;
+use gonio::interchange::mitsuba::tensor_file::TensorData;
 use gonio::interchange::radiance::xml;
 use gonio::interchange::{Format, Options, foreign_table};
-use gonio::measure::{self, Checkpoint, Ledger, Patches, Session};
+use gonio::measure::{self, Checkpoint, Patches, RunState, Session};
 use gonio::surface::io::map_file;
 use gonio::table::{BrdfTable, RealisationPart, Realisations, realisations, store};
 
@@ -106,7 +106,7 @@ fn formats() -> Answer {
 fn checkpoints() -> Answer {
     let (campaign, plan) = checkpoint_of();
     let patches = Patches::prepare(&campaign, &mut Vec::new())?;
-    let empty = Ledger::new(&campaign, &plan);
+    let empty = RunState::new(&campaign, &plan);
     let whole = measure::go_on(&campaign, &plan, &patches, empty.clone(), &Session::plain(&|_| ()))?;
     for (name, ledger) in [("empty", empty), ("whole", whole)] {
         let bytes = Checkpoint::bytes(&ledger, 1, &campaign, &plan)?;
@@ -158,14 +158,14 @@ fn small_formats() -> Answer {
 /// An RGL file of two polar angles and two values a side.
 fn tensors(phi: &[f32], channels: usize, spectral: bool) -> Vec<u8> {
     let theta = [0.1f32, 1.2];
-    let ones = |count: usize| Data::F32((0..count).map(|k| 1.0 + (k % 5) as f32).collect());
+    let ones = |count: usize| TensorData::F32((0..count).map(|k| 1.0 + (k % 5) as f32).collect());
     let slices = [phi.len(), theta.len()];
     let sides = |rest: &[usize]| [&slices[..], rest].concat();
     let count = slices[0] * slices[1];
     let name = if spectral { "spectra" } else { "rgb" };
     let mut fields = vec![
-        ("theta_i", vec![theta.len()], Data::F32(theta.to_vec())),
-        ("phi_i", vec![phi.len()], Data::F32(phi.to_vec())),
+        ("theta_i", vec![theta.len()], TensorData::F32(theta.to_vec())),
+        ("phi_i", vec![phi.len()], TensorData::F32(phi.to_vec())),
         ("ndf", vec![2, 2], ones(4)),
         ("sigma", vec![2, 2], ones(4)),
         ("vndf", sides(&[2, 2]), ones(4 * count)),
@@ -173,13 +173,13 @@ fn tensors(phi: &[f32], channels: usize, spectral: bool) -> Vec<u8> {
     ];
     if spectral {
         let nm = (0..channels).map(|k| 450.0 + 50.0 * k as f32).collect();
-        fields.push(("wavelengths", vec![channels], Data::F32(nm)));
+        fields.push(("wavelengths", vec![channels], TensorData::F32(nm)));
     }
     tensor_file::encode(&fields)
 }
 
-fn picture(width: usize, height: usize) -> Part {
-    let mut part = Part { width, height, ..Part::default() };
+fn picture(width: usize, height: usize) -> ImagePart {
+    let mut part = ImagePart { width, height, ..ImagePart::default() };
     for name in ["B", "G", "R"] {
         part.channels.insert(name.into(), Samples::F32(vec![0.25; width * height]));
     }
@@ -187,7 +187,7 @@ fn picture(width: usize, height: usize) -> Part {
 }
 
 fn maps() -> Answer {
-    let mut map = Part { width: 8, height: 8, ..Part::default() };
+    let mut map = ImagePart { width: 8, height: 8, ..ImagePart::default() };
     map.channels.insert("height".into(), Samples::F32((0..64).map(|k| (k as f32).sqrt()).collect()));
     let exr = image::encode(vec![map])?;
     let mut npy = Vec::new();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use gonio::error::Error;
-use gonio::files::npy::{self, Values};
+use gonio::files::npy::{self, NpyValues};
 use gonio::instrument::{Grid, GridKind};
 use gonio::interchange;
 use gonio::interchange::numpy::npz;
@@ -76,7 +76,7 @@ fn the_members_of_an_npz_are_stored_arrays_that_numpy_reads() {
     let value = f32::from_le_bytes([brdf[at], brdf[at + 1], brdf[at + 2], brdf[at + 3]]);
     assert_eq!(value, table.colours[1].total[12 + 2 * 4 + 1]);
     let edges = npy::decode(&member("phi_r_edges_deg.npy")).expect("an array");
-    assert_eq!((edges.shape, edges.values), (vec![5], Values::F64(table.grid.phi_r_edges_deg.clone())));
+    assert_eq!((edges.shape, edges.values), (vec![5], NpyValues::F64(table.grid.phi_r_edges_deg.clone())));
 }
 
 /// The members of an archive in their order, as they are stored.
@@ -121,7 +121,7 @@ fn the_texts_of_an_npz_are_strings() {
     other.splice(8..10, 118u16.to_le_bytes());
     "\u{3b1}\0\0abc".chars().for_each(|c| other.extend(u32::from(c).to_be_bytes()));
     let found = npy::decode(&other).expect("an array");
-    assert_eq!((found.shape, found.values), (vec![2], Values::Text(vec!["\u{3b1}".into(), "abc".into()])));
+    assert_eq!((found.shape, found.values), (vec![2], NpyValues::Text(vec!["\u{3b1}".into(), "abc".into()])));
     // A surrogate is no character.
     other.splice(128..132, 0xd800u32.to_be_bytes());
     assert!(npy::decode(&other).expect_err("no text").contains("no character"));
@@ -134,7 +134,9 @@ fn texts_of_older_archives_are_read() {
     let mut zip = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
     for (name, mut bytes) in members(&npz_of(&wanted)) {
         if texts.contains(&name) {
-            let Values::Text(text) = npy::decode(&bytes).expect("an array").values else { panic!("{name}") };
+            let NpyValues::Text(text) = npy::decode(&bytes).expect("an array").values else {
+                panic!("{name}")
+            };
             bytes.clear();
             npy::encode(&mut bytes, &[text[0].len()], text[0].bytes()).expect("written");
         }

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use gonio::campaign::{self, Azimuth, SurfaceKind};
-use gonio::files::image::{self, Part, Samples};
+use gonio::files::image::{self, ImagePart, Samples};
 use gonio::interchange::maps;
 
 use crate::support::mutations;
 use crate::support::program::{exits, gonio, stdout};
 
 fn exr(channels: &[(&str, [f32; 4])]) -> Vec<u8> {
-    let mut part = Part { width: 2, height: 2, ..Part::default() };
+    let mut part = ImagePart { width: 2, height: 2, ..ImagePart::default() };
     for (name, values) in channels {
         part.channels.insert(name.to_string(), Samples::F32(values.to_vec()));
     }
@@ -79,7 +79,7 @@ fn damaged_maps_are_refused() {
         assert!(reason.contains(word) && !reason.contains('\n'), "{reason}");
     }
     assert!(maps::read(&f0(), &alpha()).expect_err("no blue").contains("ps.exr: no channel `B`"));
-    let mut small = Part { width: 1, height: 1, ..Part::default() };
+    let mut small = ImagePart { width: 1, height: 1, ..ImagePart::default() };
     small.channels.insert("R".into(), Samples::F32(vec![1.0]));
     let small = image::encode(vec![small]).expect("encoded");
     assert!(maps::read(&alpha(), &small).expect_err("sizes").contains("one size"));

@@ -1,6 +1,6 @@
 //! Promise: UTIA files and EXR parts hold the table's values exactly, and damaged ones are refused.
 
-use gonio::files::image::{self, Part, Samples};
+use gonio::files::image::{self, ImagePart, Samples};
 use gonio::interchange::{self, Brdf, Format, Options, exr_parts, utia};
 use gonio::sphere;
 
@@ -54,8 +54,8 @@ fn the_image_form_of_utia_comes_back() {
 
 #[test]
 fn other_images_are_not_taken_for_utia() {
-    let reason = |change: fn(&mut Part)| {
-        let mut part = Part { width: 288, height: 288, ..Part::default() };
+    let reason = |change: fn(&mut ImagePart)| {
+        let mut part = ImagePart { width: 288, height: 288, ..ImagePart::default() };
         for name in ["R", "G", "B"] {
             part.channels.insert(name.into(), Samples::F32(vec![0.5; 288 * 288]));
         }
@@ -63,12 +63,12 @@ fn other_images_are_not_taken_for_utia() {
         utia::read(&image::encode(vec![part]).expect("encoded")).expect_err("refused")
     };
     assert!(reason(|part| drop(part.channels.remove("G"))).contains("no channel `G`"));
-    let narrow = |part: &mut Part| {
+    let narrow = |part: &mut ImagePart| {
         part.height = 287;
         part.channels.values_mut().for_each(|samples| *samples = Samples::F32(vec![0.5; 288 * 287]));
     };
     assert!(reason(narrow).contains("288 x 287"));
-    let nan = |part: &mut Part| {
+    let nan = |part: &mut ImagePart| {
         let mut values = vec![0.5; 288 * 288];
         values[300] = f32::NAN;
         part.channels.insert("R".into(), Samples::F32(values));
@@ -106,7 +106,7 @@ fn damaged_utia_files_are_refused() {
 
 /// Each round decodes 288 x 288 pixels.
 fn damaged_images(rounds: usize) {
-    let mut part = Part { width: 288, height: 288, ..Part::default() };
+    let mut part = ImagePart { width: 288, height: 288, ..ImagePart::default() };
     for name in ["R", "G", "B"] {
         part.channels.insert(name.into(), Samples::F32(vec![0.5; 288 * 288]));
     }

@@ -9,7 +9,7 @@ use gonio::interchange::radiance::klems;
 use gonio::interchange::radiance::klems::Patchwise;
 use gonio::interchange::radiance::tensor_tree;
 use gonio::interchange::radiance::xml;
-use gonio::interchange::radiance::xml::Side;
+use gonio::interchange::radiance::xml::SampleSide;
 use gonio::interchange::resample::nodes;
 use gonio::interchange::{Brdf, Format, Lookup, Options, import};
 use gonio::sphere::{self, direction_deg};
@@ -258,7 +258,7 @@ fn the_wanted_side_is_read() {
     let block = &back[back.find("<WavelengthData>").unwrap()..back.find("</Layer>").unwrap()];
     let front = block.replace("Reflection Back", "Reflection Front").replace("0.0954930", "0.2");
     let both = back.replace("</Layer>", &format!("{front}</Layer>"));
-    let value = |text: &str, side: Option<Side>| {
+    let value = |text: &str, side: Option<SampleSide>| {
         let (tree, notes) = tensor_tree::read_side(text.as_bytes(), side)?;
         Ok::<_, String>((
             tree.brdf(direction_deg(10.0, 0.0), direction_deg(20.0, 0.0))[0] as f32,
@@ -267,13 +267,13 @@ fn the_wanted_side_is_read() {
     };
     for (side, wanted, said) in [
         (None, 0.095_493, "not read: Reflection Front"),
-        (Some(Side::Back), 0.095_493, "not read: Reflection Front"),
-        (Some(Side::Front), 0.2, "the side -z"),
+        (Some(SampleSide::Back), 0.095_493, "not read: Reflection Front"),
+        (Some(SampleSide::Front), 0.2, "the side -z"),
     ] {
         let (found, notes) = value(&both, side).expect("there");
         assert!(found == wanted && notes.contains(said), "{found} {notes}");
     }
-    let why = value(&back, Some(Side::Front)).expect_err("not there");
+    let why = value(&back, Some(SampleSide::Front)).expect_err("not there");
     assert!(why.contains("`Reflection Front`") && why.contains("Reflection Back (Visible)"), "{why}");
     // A file of that side alone is read without being asked.
     let alone = value(&back.replace("Reflection Back", "Reflection Front"), None).expect("there");

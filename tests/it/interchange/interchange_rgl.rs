@@ -78,12 +78,12 @@ fn damaged_tensor_files_are_refused() {
 
 /// A file with the least that a reader needs.
 fn small_file() -> Vec<u8> {
-    use gonio::interchange::mitsuba::tensor_file::{Data, encode};
-    let ones = |sides: &[usize]| (sides.to_vec(), Data::F32(vec![1.0; sides.iter().product()]));
-    let named = |name: &'static str, (sides, data): (Vec<usize>, Data)| (name, sides, data);
+    use gonio::interchange::mitsuba::tensor_file::{TensorData, encode};
+    let ones = |sides: &[usize]| (sides.to_vec(), TensorData::F32(vec![1.0; sides.iter().product()]));
+    let named = |name: &'static str, (sides, data): (Vec<usize>, TensorData)| (name, sides, data);
     encode(&[
-        ("theta_i", vec![2], Data::F32(vec![0.0, 1.0])),
-        ("phi_i", vec![1], Data::F32(vec![0.0])),
+        ("theta_i", vec![2], TensorData::F32(vec![0.0, 1.0])),
+        ("phi_i", vec![1], TensorData::F32(vec![0.0])),
         named("ndf", ones(&[2, 2])),
         named("sigma", ones(&[2, 2])),
         named("vndf", ones(&[1, 2, 2, 2])),

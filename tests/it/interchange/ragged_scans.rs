@@ -1,7 +1,7 @@
 //! Promise: a scan whose sensor went to other directions under each light is read as it is. What was not measured is a
 //! gap: it is no darkness, comes back from every format that can leave it out, and is filled in on demand alone.
 
-use gonio::fit::{self, Data, Law};
+use gonio::fit::{self, FitData, FitLaw};
 use gonio::instrument::Grid;
 use gonio::interchange;
 use gonio::interchange::text::csv;
@@ -9,7 +9,7 @@ use gonio::interchange::{Brdf, Format, Options, resample};
 use gonio::sphere::direction_deg;
 use gonio::table::{BrdfTable, store};
 use gonio::theory::{Masking, Ndf};
-use gonio::validate::two_tables::{Side, difference};
+use gonio::validate::two_tables::{ComparedTable, difference};
 
 use crate::support::analytic::{Ggx, points, steps, table};
 
@@ -110,12 +110,12 @@ fn gaps_are_no_difference_and_no_darkness() {
         table(&Ggx::new(0.5, 0.5), &points(vec![0.0, 40.0], vec![0.0], &[10.0, 20.0, 30.0], &[180.0]));
     let mut scanned = wanted.clone();
     scanned.set_gap(2);
-    let side = |table| Side { table, campaign: None, parts: None };
+    let side = |table| ComparedTable { table, campaign: None, parts: None };
     for (a, b) in [(&wanted, &scanned), (&scanned, &wanted)] {
         assert_eq!(difference(side(a), side(b)).expect("one grid").figures.l1, Some(0.0));
     }
-    let law = Law::Microfacet { ndf: Ndf::Ggx, masking: Masking::Separable, anisotropic: false };
-    let fits = fit::fit(&Data::new(&ragged(), None, None), &[law]).fits;
+    let law = FitLaw::Microfacet { ndf: Ndf::Ggx, masking: Masking::Separable, anisotropic: false };
+    let fits = fit::fit(&FitData::new(&ragged(), None, None), &[law]).fits;
     let alpha = fits[0].parameters.get("alpha").expect("alpha");
     // Values are f32 of the law itself.
     assert!((alpha - 0.5).abs() < 1e-4, "{alpha}");

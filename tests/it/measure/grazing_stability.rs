@@ -10,7 +10,7 @@ use gonio::measure::Measured;
 use gonio::sphere;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::table::BrdfTable;
-use gonio::trace::{BLOCK, Image, Outcome, Sample, Starts, Walker, Window};
+use gonio::trace::{AreaSampler, BLOCK, GridTraversal, Outcome, PatchSymmetry, TracedPatch, Window};
 use gonio::validate::laws::Energy;
 
 use crate::support::measuring::{measured, measured_in, test_rng};
@@ -93,14 +93,14 @@ struct Cost {
 
 /// Follows the light's ray of every start of a block and holds its cells to the closed form.
 fn cost_of(field: &Heightfield, alpha: DVec2, theta_i_deg: f64, phi_i_deg: f64) -> Cost {
-    let walker = Walker::new(field);
-    let sample = Sample { walker, alpha, image: Image::nth(0) };
+    let walker = GridTraversal::new(field);
+    let sample = TracedPatch { walker, alpha, image: PatchSymmetry::nth(0) };
     let light = sample.to_field(sphere::direction_deg(theta_i_deg, phi_i_deg));
     let (low, high) = field.range();
     // Edges crossed along x and y for each unit of height.
     let rate = (light.x.abs() + light.y.abs()) / light.z;
     let mut cost = Cost { bound: (high - low) * rate + 2.0, ..Cost::default() };
-    let starts = Starts::new(field, Window::all(field), light);
+    let starts = AreaSampler::new(field, Window::all(field), light);
     let mut rng = test_rng(22);
     starts.each(BLOCK, &mut rng, |place| {
         let mut cells = 0;

@@ -13,7 +13,7 @@ use gonio::sphere::direction_deg;
 use gonio::stats;
 use gonio::theory::{Masking, Microfacet, Ndf};
 use gonio::validate::prediction::aperture::{Cones, bias, extrapolate, richardson, worst};
-use gonio::validate::two_tables::Side;
+use gonio::validate::two_tables::ComparedTable;
 
 use crate::support::measuring::{measured_one, measured_with};
 use crate::support::program::{gonio, json, stderr, stdout};
@@ -94,8 +94,12 @@ fn measured_apertures_lower_a_lobe_as_much_as_is_known() {
     }
 }
 
-fn side(measured: &Measured) -> Side<'_> {
-    Side { table: &measured.table, campaign: Some(&measured.campaign), parts: Some(&measured.realisations) }
+fn side(measured: &Measured) -> ComparedTable<'_> {
+    ComparedTable {
+        table: &measured.table,
+        campaign: Some(&measured.campaign),
+        parts: Some(&measured.realisations),
+    }
 }
 
 #[test]

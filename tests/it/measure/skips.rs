@@ -15,7 +15,10 @@ use gonio::rng;
 use gonio::sphere;
 use gonio::stats::{mean, mean_and_se, sidak, student_limit};
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
-use gonio::trace::{Facet, Image, Kernel, LaneField, LaneWalker, Outcome, Place, Sample, Walker, Waves};
+use gonio::trace::{
+    Facet, GridTraversal, Kernel, MaxPyramid, Outcome, PatchSymmetry, SimdTraversal, SurfacePoint,
+    TracedPatch, Waves,
+};
 
 use crate::support::measuring::{measured_as, measured_one, measured_with, test_rng};
 
@@ -243,20 +246,20 @@ fn patch() -> Heightfield {
     Synthesiser::new(SlopeLaw::Beckmann, 64, 6.0).patch(&mut test_rng(3))
 }
 
-fn a_place(field: &Heightfield, rng: &mut rand_pcg::Pcg64Dxsm) -> Place {
+fn a_place(field: &Heightfield, rng: &mut rand_pcg::Pcg64Dxsm) -> SurfacePoint {
     let mut whole = || (rng::uniform(rng) * 64.0) as usize;
     let facet = Facet { x: whole(), y: whole(), upper: whole() % 2 == 1 };
     let (a, b) = (0.5 * rng::uniform(rng), 0.5 * rng::uniform(rng));
     let (u, v) = if facet.upper { (1.0 - a, 1.0 - b) } else { (a, b) };
-    Place::on(field, facet, u, v)
+    SurfacePoint::on(field, facet, u, v)
 }
 
 /// Below and above the bound, so that both sides of the decision are taken; the f64 walk knows of no bound.
 #[test]
 fn rays_steeper_than_every_slope_escape() {
     let field = patch();
-    let walker = Walker::new(&field);
-    let lanes = LaneField::new(&field).expect("a power of two");
+    let walker = GridTraversal::new(&field);
+    let lanes = MaxPyramid::new(&field).expect("a power of two");
     let heights = field.heights();
     let steepest = (0..4096).map(|k| {
         let right = heights[k / 64 * 64 + (k + 1) % 64];
@@ -264,14 +267,14 @@ fn rays_steeper_than_every_slope_escape() {
     });
     let steepest = steepest.fold(0.0, f64::max);
     let mut rng = test_rng(4);
-    let rays: Vec<(Place, DVec3)> = (0..20_000)
+    let rays: Vec<(SurfacePoint, DVec3)> = (0..20_000)
         .map(|_| {
             let (sin, cos) = sphere::sin_cos_deg(360.0 * rng::uniform(&mut rng));
             let rise = (0.3 + rng::uniform(&mut rng)) * steepest * (sin.abs() + cos.abs());
             (a_place(&field, &mut rng), DVec3::new(cos, sin, rise).normalize())
         })
         .collect();
-    let over = LaneWalker::new(walker, &lanes, Kernel::widest());
+    let over = SimdTraversal::new(walker, &lanes, Kernel::widest());
     let mut waves = Waves::default();
     let fates = waves.any_hit(&over, rays.len(), |k| (&rays[k].0, rays[k].1));
     let (mut steep, mut blocked) = (0, 0);
@@ -281,7 +284,7 @@ fn rays_steeper_than_every_slope_escape() {
         assert!(free || !steeper);
         // Rays that are decided by the bound must be right; the others may touch an edge within f32's rounding.
         if steeper {
-            assert_eq!(*fate, gonio::trace::Fate::Escaped);
+            assert_eq!(*fate, gonio::trace::RayOutcome::Escaped);
             steep += 1;
         }
         blocked += u32::from(!free);
@@ -293,8 +296,11 @@ fn rays_steeper_than_every_slope_escape() {
 #[test]
 fn paths_that_go_down_hit_again() {
     let field = patch();
-    let sample =
-        Sample { walker: Walker::new(&field), alpha: glam::DVec2::splat(2.0), image: Image::default() };
+    let sample = TracedPatch {
+        walker: GridTraversal::new(&field),
+        alpha: glam::DVec2::splat(2.0),
+        image: PatchSymmetry::default(),
+    };
     let mut rng = test_rng(5);
     let mut down = 0;
     for _ in 0..20_000 {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use gonio::campaign::{Detrend, HeightMap};
 use gonio::error::{Error, Result};
-use gonio::files::image::{self, Attribute, Part, Samples};
+use gonio::files::image::{self, Attribute, ImagePart, Samples};
 use gonio::surface::Heightfield;
 use gonio::surface::io::import::{ImportedMap, load, load_patch};
 use gonio::surface::io::{export, map_file};
@@ -183,7 +183,7 @@ fn a_hole_in_the_scan_is_named_by_row_and_column() {
 fn an_exr_map_may_name_its_only_channel_as_it_likes_and_be_half_or_uint() {
     let settings = |path: &Path| map(path, false);
     let part = |samples: Samples| {
-        let mut part = Part { width: COLUMNS, height: ROWS, ..Part::default() };
+        let mut part = ImagePart { width: COLUMNS, height: ROWS, ..ImagePart::default() };
         part.channels.insert("Z".into(), samples);
         // Heights up to 96 on less would be walls.
         part.attributes.insert("pitch_x".into(), Attribute::Number(64.0));

@@ -5,7 +5,7 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use gonio::error::Error;
-use gonio::files::image::{self, Attribute, Part, Samples};
+use gonio::files::image::{self, Attribute, ImagePart, Samples};
 use gonio::files::sha256_hex;
 use gonio::instrument::{Grid, GridKind};
 use gonio::table::{
@@ -90,11 +90,11 @@ fn a_failed_save_leaves_no_file_behind() {
 }
 
 /// The part of an encoded table, to be changed behind the digest's back.
-fn opened(table: &BrdfTable) -> Part {
+fn opened(table: &BrdfTable) -> ImagePart {
     image::decode(&store::encode(table).expect("encodes")).expect("decodes").remove(0)
 }
 
-fn refusal(part: Part) -> String {
+fn refusal(part: ImagePart) -> String {
     let bytes = image::encode(vec![part]).expect("encodes");
     match store::decode(here(), &bytes).expect_err("must be refused") {
         Error::Format { what, .. } => what,
@@ -123,7 +123,7 @@ fn a_changed_value_grid_or_patch_digest_is_noticed() {
 }
 
 /// Every text of a part with one bit turned over, at its head, middle and end.
-fn with_a_bit_flipped(part: &Part) -> Vec<(String, Part)> {
+fn with_a_bit_flipped(part: &ImagePart) -> Vec<(String, ImagePart)> {
     let mut all = Vec::new();
     for name in part.attributes.keys().filter(|name| name.starts_with("gonio.")) {
         let text = part.text(name).expect("a text");
@@ -344,7 +344,7 @@ fn damaged_realisations_are_errors_and_never_panic() {
 fn damaged_images_with_other_compressions_never_panic() {
     alone(module_path!(), "damaged_images_with_other_compressions_never_panic", || {
         // The attribute `compression` is one byte; every method is tried on pixels that were made for another.
-        let mut part = Part { width: 40, height: 70, ..Part::default() };
+        let mut part = ImagePart { width: 40, height: 70, ..ImagePart::default() };
         let mut bits = Bits(3);
         part.channels
             .insert("height".into(), Samples::F32((0..2800).map(|i| (i as f32 * 0.01).sin()).collect()));

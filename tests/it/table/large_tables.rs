@@ -10,7 +10,7 @@ use gonio::measure;
 use gonio::report::html::thinned::kept_stops;
 use gonio::table::realisations;
 use gonio::table::{BrdfTable, TableRows, TableWriter, store};
-use gonio::validate::two_tables::{Difference, Side, difference, difference_of_rows};
+use gonio::validate::two_tables::{ComparedTable, TableDifference, difference, difference_of_rows};
 use gonio::validate::{Verdict, examine, examine_laws, examine_rows};
 
 use crate::support::analytic::{Ggx, hemisphere, measured_looking, steps};
@@ -154,9 +154,9 @@ fn a_table_examined_by_rows_has_the_verdict_of_the_whole() {
     }
 }
 
-fn side(measured: &measure::Measured) -> Side<'_> {
+fn side(measured: &measure::Measured) -> ComparedTable<'_> {
     let measure::Measured { table, campaign, realisations, .. } = measured;
-    Side { table, campaign: Some(campaign), parts: Some(realisations) }
+    ComparedTable { table, campaign: Some(campaign), parts: Some(realisations) }
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn tables_compared_by_rows_differ_as_whole_ones() {
         part.total[0].iter_mut().enumerate().for_each(|(k, value)| *value *= 1.01 + 1e-3 * (k % 7) as f32);
     }
     [&a, &b].iter().zip(&paths).for_each(|(m, path)| store::save(path, &m.table).expect("saved"));
-    let json = |found: &Difference| serde_json::to_string(found).expect("JSON");
+    let json = |found: &TableDifference| serde_json::to_string(found).expect("JSON");
     let whole = difference(side(&a), side(&b)).expect("comparable");
     assert!(whole.paired);
     let [mut rows_a, mut rows_b] = paths.each_ref().map(|path| TableRows::open(path).expect("opened"));

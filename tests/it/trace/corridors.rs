@@ -4,7 +4,7 @@
 use glam::DVec3;
 use gonio::rng::uniform;
 use gonio::surface::Heightfield;
-use gonio::trace::{Facet, Outcome, Peaks, Place, Walker};
+use gonio::trace::{Facet, GridTraversal, Outcome, SurfacePoint, TilePeaks};
 use rand_pcg::Pcg64Dxsm;
 
 use crate::support::measuring::{start, test_rng, whole};
@@ -31,7 +31,7 @@ fn fields() -> Vec<(&'static str, Heightfield, (f64, f64))> {
 
 /// A ray from a random facet, up or down along the corridor but for 10^-8 to 10^-1, which meets or clears everything
 /// within some 10^5 cells.
-fn ray(rng: &mut Pcg64Dxsm, field: &Heightfield, (x, y): (f64, f64)) -> (Place, DVec3) {
+fn ray(rng: &mut Pcg64Dxsm, field: &Heightfield, (x, y): (f64, f64)) -> (SurfacePoint, DVec3) {
     loop {
         let place = start(rng, field);
         let sign = |rng: &mut Pcg64Dxsm| if whole(rng, 0, 2) == 0 { 1.0 } else { -1.0 };
@@ -51,7 +51,7 @@ fn a_ray_along_a_corridor_ends_where_the_plain_walk_ends() {
     const RAYS: u64 = 1500;
     let mut rng = test_rng(41);
     for (name, field, corridor) in &fields() {
-        let (walker, peaks) = (Walker::new(field), Peaks::new(field));
+        let (walker, peaks) = (GridTraversal::new(field), TilePeaks::new(field));
         let (mut cells, mut long, mut ends) = (0, 0, [0u32; 2]);
         for _ in 0..RAYS {
             let (place, d) = ray(&mut rng, field, *corridor);
@@ -80,12 +80,12 @@ fn a_ray_along_a_wall_of_any_height_takes_no_longer_than_its_field_is_large() {
     let (rows, high, climb, aside) = (128, 1e6, -1e-3, 1e-7);
     let heights = (0..16 * rows).map(|i| if i / 16 == 0 { high } else { 0.0 }).collect();
     let field = Heightfield::new(16, rows, true, heights);
-    let (walker, peaks) = (Walker::new(&field), Peaks::new(&field));
+    let (walker, peaks) = (GridTraversal::new(&field), TilePeaks::new(&field));
     let mut rng = test_rng(42);
     for _ in 0..200 {
         let facet = Facet { x: whole(&mut rng, 0, 16) as usize, y: 0, upper: false };
         let v = uniform(&mut rng);
-        let place = Place::on(&field, facet, uniform(&mut rng) * (1.0 - v), v);
+        let place = SurfacePoint::on(&field, facet, uniform(&mut rng) * (1.0 - v), v);
         let d = DVec3::new(1.0, aside, climb);
         let Outcome::Hit(end) = walker.with_peaks(&peaks).walk(&place, d) else {
             panic!("{place:?} meets nothing")

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use gonio::sphere;
 use gonio::stats::{chi_square_p, mean, sidak};
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
-use gonio::trace::{Place, Starts, Window};
+use gonio::trace::{AreaSampler, SurfacePoint, Window};
 
 use crate::support::measuring::test_rng;
 
@@ -19,7 +19,7 @@ fn light() -> DVec3 {
     sphere::direction_deg(60.0, 200.0)
 }
 
-fn index(place: &Place) -> usize {
+fn index(place: &SurfacePoint) -> usize {
     2 * (place.facet.y * CELLS + place.facet.x) + usize::from(place.facet.upper)
 }
 
@@ -44,7 +44,7 @@ fn shares(field: &Heightfield) -> Vec<f64> {
 #[test]
 fn every_facet_gets_its_share_of_a_block_rounded_down_or_up() {
     let field = patch();
-    let starts = Starts::new(&field, Window::all(&field), light());
+    let starts = AreaSampler::new(&field, Window::all(&field), light());
     for count in [1, 7, 1000, 65_536] {
         let mut counts = vec![0u64; FACETS];
         starts.each(count, &mut test_rng(2), |place| counts[index(&place)] += 1);
@@ -68,7 +68,7 @@ fn every_facet_gets_its_share_of_a_block_rounded_down_or_up() {
 #[test]
 fn over_blocks_every_facet_gets_exactly_its_share() {
     let field = patch();
-    let starts = Starts::new(&field, Window::all(&field), light());
+    let starts = AreaSampler::new(&field, Window::all(&field), light());
     let (blocks, count) = (100_000, 5);
     let mut counts = vec![0u64; FACETS];
     let mut rng = test_rng(3);
@@ -105,7 +105,7 @@ fn over_blocks_every_facet_gets_exactly_its_share() {
 #[test]
 fn starts_are_even_within_a_facet() {
     let field = patch();
-    let starts = Starts::new(&field, Window::all(&field), light());
+    let starts = AreaSampler::new(&field, Window::all(&field), light());
     let mut counts = [[0u64; 128]; 2];
     starts.each(1 << 20, &mut test_rng(4), |place| {
         let [u, v] = if place.facet.upper { [1.0 - place.u, 1.0 - place.v] } else { [place.u, place.v] };

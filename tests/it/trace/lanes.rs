@@ -5,14 +5,14 @@ use gonio::rng::uniform;
 use gonio::sphere;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::trace::{
-    Answers, Bounce, Ending, Facet, Fate, Image, Kernel, LONGEST, LaneField, LaneRays, LaneWalker, Outcome,
-    PathWaves, Place, Sample, View, Walker, Wave, Waves,
+    Bounce, Facet, GridTraversal, HitBuffer, Kernel, LONGEST, MaxPyramid, Outcome, PatchSymmetry, PathEnd,
+    PathWaves, RayBatch, RayOutcome, SimdTraversal, SurfacePoint, TracedPatch, View, Wave, Waves,
 };
 use rand_pcg::Pcg64Dxsm;
 
 use crate::support::measuring::{start, test_rng, whole};
 
-type Ray = (Place, DVec3);
+type Ray = (SurfacePoint, DVec3);
 
 fn patch(law: SlopeLaw, cells: usize, seed: u64) -> Heightfield {
     Synthesiser::new(law, cells, 8.0).patch(&mut test_rng(seed))
@@ -56,14 +56,14 @@ fn every_kernel_gives_the_same_bits() {
     let mut rng = test_rng(11);
     let (mut blocked, mut all) = (0, 0);
     for field in fields() {
-        let lanes = LaneField::new(&field).expect("lanes serve it");
+        let lanes = MaxPyramid::new(&field).expect("lanes serve it");
         for alpha in ALPHAS {
             // Of no vector's width.
             let rays = rays(&mut rng, &field, alpha, 20_011);
-            let mut batch = LaneRays::default();
+            let mut batch = RayBatch::default();
             rays.iter().for_each(|(place, d)| batch.push(place, *d));
             let of = |kernel: Kernel| {
-                let (mut any, mut closest) = (Answers::default(), Answers::default());
+                let (mut any, mut closest) = (HitBuffer::default(), HitBuffer::default());
                 lanes.any_hit(kernel, &batch, &mut any);
                 lanes.closest_hit(kernel, &batch, &mut closest);
                 assert_eq!(any.fates, closest.fates);
@@ -74,7 +74,7 @@ fn every_kernel_gives_the_same_bits() {
                 // Parameters are finite: equal numbers are equal bits, but for the sign of zero.
                 assert!(of(kernel) == expected, "{kernel:?}, alpha {alpha}");
             }
-            blocked += expected.fates.iter().filter(|&&fate| fate == Fate::Blocked).count();
+            blocked += expected.fates.iter().filter(|&&fate| fate == RayOutcome::Blocked).count();
             all += rays.len();
         }
     }
@@ -91,9 +91,9 @@ fn lanes_answer_as_the_f64_walk() {
     let mut waves = Waves::default();
     let (mut inside, mut inside_differ, mut all, mut differ) = (0, 0, 0, 0);
     for field in &fields()[..2] {
-        let lanes = LaneField::new(field).expect("lanes serve it");
-        let walker = Walker::new(field);
-        let over = LaneWalker::new(walker, &lanes, Kernel::widest());
+        let lanes = MaxPyramid::new(field).expect("lanes serve it");
+        let walker = GridTraversal::new(field);
+        let over = SimdTraversal::new(walker, &lanes, Kernel::widest());
         for alpha in ALPHAS {
             let rays = rays(&mut rng, field, alpha, 100_000);
             waves.closest_hit(
@@ -131,7 +131,7 @@ fn lanes_answer_as_the_f64_walk() {
 }
 
 /// Whether two hits on either side of an edge are one point.
-fn same_point(field: &Heightfield, a: &Place, b: &Place) -> bool {
+fn same_point(field: &Heightfield, a: &SurfacePoint, b: &SurfacePoint) -> bool {
     let apart = |i: usize, u: f64, j: usize, v: f64, n: usize| {
         let d = (i as f64 + u - j as f64 - v).rem_euclid(n as f64);
         d.min(n as f64 - d)
@@ -157,12 +157,12 @@ impl Bounce for Bounces {
 fn paths_in_waves_are_paths() {
     let mut rng = test_rng(13);
     let field = patch(SlopeLaw::Ggx, 128, 3);
-    let lanes = LaneField::new(&field).expect("lanes serve it");
-    let walker = Walker::new(&field);
-    let over = LaneWalker::new(walker, &lanes, Kernel::widest());
+    let lanes = MaxPyramid::new(&field).expect("lanes serve it");
+    let walker = GridTraversal::new(&field);
+    let over = SimdTraversal::new(walker, &lanes, Kernel::widest());
     let mut paths = PathWaves::default();
     for (alpha, theta, bounces) in [(0.5, 60.0, 1), (0.5, 60.0, 4), (1.0, 30.0, 4)] {
-        let sample = Sample { walker, alpha: DVec2::splat(alpha), image: Image::nth(5) };
+        let sample = TracedPatch { walker, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(5) };
         let wi = sphere::direction_deg(theta, 77.0);
         let starts = lit_inside(&mut rng, &field, sample.to_field(wi), 30_000);
         let mut visits = vec![Bounces::default(); starts.len()];
@@ -177,7 +177,7 @@ fn paths_in_waves_are_paths() {
         for ((&place, ending), visit) in starts.iter().zip(&endings).zip(&visits) {
             let mut alone = Bounces::default();
             let expected = sample.trace(place, wi, bounces, &mut alone);
-            assert_ne!(*ending, Ending::Lost);
+            assert_ne!(*ending, PathEnd::Lost);
             // The mirror direction of a facet does not depend on where it is met.
             differ += usize::from(*ending != expected || visit.0 != alone.0);
         }
@@ -205,13 +205,13 @@ fn bin(wo: DVec3) -> usize {
 fn tables_by_lanes_are_those_of_the_f64_walk() {
     let mut rng = test_rng(14);
     let field = patch(SlopeLaw::Ggx, 128, 4);
-    let lanes = LaneField::new(&field).expect("lanes serve it");
-    let walker = Walker::new(&field);
-    let over = LaneWalker::new(walker, &lanes, Kernel::widest());
+    let lanes = MaxPyramid::new(&field).expect("lanes serve it");
+    let walker = GridTraversal::new(&field);
+    let over = SimdTraversal::new(walker, &lanes, Kernel::widest());
     let mut paths = PathWaves::default();
     // The last two lights are far beyond what f32 follows to its end, were it not for the f64 walk.
     for (alpha, theta) in [(0.2, 30.0), (0.5, 60.0), (1.0, 75.0), (0.8, 85.0), (0.8, 89.0)] {
-        let sample = Sample { walker, alpha: DVec2::splat(alpha), image: Image::nth(3) };
+        let sample = TracedPatch { walker, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(3) };
         let wi = sphere::direction_deg(theta, 131.0);
         let starts = lit_inside(&mut rng, &field, sample.to_field(wi), 100_000);
         let mut visits = vec![Bounces::default(); starts.len()];
@@ -226,7 +226,7 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
         for (&place, ending) in starts.iter().zip(&endings) {
             let alone = sample.trace(place, wi, 4, &mut Bounces::default());
             for (table, ending) in tables.iter_mut().zip([*ending, alone]) {
-                if let Ending::Out { wo, .. } = ending {
+                if let PathEnd::Out { wo, .. } = ending {
                     table[bin(wo)] += 1;
                 }
             }
@@ -242,7 +242,7 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
 }
 
 /// Points inside facets that face `light`.
-fn lit_inside(rng: &mut Pcg64Dxsm, field: &Heightfield, light: DVec3, count: usize) -> Vec<Place> {
+fn lit_inside(rng: &mut Pcg64Dxsm, field: &Heightfield, light: DVec3, count: usize) -> Vec<SurfacePoint> {
     std::iter::repeat_with(|| start(rng, field))
         .filter(|place| {
             let corners = field.corners(place.facet.x, place.facet.y);
@@ -262,28 +262,29 @@ fn lit_inside(rng: &mut Pcg64Dxsm, field: &Heightfield, light: DVec3, count: usi
 fn rays_of_many_legs_end_as_in_one_walk() {
     let mut rng = test_rng(15);
     let field = patch(SlopeLaw::Ggx, 128, 5);
-    let lanes = LaneField::new(&field).expect("lanes serve it");
-    let over = LaneWalker::new(Walker::new(&field), &lanes, Kernel::widest());
-    let (mut waves, mut first) = (Waves::default(), Answers::default());
+    let lanes = MaxPyramid::new(&field).expect("lanes serve it");
+    let over = SimdTraversal::new(GridTraversal::new(&field), &lanes, Kernel::widest());
+    let (mut waves, mut first) = (Waves::default(), HitBuffer::default());
     for (rise, count) in [(0.008, 5_000), (0.002, 5_000), (0.0002, 2_000)] {
         let ray = |rng: &mut Pcg64Dxsm| {
             let (sin, cos) = (std::f64::consts::TAU * uniform(rng)).sin_cos();
             // Anywhere above the surface: from the surface itself hardly one comes so far.
             let place = start(rng, &field);
             let z = place.z + uniform(rng) * (over.walker().range().1 - place.z);
-            (Place { z, ..place }, DVec3::new(cos, sin, rise))
+            (SurfacePoint { z, ..place }, DVec3::new(cos, sin, rise))
         };
-        let rays: Vec<(Place, DVec3)> = std::iter::repeat_with(|| ray(&mut rng)).take(count).collect();
-        let mut batch = LaneRays::default();
+        let rays: Vec<(SurfacePoint, DVec3)> = std::iter::repeat_with(|| ray(&mut rng)).take(count).collect();
+        let mut batch = RayBatch::default();
         rays.iter().for_each(|(place, d)| batch.push(place, *d));
         lanes.any_hit(Kernel::widest(), &batch, &mut first);
         let fates = waves.any_hit(&over, count, |k| (&rays[k].0, rays[k].1));
-        let long = (0..count).filter(|&k| first.fates[k] == Fate::Beyond);
+        let long = (0..count).filter(|&k| first.fates[k] == RayOutcome::Beyond);
         let (mut long, mut differ): (Vec<usize>, usize) = (long.collect(), 0);
         long.truncate(400);
         for &k in &long {
             let escapes = over.walker().walk(&rays[k].0, rays[k].1) == Outcome::Escaped;
-            differ += usize::from(fates[k] != if escapes { Fate::Escaped } else { Fate::Blocked });
+            differ +=
+                usize::from(fates[k] != if escapes { RayOutcome::Escaped } else { RayOutcome::Blocked });
         }
         println!("rise {rise}: {differ} of {} long rays differ", long.len());
         assert!(long.len() > 20 && differ <= 1, "rise {rise}: {differ} of {}", long.len());
@@ -296,22 +297,26 @@ fn very_long_rays_are_left_to_the_f64_walk() {
     let mut heights = vec![0.0; 64];
     heights[0] = 1024.0;
     let field = Heightfield::new(8, 8, true, heights);
-    let lanes = LaneField::new(&field).expect("lanes serve it");
-    let walker = Walker::new(&field);
+    let lanes = MaxPyramid::new(&field).expect("lanes serve it");
+    let walker = GridTraversal::new(&field);
     // Between the needles, along y, for 1e6 cells: nothing is met before the ray is above them.
-    let place = Place::on(&field, Facet { x: 4, y: 4, upper: false }, 0.25, 0.25);
+    let place = SurfacePoint::on(&field, Facet { x: 4, y: 4, upper: false }, 0.25, 0.25);
     let d = DVec3::new(0.0, 1.0, 1e-3);
     assert!(1024.0 / d.z > f64::from(LONGEST));
-    let mut batch = LaneRays::default();
+    let mut batch = RayBatch::default();
     batch.push(&place, d);
     // A vertical ray, and one that f32 cannot scale.
     batch.push(&place, DVec3::Z);
     batch.push(&place, DVec3::new(1e-30, 0.0, 1.0));
     for kernel in Kernel::ALL.into_iter().filter(|kernel| kernel.available()) {
-        let mut answers = Answers::default();
+        let mut answers = HitBuffer::default();
         lanes.any_hit(kernel, &batch, &mut answers);
-        assert_eq!(answers.fates, [Fate::Beyond, Fate::Escaped, Fate::Escaped], "{kernel:?}");
-        let over = LaneWalker::new(walker, &lanes, kernel);
-        assert_eq!(Waves::default().any_hit(&over, 1, |_| (&place, d)), [Fate::Escaped]);
+        assert_eq!(
+            answers.fates,
+            [RayOutcome::Beyond, RayOutcome::Escaped, RayOutcome::Escaped],
+            "{kernel:?}"
+        );
+        let over = SimdTraversal::new(walker, &lanes, kernel);
+        assert_eq!(Waves::default().any_hit(&over, 1, |_| (&place, d)), [RayOutcome::Escaped]);
     }
 }

@@ -4,7 +4,9 @@ use glam::DVec3;
 use gonio::rng::uniform;
 use gonio::sphere;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
-use gonio::trace::{Facet, Kernel, LaneField, LaneWalker, Outcome, Peaks, Place, Walker};
+use gonio::trace::{
+    Facet, GridTraversal, Kernel, MaxPyramid, Outcome, SimdTraversal, SurfacePoint, TilePeaks,
+};
 use rand_pcg::Pcg64Dxsm;
 
 use crate::support::measuring::{start, test_rng, whole};
@@ -36,7 +38,7 @@ fn fields() -> Vec<(&'static str, Heightfield, f64)> {
 
 /// A ray that leaves a random facet, often at a seam, in a corner or on an edge; from 50 to 89.99 degrees, upwards
 /// more often than downwards, often along an axis or a diagonal.
-fn ray(rng: &mut Pcg64Dxsm, field: &Heightfield, climb: f64) -> (Place, DVec3) {
+fn ray(rng: &mut Pcg64Dxsm, field: &Heightfield, climb: f64) -> (SurfacePoint, DVec3) {
     loop {
         let (place, d) = any_ray(rng, field);
         let d = DVec3::new(d.x, d.y, d.z * climb);
@@ -47,7 +49,7 @@ fn ray(rng: &mut Pcg64Dxsm, field: &Heightfield, climb: f64) -> (Place, DVec3) {
     }
 }
 
-fn any_ray(rng: &mut Pcg64Dxsm, field: &Heightfield) -> (Place, DVec3) {
+fn any_ray(rng: &mut Pcg64Dxsm, field: &Heightfield) -> (SurfacePoint, DVec3) {
     let place = start(rng, field);
     let phi = if whole(rng, 0, 4) == 0 { 45.0 * whole(rng, 0, 8) as f64 } else { 360.0 * uniform(rng) };
     let below = 10f64.powf(-2.0 + 3.6 * uniform(rng));
@@ -61,10 +63,10 @@ const RAYS: u64 = 3000;
 fn a_long_ray_ends_where_the_plain_walk_ends() {
     let mut rng = test_rng(31);
     for (name, field, climb) in &fields() {
-        let lanes = LaneField::new(field).expect("lanes serve it");
-        let walker = Walker::new(field);
-        let over = LaneWalker::new(walker, &lanes, Kernel::Scalar);
-        let peaks = Peaks::new(field);
+        let lanes = MaxPyramid::new(field).expect("lanes serve it");
+        let walker = GridTraversal::new(field);
+        let over = SimdTraversal::new(walker, &lanes, Kernel::Scalar);
+        let peaks = TilePeaks::new(field);
         let over_tiles = walker.with_peaks(&peaks);
         let (mut escaped, mut hit, mut cells) = (0u32, 0u32, 0);
         for _ in 0..RAYS {
@@ -99,7 +101,7 @@ fn tiles_of_any_field_change_no_answer() {
         for (shape, extra) in shapes.into_iter().enumerate() {
             let height = |i: usize| extra(i % columns, i / columns) + 0.1 * ((i * 7919) % 13) as f64;
             let field = Heightfield::new(nx, ny, periodic, (0..columns * rows).map(height).collect());
-            let (walker, peaks) = (Walker::new(&field), Peaks::new(&field));
+            let (walker, peaks) = (GridTraversal::new(&field), TilePeaks::new(&field));
             let (mut plain, mut counted, mut ends) = (0, 0, [0u32; 3]);
             for _ in 0..RAYS {
                 let (place, d) = ray(&mut rng, &field, 3.0);
@@ -130,10 +132,10 @@ fn a_ray_between_needles_finds_its_way_out() {
     let mut heights = vec![0.0; 64 * 64];
     heights[0] = 1024.0;
     let field = Heightfield::new(64, 64, true, heights);
-    let lanes = LaneField::new(&field).expect("lanes serve it");
-    let walker = Walker::new(&field);
-    let over = LaneWalker::new(walker, &lanes, Kernel::Scalar);
-    let place = Place::on(&field, Facet { x: 32, y: 32, upper: false }, 0.25, 0.25);
+    let lanes = MaxPyramid::new(&field).expect("lanes serve it");
+    let walker = GridTraversal::new(&field);
+    let over = SimdTraversal::new(walker, &lanes, Kernel::Scalar);
+    let place = SurfacePoint::on(&field, Facet { x: 32, y: 32, upper: false }, 0.25, 0.25);
     for (d, expected) in [
         (DVec3::new(0.0, 1.0, 1e-3), Outcome::Escaped),
         (DVec3::new(-1.0, 0.0, 1e-3), Outcome::Escaped),

@@ -4,8 +4,8 @@
 use glam::DVec2;
 use gonio::sphere;
 use gonio::surface::{SlopeLaw, Synthesiser};
-use gonio::theory::{Ndf, Side};
-use gonio::trace::{BLOCK, Image, Outcome, Sample, Starts, Walker, Window};
+use gonio::theory::{ArmSide, Ndf};
+use gonio::trace::{AreaSampler, BLOCK, GridTraversal, Outcome, PatchSymmetry, TracedPatch, Window};
 
 use crate::support::measuring::test_rng;
 
@@ -17,15 +17,15 @@ const EDGES: [f64; 8] = [-4.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0];
 fn a_smooth_surface_masks_facets_by_their_slope() {
     let alpha = 0.5;
     let field = Synthesiser::new(SlopeLaw::Ggx, 512, 8.0).patch(&mut test_rng(31));
-    let walker = Walker::new(&field);
-    let sample = Sample { walker, alpha: DVec2::splat(alpha), image: Image::nth(0) };
+    let walker = GridTraversal::new(&field);
+    let sample = TracedPatch { walker, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(0) };
     for theta_deg in [30.0, 60.0, 75.0] {
         let (mut seen, mut all) = ([0_u64; EDGES.len() + 1], [0_u64; EDGES.len() + 1]);
         for turn in 0..16 {
             let phi_deg = 22.5 * f64::from(turn) + 5.0;
             let light = sample.to_field(sphere::direction_deg(theta_deg, phi_deg));
             let along = light.truncate().normalize();
-            let starts = Starts::new(&field, Window::all(&field), light);
+            let starts = AreaSampler::new(&field, Window::all(&field), light);
             starts.each(BLOCK, &mut test_rng(32 + turn as u64), |place| {
                 let corners = field.corners(place.facet.x, place.facet.y);
                 let slope = if place.facet.upper { corners.upper_slope() } else { corners.lower_slope() };
@@ -34,7 +34,7 @@ fn a_smooth_surface_masks_facets_by_their_slope() {
                 seen[class] += u64::from(walker.walk(&place, light) == Outcome::Escaped);
             });
         }
-        let smith = Side::new(Ndf::Ggx, sphere::direction_deg(theta_deg, 0.0), alpha, alpha).g1();
+        let smith = ArmSide::new(Ndf::Ggx, sphere::direction_deg(theta_deg, 0.0), alpha, alpha).g1();
         println!("alpha {alpha} theta {theta_deg}: Smith's G1 {smith:.4}");
         for class in (0..all.len()).filter(|&class| all[class] > 0) {
             let share = seen[class] as f64 / all[class] as f64;

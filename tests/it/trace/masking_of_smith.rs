@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use gonio::sphere::direction_deg;
 use gonio::stats::{chi_square_p, sidak};
-use gonio::theory::{Ndf, Side};
-use gonio::trace::{Bounce, Ending, SmithWalk, WalkLaw};
+use gonio::theory::{ArmSide, Ndf};
+use gonio::trace::{Bounce, PathEnd, SmithWalk, WalkLaw};
 
 use crate::support::measuring::test_rng;
 
@@ -91,7 +91,7 @@ fn turned_area(law: WalkLaw, (z, h): (f64, f64), p: f64) -> f64 {
 /// Share of the first facets in each class if every turned facet is lit with Smith's G1: G1 turned area/cos.
 fn lit_shares(case: &Case, wi: DVec3) -> Vec<f64> {
     let ndf = if case.law == WalkLaw::Ggx { Ndf::Ggx } else { Ndf::Beckmann };
-    let g1 = Side::new(ndf, wi, case.alpha.x, case.alpha.y).g1();
+    let g1 = ArmSide::new(ndf, wi, case.alpha.x, case.alpha.y).g1();
     let (z, h, _) = canonical(wi, case.alpha);
     let steepest = z / h;
     let ends = [f64::NEG_INFINITY].into_iter().chain(EDGES).map(|p| p.min(steepest)).chain([steepest]);
@@ -112,7 +112,7 @@ struct Counts {
 fn counted(case: &Case, seed: u64) -> Counts {
     let wi = direction_deg(case.theta_deg, 25.0);
     let ndf = if case.law == WalkLaw::Ggx { Ndf::Ggx } else { Ndf::Beckmann };
-    let lambda = |w: DVec3| Side::new(ndf, w, case.alpha.x, case.alpha.y).lambda();
+    let lambda = |w: DVec3| ArmSide::new(ndf, w, case.alpha.x, case.alpha.y).lambda();
     let walk = SmithWalk { law: case.law, alpha: case.alpha, independent_heights: case.independent };
     let (_, _, along) = canonical(wi, case.alpha);
     let zeros = || vec![0.0; CLASSES];
@@ -132,7 +132,7 @@ fn counted(case: &Case, seed: u64) -> Counts {
             _ => (1.0 + lambda(wi)) / (1.0 + lambda(wi) + lambda(wo)),
         };
         counts.lit[class] += 1.0;
-        counts.seen[class] += f64::from(matches!(ending, Ending::Out { .. }));
+        counts.seen[class] += f64::from(matches!(ending, PathEnd::Out { .. }));
         counts.expected[class] += share;
         counts.variance[class] += share * (1.0 - share);
     }

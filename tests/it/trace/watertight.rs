@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use gonio::rng::uniform;
 use gonio::sphere;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
-use gonio::trace::{Facet, Image, Outcome, Place, Sample, Walker};
+use gonio::trace::{Facet, GridTraversal, Outcome, PatchSymmetry, SurfacePoint, TracedPatch};
 use rand_pcg::Pcg64Dxsm;
 
 use crate::support::exact_rays::{Agreement, ExactFacet, ExactField, ExactRay, S};
@@ -89,7 +89,7 @@ fn compare(seed: u64, wanted: usize, on_border: bool, special: bool) -> (usize, 
     let (mut rays, mut blocked, mut touches) = (0, 0, 0);
     for exact in fields(&mut rng) {
         let field = exact.field();
-        let walker = Walker::new(&field);
+        let walker = GridTraversal::new(&field);
         let mut left = wanted;
         while left > 0 {
             let upper = whole(&mut rng, 0, 2) == 1;
@@ -142,17 +142,21 @@ fn slope(field: &Heightfield, facet: Facet) -> DVec2 {
 }
 
 /// A point anywhere on a random facet.
-fn anywhere(rng: &mut Pcg64Dxsm, field: &Heightfield) -> Place {
+fn anywhere(rng: &mut Pcg64Dxsm, field: &Heightfield) -> SurfacePoint {
     let n = field.cells_x() as i64;
     let facet =
         Facet { x: whole(rng, 0, n) as usize, y: whole(rng, 0, n) as usize, upper: whole(rng, 0, 2) == 1 };
     let (a, b) = (uniform(rng), uniform(rng));
     let (u, v) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
-    if facet.upper { Place::on(field, facet, 1.0 - u, 1.0 - v) } else { Place::on(field, facet, u, v) }
+    if facet.upper {
+        SurfacePoint::on(field, facet, 1.0 - u, 1.0 - v)
+    } else {
+        SurfacePoint::on(field, facet, u, v)
+    }
 }
 
 /// From a place to a point of an edge (one in four: a vertex) up to 8 cells away, in f64.
-fn towards_an_edge(rng: &mut Pcg64Dxsm, field: &Heightfield, from: &Place) -> DVec3 {
+fn towards_an_edge(rng: &mut Pcg64Dxsm, field: &Heightfield, from: &SurfacePoint) -> DVec3 {
     let n = field.cells_x() as i64;
     let (ox, oy) = (whole(rng, -8, 9), whole(rng, -8, 9));
     let cell = |at: usize, offset: i64| (at as i64 + offset).rem_euclid(n) as usize;
@@ -174,7 +178,7 @@ fn no_ray_aimed_at_an_edge_leaks() {
     let needles = (0..256).map(|i| if i * 7 % 13 == 0 { 1e4 } else { 0.1 * f64::from(i % 3) }).collect();
     let fields = [ggx_patch(16, 6), ggx_patch(64, 7), Heightfield::new(16, 16, true, needles)];
     for field in &fields {
-        let walker = Walker::new(field);
+        let walker = GridTraversal::new(field);
         let mut down = 0;
         while down < 400_000 {
             let from = anywhere(&mut rng, field);
@@ -196,7 +200,11 @@ fn no_ray_meets_the_facet_that_it_leaves() {
     let field = ggx_patch(64, 9);
     let mut hits = 0;
     for alpha in [0.5, 2.0, 10.0] {
-        let sample = Sample { walker: Walker::new(&field), alpha: DVec2::splat(alpha), image: Image::nth(0) };
+        let sample = TracedPatch {
+            walker: GridTraversal::new(&field),
+            alpha: DVec2::splat(alpha),
+            image: PatchSymmetry::nth(0),
+        };
         for _ in 0..20_000 {
             let mut place = anywhere(&mut rng, &field);
             let mut back = sphere::direction_deg(89.0 * uniform(&mut rng), 360.0 * uniform(&mut rng));
@@ -230,7 +238,7 @@ fn grazing_rays_end_within_their_bound() {
     let mut rng = test_rng(10);
     let field = ggx_patch(64, 11);
     let (low, high) = field.range();
-    let walker = Walker::new(&field);
+    let walker = GridTraversal::new(&field);
     for elevation in [1e-1, 1e-3, 1e-5] {
         for _ in 0..300 {
             let from = anywhere(&mut rng, &field);
@@ -247,6 +255,6 @@ fn grazing_rays_end_within_their_bound() {
     }
     // A level ray from the top of a plateau meets nothing.
     let flat = Heightfield::new(8, 8, true, vec![0.25; 64]);
-    let start = Place::on(&flat, Facet { x: 0, y: 0, upper: false }, 0.25, 0.25);
-    assert_eq!(Walker::new(&flat).walk(&start, DVec3::X), Outcome::Escaped);
+    let start = SurfacePoint::on(&flat, Facet { x: 0, y: 0, upper: false }, 0.25, 0.25);
+    assert_eq!(GridTraversal::new(&flat).walk(&start, DVec3::X), Outcome::Escaped);
 }

@@ -7,7 +7,7 @@ use gonio::instrument::{Grid, GridKind};
 use gonio::measure::Measured;
 use gonio::rng::{self, Purpose, StreamId};
 use gonio::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, store};
-use gonio::validate::two_tables::{Side, difference};
+use gonio::validate::two_tables::{ComparedTable, difference};
 use rand_pcg::Pcg64Dxsm;
 
 use crate::support::measuring::measured_one;
@@ -62,12 +62,12 @@ fn table(values: [f32; 2], stderr: [f32; 2]) -> BrdfTable {
     }
 }
 
-fn with<'a>(table: &'a BrdfTable, parts: &'a Realisations) -> Side<'a> {
-    Side { table, campaign: None, parts: Some(parts) }
+fn with<'a>(table: &'a BrdfTable, parts: &'a Realisations) -> ComparedTable<'a> {
+    ComparedTable { table, campaign: None, parts: Some(parts) }
 }
 
-fn alone(table: &BrdfTable) -> Side<'_> {
-    Side { table, campaign: None, parts: None }
+fn alone(table: &BrdfTable) -> ComparedTable<'_> {
+    ComparedTable { table, campaign: None, parts: None }
 }
 
 #[test]
@@ -110,8 +110,8 @@ fn tables_of_the_same_patches_are_paired() {
     assert!(!difference(with(&a, &in_a), with(&b, &in_b)).expect("one grid").paired);
 }
 
-fn side<'a>(measured: &'a Measured, campaign: &'a Campaign) -> Side<'a> {
-    Side { table: &measured.table, campaign: Some(campaign), parts: Some(&measured.realisations) }
+fn side<'a>(measured: &'a Measured, campaign: &'a Campaign) -> ComparedTable<'a> {
+    ComparedTable { table: &measured.table, campaign: Some(campaign), parts: Some(&measured.realisations) }
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn the_campaign_of_a_table_says_how_many_realisations_there_are() {
     let text = SMITH.replace("realisations = 8", "realisations = 2");
     let parsed = campaign::parse(&text, "c.toml", std::path::Path::new("")).expect("sound").campaign;
     let (a, b) = (table([1.5, 2.4], [0.3, 0.3]), table([1.0, 4.0], [0.3, 0.3]));
-    let side = |table| Side { campaign: Some(&parsed), ..alone(table) };
+    let side = |table| ComparedTable { campaign: Some(&parsed), ..alone(table) };
     let found = difference(side(&a), side(&b)).expect("one grid");
     assert!(found.figures.max_t.unwrap() > 3.7 && found.figures.share_outside_95 == Some(0.0), "{found:?}");
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use gonio::files::image::{self, Attribute, Part, Samples};
+use gonio::files::image::{self, Attribute, ImagePart, Samples};
 use gonio::instrument::{Grid, GridKind};
 use gonio::interchange::text::csv;
 use gonio::interchange::{foreign_table, merl};
@@ -31,7 +31,7 @@ pub fn table_bytes() -> Vec<u8> {
 }
 
 /// The table's file after `change` of its one part; its digest is left out.
-fn changed(change: impl FnOnce(&mut Part)) -> Vec<u8> {
+fn changed(change: impl FnOnce(&mut ImagePart)) -> Vec<u8> {
     let mut parts = image::decode(&table_bytes()).expect("decodes");
     parts[0].attributes.remove("gonio.digest");
     change(&mut parts[0]);

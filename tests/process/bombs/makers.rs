@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use gonio::files::image::{self, Part, Samples};
+use gonio::files::image::{self, ImagePart, Samples};
 use zip::write::SimpleFileOptions;
 
 /// Puts a bomb into a folder.
@@ -62,7 +62,7 @@ pub fn npz(members: Vec<(String, Vec<u8>, u64)>) -> Maker {
 
 /// An image whose windows are made so wide and high, followed by zeros.
 pub fn exr(name: &'static str, [width, height]: [u32; 2], length: u64) -> Maker {
-    let mut part = Part { width: 4, height: 4, ..Part::default() };
+    let mut part = ImagePart { width: 4, height: 4, ..ImagePart::default() };
     for channel in ["R", "G", "B", "height"] {
         part.channels.insert(channel.into(), Samples::F32(vec![0.0; 16]));
     }

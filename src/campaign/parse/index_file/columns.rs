@@ -12,7 +12,7 @@ enum Column {
 }
 
 /// How the columns of a block are to be read.
-struct Heading {
+struct ColumnHeader {
     columns: Vec<Column>,
     /// nm in a unit of the wavelengths; `None` where no heading says it.
     unit: Option<f64>,
@@ -20,7 +20,7 @@ struct Heading {
 
 /// What stands between two numbers, and whether their point is a comma.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Style {
+enum Separator {
     /// `;` or tabs: a comma inside a number is its point.
     Marked(char),
     Commas,
@@ -37,8 +37,8 @@ enum Style {
 pub(crate) fn parse(text: &str) -> Result<Dispersion, String> {
     let style = style_of(text)?;
     let (mut n, mut k) = (Points::default(), Points::default());
-    let mut heading: Option<Heading> = None;
-    let mut whole = style == Style::Commas;
+    let mut heading: Option<ColumnHeader> = None;
+    let mut whole = style == Separator::Commas;
     for (number, line) in lines(text) {
         let fields = fields_of(style, line);
         let numbers: Vec<f64> = fields.iter().filter_map(|field| number_of(style, field)).collect();
@@ -46,7 +46,7 @@ pub(crate) fn parse(text: &str) -> Result<Dispersion, String> {
             heading = Some(heading_of(&fields).map_err(|why| format!("line {number}: {why}"))?);
             continue;
         }
-        let Heading { columns, unit } = heading.get_or_insert_with(|| unnamed(fields.len()));
+        let ColumnHeader { columns, unit } = heading.get_or_insert_with(|| unnamed(fields.len()));
         if numbers.len() != fields.len() || numbers.len() != columns.len() {
             return Err(format!("line {number}: `{line}` is not {}", named(columns)));
         }
@@ -105,14 +105,16 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 }
 
 /// Marks that no number holds come first; commas between blanks are neither points nor marks for certain.
-fn style_of(text: &str) -> Result<Style, String> {
+fn style_of(text: &str) -> Result<Separator, String> {
     let data = || lines(text).filter(|(_, line)| line.starts_with(|c: char| c.is_ascii_digit() || c == '.'));
     for mark in [';', '\t'] {
         if data().any(|(_, line)| line.contains(mark)) {
-            return Ok(Style::Marked(mark));
+            return Ok(Separator::Marked(mark));
         }
     }
-    let Some((number, line)) = data().find(|(_, line)| line.contains(',')) else { return Ok(Style::Blanks) };
+    let Some((number, line)) = data().find(|(_, line)| line.contains(',')) else {
+        return Ok(Separator::Blanks);
+    };
     // `400 1,5` has a comma inside what blanks set apart; `400, 1.5` has one behind each number.
     let inside = |word: &str| word.trim_end_matches(',').contains(',');
     if line.contains(' ') && line.split(' ').any(inside) {
@@ -120,29 +122,30 @@ fn style_of(text: &str) -> Result<Style, String> {
             "line {number}: `{line}`: is the comma a decimal point? Write points, or put ; between the columns"
         ));
     }
-    Ok(Style::Commas)
+    Ok(Separator::Commas)
 }
 
-fn fields_of(style: Style, line: &str) -> Vec<&str> {
+fn fields_of(style: Separator, line: &str) -> Vec<&str> {
     let fields: Vec<&str> = match style {
-        Style::Marked(mark) => line.split(mark).map(str::trim).collect(),
-        Style::Commas => line.split(',').map(str::trim).collect(),
-        Style::Blanks => line.split_whitespace().collect(),
+        Separator::Marked(mark) => line.split(mark).map(str::trim).collect(),
+        Separator::Commas => line.split(',').map(str::trim).collect(),
+        Separator::Blanks => line.split_whitespace().collect(),
     };
     // One mark too many at the end of a line is common.
     let last = fields.iter().rposition(|field| !field.is_empty()).map_or(0, |at| at + 1);
     fields[..last].to_vec()
 }
 
-fn number_of(style: Style, field: &str) -> Option<f64> {
-    let marked = matches!(style, Style::Marked(_)) && field.matches(',').count() == 1 && !field.contains('.');
+fn number_of(style: Separator, field: &str) -> Option<f64> {
+    let marked =
+        matches!(style, Separator::Marked(_)) && field.matches(',').count() == 1 && !field.contains('.');
     if marked { field.replace(',', ".").parse().ok() } else { field.parse().ok() }
 }
 
 /// Columns without a heading.
-fn unnamed(count: usize) -> Heading {
+fn unnamed(count: usize) -> ColumnHeader {
     let columns = [Column::Wavelength, Column::N, Column::K];
-    Heading { columns: columns[..if count == 2 { 2 } else { 3 }].to_vec(), unit: None }
+    ColumnHeader { columns: columns[..if count == 2 { 2 } else { 3 }].to_vec(), unit: None }
 }
 
 fn named(columns: &[Column]) -> String {
@@ -155,8 +158,8 @@ fn named(columns: &[Column]) -> String {
 }
 
 /// What a line of words says of the columns below it.
-fn heading_of(fields: &[&str]) -> Result<Heading, String> {
-    let mut heading = Heading { columns: Vec::new(), unit: None };
+fn heading_of(fields: &[&str]) -> Result<ColumnHeader, String> {
+    let mut heading = ColumnHeader { columns: Vec::new(), unit: None };
     for field in fields.iter().filter(|field| !is_unit(field)) {
         let name = bare(field);
         let word = name.split(['_', ' ', '(', '[', ',', '/']).next().unwrap_or_default();

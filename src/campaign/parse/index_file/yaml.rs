@@ -13,7 +13,7 @@ pub(crate) fn looks_like(text: &str) -> bool {
 
 /// One entry of `DATA`: its type, its keys, and the rows of its `data`.
 #[derive(Default)]
-struct Entry<'a> {
+struct DataEntry<'a> {
     kind: &'a str,
     line: usize,
     range: &'a str,
@@ -50,8 +50,8 @@ pub(crate) fn parse(text: &str) -> Result<Dispersion, String> {
     Dispersion::new(eta.ok_or("its DATA holds no n")?, k)
 }
 
-fn entries(text: &str) -> Result<Vec<Entry<'_>>, String> {
-    let mut entries: Vec<Entry> = Vec::new();
+fn entries(text: &str) -> Result<Vec<DataEntry<'_>>, String> {
+    let mut entries: Vec<DataEntry> = Vec::new();
     let mut inside = false;
     for (number, line) in (1..).zip(text.lines()) {
         let bare = line.trim();
@@ -68,7 +68,7 @@ fn entries(text: &str) -> Result<Vec<Entry<'_>>, String> {
         }
         let bare = match bare.strip_prefix("- ") {
             Some(rest) => {
-                entries.push(Entry { line: number, ..Entry::default() });
+                entries.push(DataEntry { line: number, ..DataEntry::default() });
                 rest.trim()
             }
             None => bare,
@@ -96,7 +96,7 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
 }
 
 /// The first of `names` over the wavelength; n and k follow each other on a line.
-fn table(entry: &Entry, names: &[&str]) -> Result<Option<Curve>, String> {
+fn table(entry: &DataEntry, names: &[&str]) -> Result<Option<Curve>, String> {
     let columns = if entry.kind == "tabulated nk" { 3 } else { 2 };
     let at = if names == ["k"] { columns - 1 } else { 1 };
     let mut points = Points::default();
@@ -108,7 +108,7 @@ fn table(entry: &Entry, names: &[&str]) -> Result<Option<Curve>, String> {
     Ok(points.curve())
 }
 
-fn formula(entry: &Entry, pole: fn(f64) -> f64) -> Result<Curve, String> {
+fn formula(entry: &DataEntry, pole: fn(f64) -> f64) -> Result<Curve, String> {
     let range =
         numbers(entry.range).filter(|range| range.len() == 2 && range[0] > 0.0 && range[0] < range[1]);
     let range =

@@ -2,12 +2,12 @@
 
 use std::io::BufRead;
 
-use super::lines::Lines;
+use super::lines::NumberLines;
 use crate::interchange::Reason;
 
 /// What the four lists of angles are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Parameters {
+pub enum AngleKind {
     /// theta_i, phi_i, theta_o, phi_o.
     #[default]
     Spherical,
@@ -19,8 +19,8 @@ pub enum Parameters {
 
 /// What stands before the values.
 #[derive(Default)]
-pub struct Header {
-    pub parameters: Parameters,
+pub struct SsddHeader {
+    pub parameters: AngleKind,
     /// Degrees; the second is 0 where the file has none.
     pub lists: [Vec<f64>; 4],
     /// What is added to the polar angle of the mirror direction at each theta_i; empty for nothing.
@@ -39,13 +39,13 @@ pub struct Header {
     pub binary: bool,
 }
 
-impl Header {
+impl SsddHeader {
     /// Everything up to the values.
-    pub fn read(lines: &mut Lines<impl BufRead>) -> Reason<Self> {
+    pub fn read(lines: &mut NumberLines<impl BufRead>) -> Reason<Self> {
         if lines.next()?.is_none_or(|(_, line)| !line.starts_with("VERSION ")) {
             return Err("no VERSION line: not an SSDD file".into());
         }
-        let mut found = Header::default();
+        let mut found = SsddHeader::default();
         loop {
             let Some((number, line)) = lines.next()? else { return Err("no DATA line".into()) };
             let (key, value) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
@@ -72,10 +72,10 @@ impl Header {
             ("DATA", _) => return needs("ascii or binary"),
             ("DATA_TYPE", "brdf") => {}
             ("DATA_TYPE", _) => return needs("brdf"),
-            ("PARAM_TYPE", "spherical_coordinate_system") => self.parameters = Parameters::Spherical,
-            ("PARAM_TYPE", "specular_coordinate_system") => self.parameters = Parameters::Specular,
+            ("PARAM_TYPE", "spherical_coordinate_system") => self.parameters = AngleKind::Spherical,
+            ("PARAM_TYPE", "specular_coordinate_system") => self.parameters = AngleKind::Specular,
             ("PARAM_TYPE", "half_difference_coordinate_system") => {
-                self.parameters = Parameters::HalfDifference;
+                self.parameters = AngleKind::HalfDifference;
             }
             ("PARAM_TYPE", _) => {
                 return needs("spherical_, specular_ or half_difference_coordinate_system");
@@ -122,7 +122,7 @@ impl Header {
             self.lists[1].push(0.0);
         }
         let offsets = self.offsets.len();
-        if offsets > 0 && (self.parameters != Parameters::Specular || offsets != self.lists[0].len()) {
+        if offsets > 0 && (self.parameters != AngleKind::Specular || offsets != self.lists[0].len()) {
             return Err(
                 "PARAM4_LIST: specular_coordinate_system and an offset for each angle of PARAM0_LIST \
                         needed"

@@ -6,15 +6,15 @@ use crate::interchange::Reason;
 use crate::text_decoding::decode_text_or_latin1;
 
 /// The lines of a file that are not empty, without comments and the space round them, and their numbers.
-pub struct Lines<R> {
+pub struct NumberLines<R> {
     /// Stands behind the last line that was read.
     pub file: R,
     number: usize,
 }
 
-impl<R: BufRead> Lines<R> {
+impl<R: BufRead> NumberLines<R> {
     pub fn of(file: R) -> Self {
-        Lines { file, number: 0 }
+        NumberLines { file, number: 0 }
     }
 
     /// The next of them; comments may be of any characters.

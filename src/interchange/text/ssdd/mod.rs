@@ -23,8 +23,8 @@ use crate::interchange::{Fail, Reason};
 use crate::sphere;
 use crate::table::BrdfTable;
 use crate::text_decoding::without_mark;
-use header::{Header, Parameters};
-use lines::Lines;
+use header::{AngleKind, SsddHeader};
+use lines::NumberLines;
 
 /// How the values are meant.
 pub const CONVENTION: &str = "spherical coordinates in degrees (theta_i, phi_i, theta_o, phi_o), phi_o = phi_i + 180 is the \
@@ -107,16 +107,14 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
 /// Held by: tests/it/interchange/interchange_ssdd.rs.
 pub fn read_with_notes(bytes: &[u8]) -> Reason<(Imported, Vec<String>)> {
     let bytes = without_mark(bytes)?;
-    let mut lines = Lines::of(&*bytes);
-    let header = Header::read(&mut lines)?;
+    let mut lines = NumberLines::of(&*bytes);
+    let header = SsddHeader::read(&mut lines)?;
     let (values, mut notes) = values::all(&mut lines, &header, bytes.len())?;
     let values = if header.xyz { to_rgb(values) } else { values };
     let (imported, more) = match header.parameters {
-        Parameters::Spherical => {
-            (Imported::Table(seam::dropped(spherical::table(&header, values)?)?), vec![])
-        }
-        Parameters::Specular => specular::function(&header, values)?,
-        Parameters::HalfDifference => half_difference::imported(&header, values)?,
+        AngleKind::Spherical => (Imported::Table(seam::dropped(spherical::table(&header, values)?)?), vec![]),
+        AngleKind::Specular => specular::function(&header, values)?,
+        AngleKind::HalfDifference => half_difference::imported(&header, values)?,
     };
     notes.extend(more);
     Ok((imported, notes))
@@ -134,8 +132,8 @@ fn to_rgb(mut total: Vec<Vec<f32>>) -> Vec<Vec<f32>> {
 
 /// Holds a file of the table's own angles to the table, line by line, each value at its angles.
 pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
-    let mut lines = Lines::of(file);
-    let header = Header::read(&mut lines)?;
+    let mut lines = NumberLines::of(file);
+    let header = SsddHeader::read(&mut lines)?;
     let grid = spherical::grid(&header)?;
     let sizes = (grid.stops(), grid.bins(), header.colours);
     if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::azimuths::{Azimuths, merged, seam_note};
-use super::header::Header;
+use super::header::SsddHeader;
 use crate::interchange::import::Imported;
 use crate::interchange::resample::default_grid;
 use crate::interchange::text::zemax::{Zemax, rotation_deg};
@@ -31,7 +31,7 @@ impl Brdf for Specular {
 }
 
 /// The function that a file's values are, and what is to be said of them.
-pub fn function(header: &Header, total: Vec<Vec<f32>>) -> Reason<(Imported, Vec<String>)> {
+pub fn function(header: &SsddHeader, total: Vec<Vec<f32>>) -> Reason<(Imported, Vec<String>)> {
     if header.reciprocal {
         return Err("REDUCTION_TYPE reciprocity: half_difference_coordinate_system needed".into());
     }

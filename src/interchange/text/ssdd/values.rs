@@ -2,14 +2,14 @@
 
 use std::io::BufRead;
 
-use super::header::Header;
-use super::lines::Lines;
+use super::header::SsddHeader;
+use super::lines::NumberLines;
 use crate::interchange::Reason;
 
 /// The values of each colour by the four angles, the first slowest; and what is to be said of what follows them.
 pub fn all(
-    lines: &mut Lines<impl BufRead>,
-    header: &Header,
+    lines: &mut NumberLines<impl BufRead>,
+    header: &SsddHeader,
     bytes: usize,
 ) -> Reason<(Vec<Vec<f32>>, Vec<String>)> {
     let (sizes, colours) = (header.sizes(), header.colours);
@@ -33,8 +33,8 @@ pub fn all(
 ///
 /// Held by: `ssdd_says_what_it_does_not_read` (tests/it/interchange/interchange_ssdd.rs).
 pub fn each(
-    lines: &mut Lines<impl BufRead>,
-    header: &Header,
+    lines: &mut NumberLines<impl BufRead>,
+    header: &SsddHeader,
     mut visit: impl FnMut(usize, usize, usize, f32),
 ) -> Reason<Option<String>> {
     let ([n0, n1, n2, n3], colours) = (header.sizes(), header.colours);

@@ -48,7 +48,7 @@ pub fn text(file: &Zemax) -> String {
 }
 
 /// What stands before the data.
-struct Header {
+struct ZemaxHeader {
     symmetric: bool,
     channels: &'static [&'static str],
     lists: [Vec<f64>; 4],
@@ -75,7 +75,7 @@ pub fn parse(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
     };
     check(&file, azimuths)?;
     let sizes = [rotations.len(), light.len(), azimuths.len(), radials.len()];
-    let mut seen = Seen::default();
+    let mut seen = ValueCheck::default();
     let (mut tis, mut values) = (vec![vec![]; header.channels.len()], vec![vec![]; header.channels.len()]);
     for _ in header.channels {
         let channel = channel(&mut words, header.channels)?;
@@ -124,8 +124,8 @@ fn is(word: &str, key: &str) -> bool {
 }
 
 /// Everything up to the name of the first channel, or its data.
-fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Reason<Header> {
-    let mut header = Header { symmetric: true, channels: &["Monochrome"], lists: Default::default() };
+fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Reason<ZemaxHeader> {
+    let mut header = ZemaxHeader { symmetric: true, channels: &["Monochrome"], lists: Default::default() };
     loop {
         let word = *words.peek().ok_or("no DataBegin: not a Zemax BSDF")?;
         if is(word, "DataBegin")
@@ -190,7 +190,7 @@ fn channel<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>, channels: &[
 
 /// What the values were before they were held.
 #[derive(Default)]
-struct Seen {
+struct ValueCheck {
     values: usize,
     negative: usize,
     least: f64,
@@ -201,7 +201,7 @@ fn block<'a>(
     words: &mut impl Iterator<Item = &'a str>,
     count: usize,
     values: &mut Vec<f64>,
-    seen: &mut Seen,
+    seen: &mut ValueCheck,
 ) -> Reason<f64> {
     if !words.next().is_some_and(|word| is(word, "TIS")) {
         return Err("TIS needed before the values of each incidence".into());
@@ -227,12 +227,12 @@ fn number(word: Option<&str>) -> Reason<f64> {
 
 /// Angles that go round: reduced to [0, 360), increasing; and for each where the list has it. Two places for an angle
 /// that is there at both ends.
-struct Circle {
+struct AngleCircle {
     angles: Vec<f64>,
     places: Vec<Vec<usize>>,
 }
 
-fn circle(key: &str, list: &[f64]) -> Reason<Circle> {
+fn circle(key: &str, list: &[f64]) -> Reason<AngleCircle> {
     let (first, last) = (list[0], list[list.len() - 1]);
     if first < -360.0 || last > 360.0 || last - first > 360.0 + SAME {
         return Err(format!(
@@ -245,7 +245,7 @@ fn circle(key: &str, list: &[f64]) -> Reason<Circle> {
         list[..open].iter().map(|&angle| sphere::reduced_deg(angle)).zip(0..).collect();
     nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
     let places = |&(_, place): &(f64, usize)| if closed && place == 0 { vec![0, open] } else { vec![place] };
-    Ok(Circle {
+    Ok(AngleCircle {
         angles: nodes.iter().map(|node| node.0).collect(),
         places: nodes.iter().map(places).collect(),
     })

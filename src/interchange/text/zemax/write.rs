@@ -32,13 +32,13 @@ const AZIMUTHS: usize = 4;
 struct Incidence {
     theta_deg: f64,
     /// By rotation.
-    blocks: Vec<Block>,
+    blocks: Vec<IncidenceBlock>,
     /// Nothing is missing between this one and the next.
     is_settled: bool,
 }
 
 /// The values of one incidence and rotation.
-struct Block {
+struct IncidenceBlock {
     values: Vec<f32>,
     /// The table's, where its bins have sizes.
     albedo: Option<f64>,
@@ -67,7 +67,7 @@ pub fn write(table: &BrdfTable, lookup: &Lookup) -> Reason<(String, Vec<String>)
     };
     let turns: Vec<usize> = turns.iter().map(|turn| turn.1).collect();
     let at_stop = |ti: usize| {
-        let blocks = turns.par_iter().map(|&pi| Block {
+        let blocks = turns.par_iter().map(|&pi| IncidenceBlock {
             values: stop_values(&file, lookup, (ti, pi)),
             albedo: albedo(table, lookup.theta_i()[ti], lookup.phi_i()[pi]),
         });
@@ -96,7 +96,7 @@ fn deg(angle: f64) -> f64 {
 fn fill(file: &mut Zemax, incidences: &[Incidence]) -> Vec<String> {
     file.light = incidences.iter().map(|incidence| incidence.theta_deg).collect();
     let by_turn = |turn: usize| incidences.iter().map(move |incidence| &incidence.blocks[turn]);
-    let blocks: Vec<&Block> = (0..file.rotations.len()).flat_map(by_turn).collect();
+    let blocks: Vec<&IncidenceBlock> = (0..file.rotations.len()).flat_map(by_turn).collect();
     file.values = vec![blocks.iter().flat_map(|block| block.values.iter().copied()).collect()];
     let integrals = file.integrals(0);
     let tis: Vec<f64> =
@@ -154,7 +154,7 @@ fn between(file: &Zemax, lookup: &Lookup, turns: &[usize], theta_deg: f64, most:
         let values = values(file, theta, |out| lookup.brdf(wi, sphere::turned(out, phi.sin_cos()))[0]);
         let to = samples(wi, lookup.guide().lobe(), SAMPLES);
         let albedo = most.map(|most| integral(&to, |wo| lookup.brdf(wi, wo))[0].min(most));
-        Block { values, albedo }
+        IncidenceBlock { values, albedo }
     };
     Incidence { theta_deg, blocks: turns.par_iter().map(block).collect(), is_settled: false }
 }
