@@ -23,15 +23,15 @@ fn kernels(criterion: &mut Criterion) {
         let w = sphere::direction_deg(80.0 * rng::uniform(&mut rng), 360.0 * rng::uniform(&mut rng));
         rays.push(&start, DVec3::new(0.5 * w.x, 0.5 * w.y, w.z));
     }
-    let mut answers = HitBuffer::default();
+    let mut hits = HitBuffer::default();
     let mut group = criterion.benchmark_group("kernel");
     group.sample_size(20).throughput(Throughput::Elements(RAYS));
     for kernel in Kernel::ALL.into_iter().filter(|kernel| kernel.available()) {
         group.bench_function(BenchmarkId::new("any_hit", kernel.name()), |bencher| {
-            bencher.iter(|| lanes.any_hit(kernel, &rays, &mut answers));
+            bencher.iter(|| lanes.any_hit(kernel, &rays, &mut hits));
         });
         group.bench_function(BenchmarkId::new("closest_hit", kernel.name()), |bencher| {
-            bencher.iter(|| lanes.closest_hit(kernel, &rays, &mut answers));
+            bencher.iter(|| lanes.closest_hit(kernel, &rays, &mut hits));
         });
     }
     group.finish();

@@ -45,7 +45,7 @@ impl<'a> FromAbove<'a> {
                 let start = self.start(x, y);
                 if self.back.is_none() {
                     let SurfacePoint { facet, u, v, .. } = start;
-                    visit(SurfacePoint::on(self.over.walker().field(), facet, u, v));
+                    visit(SurfacePoint::on(self.over.traversal().field(), facet, u, v));
                     continue;
                 }
                 wave.push(start);
@@ -59,14 +59,14 @@ impl<'a> FromAbove<'a> {
 
     /// The start of the ray that comes down to the highest height at (x, y), shares of the patch's sides.
     fn start(&self, x: f64, y: f64) -> SurfacePoint {
-        let field = self.over.walker().field();
+        let field = self.over.traversal().field();
         let back = self.back.unwrap_or(DVec3::ZERO);
         let of = |share: f64, cells: usize, back: f64| {
             let at = share * cells as f64 + back;
             ((at.floor() as i64).rem_euclid(cells as i64) as usize, at - at.floor())
         };
         let ((x, u), (y, v)) = (of(x, field.cells_x(), back.x), of(y, field.cells_y(), back.y));
-        let z = self.over.walker().range().1 + back.z;
+        let z = self.over.traversal().range().1 + back.z;
         SurfacePoint { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z }
     }
 
@@ -88,7 +88,7 @@ impl<'a> FromAbove<'a> {
             waves.closest_hit(&self.over, wave.len(), |k| (&wave[k], down), |_, outcome| end(outcome));
         } else {
             // From far above f32 would not know where the ray comes down.
-            wave.iter().for_each(|start| end(self.over.walk_long(start, down)));
+            wave.iter().for_each(|start| end(self.over.traverse_long(start, down)));
         }
         wave.clear();
         lost

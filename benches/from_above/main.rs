@@ -79,8 +79,11 @@ fn main() {
     let field = patch(CELLS);
     let (index, lanes) = (SlopeIndex::new(&field).expect("periodic"), MaxPyramid::new(&field).expect("2^10"));
     let over = SimdTraversal::new(GridTraversal::new(&field), &lanes, Kernel::widest());
-    let sample =
-        TracedPatch { walker: *over.walker(), alpha: DVec2::splat(ALPHA), image: PatchSymmetry::default() };
+    let sample = TracedPatch {
+        traversal: *over.traversal(),
+        alpha: DVec2::splat(ALPHA),
+        image: PatchSymmetry::default(),
+    };
     println!("theta_i  bins  time  variance  time to an equal error  largest |t| of the means");
     for theta in [0.0, 30.0, 60.0, 75.0] {
         let wi = sphere::direction_deg(theta, 20.0);

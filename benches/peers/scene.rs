@@ -58,7 +58,7 @@ pub struct Row {
     pub seconds: Vec<f64>,
     /// Share of the samples that escape.
     pub escaped: f64,
-    /// Share of the rays that the f64 walk answers otherwise; for paths the summed differences of the arrivals'
+    /// Share of the rays that the f64 walk hits otherwise; for paths the summed differences of the arrivals'
     /// histogram over the samples.
     pub differs: f64,
 }
@@ -96,8 +96,8 @@ impl Scene {
         let rays: Vec<[f32; 6]> = values.as_chunks().0.to_vec();
         let lanes = MaxPyramid::new(&self.field)
             .ok_or_else(|| format!("{} cells a side: the lanes take powers of two from 8", self.cells))?;
-        let walker = GridTraversal::new(&self.field);
-        let over = SimdTraversal::new(walker, &lanes, kernel);
+        let traversal = GridTraversal::new(&self.field);
+        let over = SimdTraversal::new(traversal, &lanes, kernel);
         let mut seconds = Vec::new();
         let mut found = Tracing::default();
         for repetition in 0..=repetitions {
@@ -108,7 +108,7 @@ impl Scene {
             }
         }
         seconds.sort_by(f64::total_cmp);
-        let reference = work::trace_by_walk(work, &walker, &rays);
+        let reference = work::trace_by_walk(work, &traversal, &rays);
         Ok(Row {
             work,
             samples: rays.len(),

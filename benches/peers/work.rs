@@ -63,7 +63,7 @@ pub fn trace(work: Workload, over: &SimdTraversal, rays: &[[f32; 6]]) -> Tracing
     let mut waves = Waves::default();
     let mut now: Vec<Ray> = Vec::new();
     let mut next: Vec<Ray> = Vec::new();
-    let field = over.walker().field();
+    let field = over.traversal().field();
     for batch in rays.chunks(BATCH) {
         now.clear();
         now.extend(batch.iter().map(|ray| start_of(field, ray)));
@@ -103,18 +103,18 @@ pub fn trace(work: Workload, over: &SimdTraversal, rays: &[[f32; 6]]) -> Tracing
 }
 
 /// Traces a workload ray by ray in f64.
-pub fn trace_by_walk(work: Workload, walker: &GridTraversal, rays: &[[f32; 6]]) -> Tracing {
+pub fn trace_by_walk(work: Workload, traversal: &GridTraversal, rays: &[[f32; 6]]) -> Tracing {
     let mut found = Tracing::of(work, rays.len());
-    let field = walker.field();
+    let field = traversal.field();
     for ray in rays {
         let (mut place, mut d) = start_of(field, ray);
         if matches!(work, Workload::Mask | Workload::Shadow) {
-            found.blocked.push(matches!(walker.walk(&place, d), Outcome::Hit(_)));
+            found.blocked.push(matches!(traversal.traverse(&place, d), Outcome::Hit(_)));
             continue;
         }
         let bounces = if work == Workload::Full { 1 } else { MOST_BOUNCES };
         for bounce in 0..=bounces {
-            match walker.walk(&place, d) {
+            match traversal.traverse(&place, d) {
                 Outcome::Hit(hit) => {
                     (place, d) = (hit, mirrored(&field.corners(hit.facet.x, hit.facet.y), &hit, d))
                 }

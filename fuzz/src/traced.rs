@@ -24,10 +24,11 @@ pub fn trace(bytes: &[u8]) {
     let place = SurfacePoint::on(&field, facet, u, v);
     let part = |byte: u8| f64::from(byte) - 128.0;
     let d = DVec3::new(part(*dx), part(*dy), part(*dz));
-    let walker = GridTraversal::new(&field);
-    if walker.step_limit(place.z, d) < 1 << 20 {
+    let traversal = GridTraversal::new(&field);
+    if traversal.step_limit(place.z, d) < 1 << 20 {
         let peaks = TilePeaks::new(&field);
-        let (plain, tiles) = (walker.walk(&place, d), walker.with_peaks(&peaks).walk(&place, d));
+        let (plain, tiles) =
+            (traversal.traverse(&place, d), traversal.with_peaks(&peaks).traverse(&place, d));
         assert!(d.z == 0.0 || plain == tiles, "{plain:?} or {tiles:?}: {place:?} along {d:?}");
     }
 }

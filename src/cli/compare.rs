@@ -79,7 +79,7 @@ fn by_rows(arguments: &Arguments) -> Result<u8> {
         if needs_all { Err(table_file::too_large(&rows)) } else { Ok(rows) }
     };
     let (mut a, mut b) = (open(&arguments.a)?, open(&arguments.b)?);
-    let campaigns = [&a, &b].map(|rows| table_file::campaign_if_any(rows.path(), rows.heading()));
+    let campaigns = [&a, &b].map(|rows| table_file::campaign_if_any(rows.path(), rows.header()));
     let parts = [&a, &b].map(table_file::realisations_beside_rows);
     let ([in_a, in_b], [of_a, of_b]) = (campaigns, parts);
     let (in_a, in_b, of_a, of_b) = (in_a?, in_b?, of_a?, of_b?);

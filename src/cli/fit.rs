@@ -90,8 +90,8 @@ fn lines(fits: &Fits) -> Vec<String> {
             ]);
         }
     }
-    let headings = ["model", "masking", "parameter", "value", "+-", "chi2/dof", "l1", "behind"];
-    lines.extend(columns(&headings, &rows));
+    let headers = ["model", "masking", "parameter", "value", "+-", "chi2/dof", "l1", "behind"];
+    lines.extend(columns(&headers, &rows));
     lines.extend(lost(fits));
     lines.extend(wrapped("+-: ", &kind_of_errors(fits)));
     let (first, whole) =

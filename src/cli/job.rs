@@ -4,9 +4,9 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::ending::{self, Leaving};
-use super::kept::{self, ResumableRun, RunStore};
 use super::measure::Arguments;
 use super::results::{self, Results};
+use super::run_store::{self, ResumableRun, RunStore};
 use super::targets::TablePaths;
 use super::text::output::{Output, warn};
 use super::text::plan;
@@ -20,30 +20,25 @@ use crate::validate::prediction::aperture::worst;
 /// What is measured in one run.
 pub struct MeasureJob<'a> {
     pub arguments: &'a Arguments,
-    pub keeping: &'a RunStore,
+    pub store: &'a RunStore,
     pub campaign: Campaign,
 }
 
 impl MeasureJob<'_> {
     /// Measures what is missing, after what was found.
-    pub fn run(
-        &self,
-        unfinished: ResumableRun,
-        plan: &Plan,
-        out: &mut Output,
-    ) -> Result<(RunState, Patches)> {
+    pub fn run(&self, resumable: ResumableRun, plan: &Plan, out: &mut Output) -> Result<(RunState, Patches)> {
         let MeasureJob { campaign, .. } = self;
-        let number = unfinished.number();
-        let ledger = unfinished.ledger(campaign, plan)?;
+        let number = resumable.number();
+        let run_state = resumable.run_state(campaign, plan)?;
         let patches = self.patches(plan, out)?;
-        let progress = RunProgress::after(ledger.starts(plan), plan.total_samples, "samples");
+        let progress = RunProgress::after(run_state.starts(plan), plan.total_samples, "samples");
         let add = |starts| progress.add(starts);
         let leaving = Leaving(|error| self.with_advice(error));
         let session = self.session(&add, &leaving, number)?;
-        let ended = measure::go_on(campaign, plan, &patches, ledger, &session);
+        let ended = measure::go_on(campaign, plan, &patches, run_state, &session);
         progress.finish();
-        let ledger = ended.map_err(|error| self.with_advice(error))?;
-        Ok((ledger, patches))
+        let run_state = ended.map_err(|error| self.with_advice(error))?;
+        Ok((run_state, patches))
     }
 
     fn session<'a>(
@@ -52,24 +47,24 @@ impl MeasureJob<'_> {
         ending: &'a dyn ProcessEnd,
         number: u64,
     ) -> Result<Session<'a>> {
-        let (checkpoint, pace) = (Some((&self.keeping.checkpoint, number)), kept::pace()?);
+        let (checkpoint, pace) = (Some((&self.store.checkpoint, number)), run_store::pace()?);
         let (interrupted, ending) = (ending::asked(), Some(ending));
         Ok(Session { progress, note: &|text| warn(text), interrupted, checkpoint, pace, ending })
     }
 
     fn with_advice(&self, error: Error) -> Error {
-        kept::with_advice(error, self.keeping, self.arguments)
+        run_store::with_advice(error, self.store, self.arguments)
     }
 
     /// Measures all stops, and writes their tables.
     pub fn run_at_once(
         &self,
-        (unfinished, plan): (ResumableRun, &Plan),
+        (resumable, plan): (ResumableRun, &Plan),
         open: &[&TablePaths],
         out: &mut Output,
     ) -> Result<()> {
-        let (ledger, patches) = self.run(unfinished, plan, out)?;
-        let mut tables = Some(measure::tables(&self.campaign, plan, ledger));
+        let (run_state, patches) = self.run(resumable, plan, out)?;
+        let mut tables = Some(measure::tables(&self.campaign, plan, run_state));
         let all = |_| tables.take().ok_or_else(|| Error::Internal("one run in two bands".into()));
         self.results(plan, open).write_all(all, |table| specimen::of_patches(&patches, &table.campaign), out)
     }
@@ -77,16 +72,16 @@ impl MeasureJob<'_> {
     /// A table that does not fit the memory: measured and written in bands, each kept until the end.
     pub fn run_in_bands(
         &self,
-        (unfinished, plan): (ResumableRun, &Plan),
+        (resumable, plan): (ResumableRun, &Plan),
         open: &[&TablePaths],
         out: &mut Output,
     ) -> Result<()> {
-        let MeasureJob { arguments, keeping, campaign } = self;
-        let (number, first) = (unfinished.number(), unfinished.path().map(Path::to_path_buf));
-        let ResumableRun { found, bands } = unfinished;
-        let files = (&keeping.bands, &keeping.checkpoint);
+        let MeasureJob { arguments, store, campaign } = self;
+        let (number, first) = (resumable.number(), resumable.path().map(Path::to_path_buf));
+        let ResumableRun { found, bands } = resumable;
+        let files = (&store.bands, &store.checkpoint);
         let mut run = BandRun::new((campaign, plan), files, bands, found)?;
-        first.iter().for_each(|path| kept::goes_on(path, run.starts(), plan));
+        first.iter().for_each(|path| run_store::goes_on(path, run.starts(), plan));
         let patches = self.patches(plan, out)?.for_bands(campaign, arguments.memory())?;
         let progress = RunProgress::after(run.starts(), plan.total_samples, "samples");
         let add = |starts| progress.add(starts);
@@ -119,7 +114,7 @@ impl MeasureJob<'_> {
             None => Patches::prepare(campaign, &mut notes)?,
         };
         notes.iter().for_each(warn);
-        self.keeping.room_for(disk).iter().for_each(warn);
+        self.store.room_for(disk).iter().for_each(warn);
         if !arguments.json {
             out.lines(plan::facts(campaign, plan, disk))?;
             out.lines(worst(campaign).iter().flat_map(plan::aperture))?;

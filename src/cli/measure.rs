@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::ending;
 use super::job::MeasureJob;
-use super::kept::{self, RunStore};
 use super::results::cost_lines;
+use super::run_store::{self, RunStore};
 use super::targets::{self, TablePaths};
 use super::text::output;
 use super::text::output::{Output, say, warn};
@@ -71,13 +71,13 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
     let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign));
     let _lock = Lock::take(&folder, &stem)?;
-    let keeping = RunStore::of(&folder, &stem);
+    let store = RunStore::of(&folder, &stem);
     let (again, kept_there) = (arguments.again(), RunStore::of(&folder, &stem));
-    ending::advise(move || kept::advice(&kept_there, &again));
+    ending::advise(move || run_store::advice(&kept_there, &again));
     let mut out = Output::default();
     match arguments.shard {
-        Some(shard) => one_shard(arguments, campaign, shard, (&folder.join(stem), &keeping), &mut out)?,
-        None => whole(arguments, &campaign, (&folder, &keeping), &mut out)?,
+        Some(shard) => one_shard(arguments, campaign, shard, (&folder.join(stem), &store), &mut out)?,
+        None => whole(arguments, &campaign, (&folder, &store), &mut out)?,
     }
     Ok(0)
 }
@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 fn whole(
     arguments: &Arguments,
     campaign: &Campaign,
-    (folder, keeping): (&Path, &RunStore),
+    (folder, store): (&Path, &RunStore),
     out: &mut Output,
 ) -> Result<()> {
     let all = TablePaths::of(campaign, folder);
@@ -102,21 +102,21 @@ fn whole(
         if arguments.json { say(text) } else { out.line(text)? }
     }
     if open.is_empty() {
-        keeping.remove_finished(campaign, None)?;
+        store.remove_finished(campaign, None)?;
     } else {
-        let unfinished = keeping.find(arguments.resume, arguments.force)?;
-        let measured = unfinished.measured(&all, open.clone());
-        let job = MeasureJob { arguments, keeping, campaign: of_targets(campaign, &measured) };
-        unfinished.check(&job.campaign, None, &arguments.campaign)?;
-        let plan = match unfinished.stops_at_a_time() {
+        let resumable = store.find(arguments.resume, arguments.force)?;
+        let measured = resumable.measured(&all, open.clone());
+        let job = MeasureJob { arguments, store, campaign: of_targets(campaign, &measured) };
+        resumable.check(&job.campaign, None, &arguments.campaign)?;
+        let plan = match resumable.stops_at_a_time() {
             // Whatever memory is free by now.
             Some(stops) => measure::plan_in_bands(&job.campaign, stops, arguments.memory())?,
             None => arguments.plan(&job.campaign)?,
         };
         let in_bands = plan.bands().len() > 1;
         let run = if in_bands { MeasureJob::run_in_bands } else { MeasureJob::run_at_once };
-        run(&job, (unfinished, &plan), &open, out)?;
-        keeping.remove()?;
+        run(&job, (resumable, &plan), &open, out)?;
+        store.remove()?;
     }
     if arguments.json { out.json(&summaries(&all)?) } else { Ok(()) }
 }
@@ -126,17 +126,17 @@ fn one_shard(
     arguments: &Arguments,
     campaign: Campaign,
     shard: Shard,
-    (path, keeping): (&Path, &RunStore),
+    (path, store): (&Path, &RunStore),
     out: &mut Output,
 ) -> Result<()> {
     targets::spare_inputs(&[path], &arguments.campaign, &campaign)?;
     if !arguments.force && files::is_there(path) {
         let there =
-            shard::heading(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
+            shard::header(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
         let faults =
             there.faults((&campaign, Some(shard)), &arguments.campaign.display().to_string(), "this file");
         if faults.is_empty() && there.is_of_all(&campaign) {
-            keeping.remove_finished(&campaign, Some(shard))?;
+            store.remove_finished(&campaign, Some(shard))?;
             let text = format!("{} is finished: nothing to do", path.display());
             return if arguments.json {
                 out.json(&json!({ "shard": shard.to_string(), "file": path }))
@@ -146,14 +146,14 @@ fn one_shard(
         }
         return Err(targets::in_the_way(path, "was measured by another campaign, version or seed"));
     }
-    let unfinished = keeping.find(arguments.resume, arguments.force)?;
-    unfinished.check(&campaign, Some(shard), &arguments.campaign)?;
-    let job = MeasureJob { arguments, keeping, campaign };
+    let resumable = store.find(arguments.resume, arguments.force)?;
+    resumable.check(&campaign, Some(shard), &arguments.campaign)?;
+    let job = MeasureJob { arguments, store, campaign };
     let plan = arguments.plan(&job.campaign)?;
-    let (ledger, _) = job.run(unfinished, &plan, out)?;
-    shard::save(path, &ledger, &job.campaign, &plan)?;
-    keeping.remove()?;
-    let cost = ledger.cost(&plan);
+    let (run_state, _) = job.run(resumable, &plan, out)?;
+    shard::save(path, &run_state, &job.campaign, &plan)?;
+    store.remove()?;
+    let cost = run_state.cost(&plan);
     if arguments.json {
         let stops: Vec<_> = plan.measured.iter().map(|&stop| plan.grid.stop_deg(stop)).collect();
         return out.json(&json!({ "shard": shard.to_string(), "file": path, "stops": stops, "cost": cost }));
@@ -185,12 +185,12 @@ impl Arguments {
 
     /// The command that goes on with this one.
     pub fn again(&self) -> String {
-        let mut words = vec!["gonio measure".to_string(), kept::quoted(&self.campaign)];
+        let mut words = vec!["gonio measure".to_string(), run_store::quoted(&self.campaign)];
         let folders = [("-o", &self.output), ("--patches", &self.patches)];
         for (option, folder) in
             folders.into_iter().filter_map(|(option, folder)| Some((option, folder.as_ref()?)))
         {
-            words.extend([option.to_string(), kept::quoted(folder)]);
+            words.extend([option.to_string(), run_store::quoted(folder)]);
         }
         words.extend(self.memory_mb.map(|mb| format!("--memory-mb {mb}")));
         words.extend(self.shard.map(|shard| format!("--shard {shard}")));

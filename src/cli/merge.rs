@@ -53,8 +53,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut found = Vec::new();
     for at in &arguments.from {
         for path in shard::find(at)? {
-            let heading = shard::heading(&path)?;
-            found.push((path, heading));
+            let header = shard::header(&path)?;
+            found.push((path, header));
         }
     }
     let shards = Shards::new(found)?;

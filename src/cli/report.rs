@@ -79,9 +79,9 @@ fn stored_card(path: &Path, table: &BrdfTable) -> Result<String> {
 /// The page or the card of a table that does not fit the memory.
 fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&Value>) -> Result<String> {
     let path = rows.path().to_path_buf();
-    let campaign = table_file::campaign_if_any(&path, rows.heading())?;
+    let campaign = table_file::campaign_if_any(&path, rows.header())?;
     let digest = rows.digest().unwrap_or_default().to_string();
-    let beside = summary_beside(&path, rows.heading(), || Ok(digest))?;
+    let beside = summary_beside(&path, rows.header(), || Ok(digest))?;
     if beside.is_some() || campaign.is_none() {
         rows.verify()?;
     }
@@ -99,19 +99,19 @@ fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&Value>) -> Result
         (Some(summary), _) => summary,
         (None, None) => {
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            summary::of_stops(&stem, rows.heading(), None, None, stops)
+            summary::of_stops(&stem, rows.header(), None, None, stops)
         }
         (None, Some(campaign)) => {
             let parts = table_file::realisations_beside_rows(rows)?;
             let bytes = table_file::band_bytes();
             let verdict = validate::examine_rows(rows, Some(campaign), parts.as_ref(), bytes)?;
             let surface = Some(&campaign.surface);
-            summary::of_stops(&campaign.name, rows.heading(), surface, Some(&verdict), stops)
+            summary::of_stops(&campaign.name, rows.header(), surface, Some(&verdict), stops)
         }
     };
     if is_card {
         let digest = rows.digest().unwrap_or("none").to_string();
-        return Ok(report::card_of(rows.heading(), &digest, facts, &summary));
+        return Ok(report::card_of(rows.header(), &digest, facts, &summary));
     }
     let (table, kept) = report::thinned(rows, table_file::band_bytes())?;
     let summary = report::thinned_summary(&summary, &kept);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
-use super::sheet::TableOutput;
+use super::table_output::TableOutput;
 use super::targets::TablePaths;
 use super::text::lobes;
 use super::text::optics;
@@ -65,15 +65,15 @@ impl Results<'_> {
                 let Some(at) = self.open.iter().position(|target| target.is_of(&measured.table)) else {
                     continue;
                 };
-                let mut sheet = match sheets[at].take() {
-                    Some(sheet) => sheet,
+                let mut output = match sheets[at].take() {
+                    Some(output) => output,
                     None => TableOutput::new(self.open[at], &measured, self.plan, self.realisations_limit)?,
                 };
-                sheet.take(measured, first)?;
+                output.take(measured, first)?;
                 if is_last {
-                    sheet.finish(self, &cost, &specimen, out)?;
+                    output.finish(self, &cost, &specimen, out)?;
                 } else {
-                    sheets[at] = Some(sheet);
+                    sheets[at] = Some(output);
                 }
             }
         }
@@ -95,11 +95,11 @@ pub fn lobes(campaign: &Campaign, table: &BrdfTable, prediction: Option<&Predict
 /// Albedos of every stop, and the verdict.
 pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict) -> Result<()> {
     let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
-    let mut headings = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
+    let mut headers = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
     let beyond = measured.stops.iter().any(|stop| stop.beyond_order_1().0.is_some());
-    headings.extend(beyond.then_some("beyond order 1"));
-    headings.extend(open_map.then_some("left map"));
-    headings.extend(plan.apertures_only.then_some("outside"));
+    headers.extend(beyond.then_some("beyond order 1"));
+    headers.extend(open_map.then_some("left map"));
+    headers.extend(plan.apertures_only.then_some("outside"));
     let angles = StopAngles::of(&plan.grid);
     let row = |(index, stop): (usize, &StopResult)| {
         let [theta, phi] = angles.texts(index);
@@ -132,7 +132,7 @@ pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verd
     let material = if material.is_empty() { material } else { format!(", {material}") };
     let name = &measured.campaign.name;
     out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations"))?;
-    out.lines(output::columns(&headings, &rows))?;
+    out.lines(output::columns(&headers, &rows))?;
     out.lines(optics::order_lines(measured, plan))?;
     out.lines(lost_light_line(measured, plan))?;
     out.lines(end_lines(measured, plan))?;

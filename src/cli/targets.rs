@@ -112,12 +112,12 @@ impl TablePaths {
         let mut rows = TableRows::open(&self.table)
             .map_err(|e| in_the_way(&self.table, &format!("is no table ({e})")))?;
         rows.verify().map_err(|e| in_the_way(&self.table, &format!("is no table ({e})")))?;
-        let heading = rows.heading();
-        if heading.campaign != self.campaign {
+        let header = rows.header();
+        if header.campaign != self.campaign {
             return Err(in_the_way(&self.table, "was measured by another campaign or seed"));
         }
-        if finished && heading.version != env!("CARGO_PKG_VERSION") {
-            warn(format_args!("{} was measured by version {}", self.table.display(), heading.version));
+        if finished && header.version != env!("CARGO_PKG_VERSION") {
+            warn(format_args!("{} was measured by version {}", self.table.display(), header.version));
         }
         if !finished {
             self.spare_others()?;

@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         }
         Opened::Rows(mut rows) => {
             let parts = table_file::realisations_beside_rows(&rows)?;
-            let campaign = campaign_of(path, rows.heading())?;
+            let campaign = campaign_of(path, rows.header())?;
             validate::examine_rows(&mut rows, campaign.as_ref(), parts.as_ref(), table_file::band_bytes())?
         }
     };
@@ -49,9 +49,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 /// What a table was measured by, if it says so.
-fn campaign_of(path: &Path, heading: &BrdfTable) -> Result<Option<Campaign>> {
-    if heading.campaign.is_empty() {
+fn campaign_of(path: &Path, header: &BrdfTable) -> Result<Option<Campaign>> {
+    if header.campaign.is_empty() {
         say(format_args!("note: {} holds no campaign: held to the laws alone", path.display()));
     }
-    table_file::campaign_if_any(path, heading)
+    table_file::campaign_if_any(path, header)
 }

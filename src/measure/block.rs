@@ -48,7 +48,7 @@ impl Context<'_> {
             if followed.is_given_up() {
                 return;
             }
-            let mut light = BounceRecorder::new(self.plan.weighing.needs_angles());
+            let mut light = BounceRecorder::new(self.plan.sums.needs_angles());
             let ending = walk.trace(arms.wi, self.campaign.trace.bounces, &mut rng, &mut light);
             followed.end(ending, &light);
         }

@@ -23,7 +23,7 @@ pub struct BlockArms {
     /// To the light, sample's frame.
     pub wi: DVec3,
     /// Horizontally towards it: stops of one azimuth have the same, whatever their polar angle.
-    pub heading: DVec3,
+    pub header: DVec3,
     /// Which mirror image of the patch lies on the stage.
     pub image: PatchSymmetry,
     /// (sin, cos) of the turn from the sample's frame to the frame that the bins' azimuth counts in.
@@ -56,7 +56,7 @@ impl BlockArms {
         let phi_in_bins = if light_relative { 0.0 } else { phi_i };
         BlockArms {
             wi,
-            heading: sphere::direction_deg(90.0, phi_sample),
+            header: sphere::direction_deg(90.0, phi_sample),
             image,
             to_bins: sphere::sin_cos_deg(turn_to_bins),
             mirror: sphere::sin_cos_deg(2.0 * phi_in_bins),

@@ -127,7 +127,7 @@ impl<'a> BlockTracer<'a> {
             return self.leave_out(1);
         }
         let (trace, wi) = (&self.context.campaign.trace, self.turn().arms.wi);
-        let mut light = BounceRecorder::new(self.context.plan.weighing.needs_angles());
+        let mut light = BounceRecorder::new(self.context.plan.sums.needs_angles());
         let ending = if trace.visibility {
             sample.trace(start, wi, trace.bounces, &mut light)
         } else {
@@ -165,7 +165,7 @@ impl<'a> BlockTracer<'a> {
             turns.clear();
             return;
         }
-        let weighed = self.context.plan.weighing.needs_angles();
+        let weighed = self.context.plan.sums.needs_angles();
         lights.clear();
         lights.resize_with(starts.len(), || BounceRecorder::new(weighed));
         let bounces = self.context.campaign.trace.bounces;
@@ -186,13 +186,13 @@ impl<'a> BlockTracer<'a> {
             return;
         }
         let turn = &mut self.turns[self.at];
-        let heading = turn.arms.heading;
+        let header = turn.arms.header;
         let along = *turn.along.get_or_insert_with(|| {
-            let along = sample.to_field(heading).truncate();
+            let along = sample.to_field(header).truncate();
             // A surface without an alpha is told by its slopes themselves, whatever unit its heights are in.
             if self.context.campaign.alphas()[0].is_some() { along / along.length() } else { along }
         });
-        let corners = sample.walker.field().corners(start.facet.x, start.facet.y);
+        let corners = sample.traversal.field().corners(start.facet.x, start.facet.y);
         let slope = corners.slope(start.facet.upper).dot(along);
         self.tally.seen.count(slope, ending != PathEnd::Hidden);
     }
@@ -246,7 +246,7 @@ impl<'a> BlockTracer<'a> {
             PathEnd::LeftMap { wo, order, further } => {
                 self.tally.left_map.add(units);
                 if further {
-                    self.tally.left(&self.context.plan.weighing).cut.add(units);
+                    self.tally.left(&self.context.plan.sums).cut.add(units);
                 }
                 if let Some(wo) = wo {
                     self.arrive(wo, order, light, true);
@@ -260,9 +260,9 @@ impl<'a> BlockTracer<'a> {
     /// left an open map on its way goes into the sums of those.
     fn arrive(&mut self, wo: DVec3, order: u32, light: &BounceRecorder, left_map: bool) {
         let (context, weights) = (self.context, &mut self.weights);
-        let tally = if left_map { self.tally.left(&context.plan.weighing) } else { &mut *self.tally };
+        let tally = if left_map { self.tally.left(&context.plan.sums) } else { &mut *self.tally };
         let Turn { arms, flux, units, part, part_units, .. } = &self.turns[self.at];
-        context.plan.weighing.weigh(light.angles(), order, weights);
+        context.plan.sums.weigh(light.angles(), order, weights);
         let out = &mut tally.orders[order as usize - 1];
         out.count += 1;
         out.flux += units;

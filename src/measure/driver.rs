@@ -31,7 +31,7 @@ pub(super) struct Context<'a> {
     pub session: &'a Session<'a>,
     pub sensor: Sensor,
     pub kernel: Kernel,
-    pub ledger: Mutex<RunState>,
+    pub run_state: Mutex<RunState>,
     clocks: Mutex<Clocks>,
     rays: AtomicU64,
     skipped: AtomicU64,
@@ -46,20 +46,20 @@ pub fn measure(
     patches: &Patches,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<(Vec<Measured>, Cost)> {
-    let ledger = RunState::new(campaign, plan);
-    let ledger = go_on(campaign, plan, patches, ledger, &Session::plain(progress))?;
-    Ok(tables(campaign, plan, ledger))
+    let run_state = RunState::new(campaign, plan);
+    let run_state = go_on(campaign, plan, patches, run_state, &Session::plain(progress))?;
+    Ok(tables(campaign, plan, run_state))
 }
 
-/// Measures what is missing in `ledger`, and keeps what is finished as the session asks.
+/// Measures what is missing in `run_state`, and keeps what is finished as the session asks.
 ///
 /// Errors: as [`measure`]; `Interrupted`; `Io` where the last checkpoint could not be written; `Format` where a patch
-/// is not the one that the ledger's sums are of.
+/// is not the one that the run_state's sums are of.
 pub fn go_on(
     campaign: &Campaign,
     plan: &Plan,
     patches: &Patches,
-    ledger: RunState,
+    run_state: RunState,
     session: &Session,
 ) -> Result<RunState> {
     let context = Context {
@@ -68,13 +68,13 @@ pub fn go_on(
         session,
         sensor: Sensor::new(&plan.grid),
         kernel: Kernel::widest(),
-        clocks: Mutex::new(Clocks::new(ledger.cost.clone())),
-        rays: AtomicU64::new(ledger.cost.rays_traced),
-        skipped: AtomicU64::new(ledger.cost.rays_skipped),
-        ledger: Mutex::new(ledger),
+        clocks: Mutex::new(Clocks::new(run_state.cost.clone())),
+        rays: AtomicU64::new(run_state.cost.rays_traced),
+        skipped: AtomicU64::new(run_state.cost.rays_skipped),
+        run_state: Mutex::new(run_state),
     };
     let cost = || context.cost();
-    let keeper = Keeper { session, campaign, plan, ledger: &context.ledger, cost: &cost };
+    let keeper = Keeper { session, campaign, plan, run_state: &context.run_state, cost: &cost };
     let mut run = Run { context: &context, patches, mounted: BTreeMap::new() };
     let (measured, kept) = thread::scope(|scope| {
         let (others, end) = mpsc::channel();
@@ -87,15 +87,15 @@ pub fn go_on(
         (measured, keeper.join().unwrap_or_else(|_| Err(Error::Internal("a checkpoint".into()))))
     });
     let cost = context.cost();
-    let mut ledger = context.ledger.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    ledger.cost = cost;
+    let mut run_state = context.run_state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    run_state.cost = cost;
     measured?;
     if session.is_over() {
         kept?;
-        return Err(interrupted(&ledger, plan));
+        return Err(interrupted(&run_state, plan));
     }
     // Whoever writes the tables next has the same full disk before him, and says so.
-    Ok(ledger)
+    Ok(run_state)
 }
 
 fn no_thread(why: &std::io::Error) -> Error {
@@ -105,10 +105,10 @@ fn no_thread(why: &std::io::Error) -> Error {
     ))
 }
 
-/// The tables of a ledger in which nothing is missing.
-pub fn tables(campaign: &Campaign, plan: &Plan, ledger: RunState) -> (Vec<Measured>, Cost) {
-    let cost = ledger.cost(plan);
-    let RunState { tables, digests, .. } = ledger;
+/// The tables of a run_state in which nothing is missing.
+pub fn tables(campaign: &Campaign, plan: &Plan, run_state: RunState) -> (Vec<Measured>, Cost) {
+    let cost = run_state.cost(plan);
+    let RunState { tables, digests, .. } = run_state;
     let digests: Vec<u8> = digests.into_iter().flatten().flatten().collect();
     let patch_digest = if digests.is_empty() { String::new() } else { files::sha256_hex(&digests) };
     let finished = tables.finished().into_iter();
@@ -126,12 +126,12 @@ struct Run<'a> {
 impl Run<'_> {
     /// All rounds that are not over yet.
     fn rounds(&mut self) -> Result<()> {
-        let Context { campaign, plan, session, ledger, .. } = self.context;
+        let Context { campaign, plan, session, run_state, .. } = self.context;
         for round in stopping::rounds(&campaign.stop, plan.blocks) {
-            if locked(ledger).tables.all_ended() {
+            if locked(run_state).tables.all_ended() {
                 break;
             }
-            if locked(ledger).tables.is_judged(round.end) {
+            if locked(run_state).tables.is_judged(round.end) {
                 continue;
             }
             let clock = Instant::now();
@@ -139,12 +139,12 @@ impl Run<'_> {
             if session.is_over() {
                 break;
             }
-            let mut ledger = locked(ledger);
-            ledger.tables.judge(campaign, plan, round.end);
+            let mut run_state = locked(run_state);
+            run_state.tables.judge(campaign, plan, round.end);
             // A further round would take about as long as this one.
             let spent = self.context.cost().wall_s + clock.elapsed().as_secs_f64();
             if campaign.stop.seconds.is_some_and(|budget| spent > budget) {
-                ledger.tables.time_is_over();
+                run_state.tables.time_is_over();
             }
         }
         Ok(())
@@ -152,10 +152,10 @@ impl Run<'_> {
 
     /// The blocks of one round, for all open stops of all realisations.
     fn round(&mut self, blocks: &Range<u64>) -> Result<()> {
-        let Context { plan, session, ledger, .. } = self.context;
+        let Context { plan, session, run_state, .. } = self.context;
         let wanted: Vec<u64> = {
-            let ledger = locked(ledger);
-            (0..u64::from(plan.realisations)).filter(|&k| ledger.tables.misses(k, blocks)).collect()
+            let run_state = locked(run_state);
+            (0..u64::from(plan.realisations)).filter(|&k| run_state.tables.misses(k, blocks)).collect()
         };
         // As many patches in memory as there are threads to make them.
         for group in wanted.chunks(rayon::current_num_threads()) {
@@ -193,7 +193,7 @@ impl Run<'_> {
     fn trace(&self, realisations: &[u64], blocks: &Range<u64>) -> Result<()> {
         let context = self.context;
         locked(&context.clocks).tracing_begins();
-        let tables = locked(&context.ledger).tables.count();
+        let tables = locked(&context.run_state).tables.count();
         let on_stage: Vec<_> = realisations.iter().filter_map(|k| Some((*k, self.mounted.get(k)?))).collect();
         let traced = (0..tables).try_for_each(|table| {
             on_stage.par_iter().try_for_each(|&(k, mounted)| context.pass(mounted, (table, k), blocks))
@@ -206,8 +206,8 @@ impl Run<'_> {
 impl Context<'_> {
     /// Keeps the digest of a patch; where there is one already, it must be the same.
     fn note_digest(&self, realisation: u64, digest: Option<[u8; 32]>) -> Result<()> {
-        let mut ledger = locked(&self.ledger);
-        let kept = &mut ledger.digests[realisation as usize];
+        let mut run_state = locked(&self.run_state);
+        let kept = &mut run_state.digests[realisation as usize];
         if kept.is_some() && *kept != digest {
             let [here, there] = [digest, *kept].map(|digest| files::hex(&digest.unwrap_or_default()));
             return Err(Error::Refused(format!(

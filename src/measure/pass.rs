@@ -1,4 +1,4 @@
-//! The blocks of one realisation: in parallel, in any order, and added to the ledger from time to time.
+//! The blocks of one realisation: in parallel, in any order, and added to the run_state from time to time.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -25,8 +25,8 @@ impl Context<'_> {
         blocks: &Range<u64>,
     ) -> Result<()> {
         let (alpha, missing) = {
-            let ledger = locked(&self.ledger);
-            let table = ledger.tables.table(place.0);
+            let run_state = locked(&self.run_state);
+            let table = run_state.tables.table(place.0);
             let missing = |stop: usize| {
                 let ranges = table.missing(place.1, stop, blocks);
                 (stop, ranges.into_iter().flatten().collect::<Vec<u64>>())
@@ -47,7 +47,7 @@ impl Context<'_> {
     }
 }
 
-/// Sums of finished blocks that the ledger does not have yet.
+/// Sums of finished blocks that the run_state does not have yet.
 struct Pending<'a> {
     context: &'a Context<'a>,
     place: TableRealisation,
@@ -68,7 +68,7 @@ impl<'a> Pending<'a> {
         if context.session.is_over() {
             return Ok(self);
         }
-        let tally = self.tally.get_or_insert_with(|| Tally::new(context.plan.bins, &context.plan.weighing));
+        let tally = self.tally.get_or_insert_with(|| Tally::new(context.plan.bins, &context.plan.sums));
         context.blocks(&Work { sampler, stop, realisation: place.1, blocks }, tally);
         self.blocks.extend(blocks);
         let starts = self.blocks.len() as u64 * context.plan.block_starts;
@@ -83,10 +83,10 @@ impl<'a> Pending<'a> {
         Ok(Pending::new(context, place, stop))
     }
 
-    /// Adds all to the ledger.
+    /// Adds all to the run_state.
     fn flush(self) -> Result<()> {
         let Pending { context, place, stop, blocks, tally, .. } = self;
         let Some(tally) = tally else { return Ok(()) };
-        locked(&context.ledger).tables.add(place, stop, &blocks, tally, context.plan)
+        locked(&context.run_state).tables.add(place, stop, &blocks, tally, context.plan)
     }
 }

@@ -37,7 +37,7 @@ pub(super) enum PatchSampler<'a> {
 /// Heights to walk over.
 pub(super) struct Heights<'a> {
     pub patch: &'a Patch,
-    pub walker: GridTraversal<'a>,
+    pub traversal: GridTraversal<'a>,
     /// The same in lanes, where they serve.
     pub lanes: Option<SimdTraversal<'a>>,
     /// World slope per canonical slope.
@@ -82,10 +82,10 @@ impl PreparedPatch {
                 });
             }
         };
-        let walker = GridTraversal::new(&patch.field);
-        let walker = self.peaks.as_ref().map_or(walker, |peaks| walker.with_peaks(peaks));
-        let lanes = self.lanes.as_ref().map(|lanes| SimdTraversal::new(walker, lanes, context.kernel));
-        let heights = Heights { patch, walker, lanes, alpha: patch.alpha(alpha) };
+        let traversal = GridTraversal::new(&patch.field);
+        let traversal = self.peaks.as_ref().map_or(traversal, |peaks| traversal.with_peaks(peaks));
+        let lanes = self.lanes.as_ref().map(|lanes| SimdTraversal::new(traversal, lanes, context.kernel));
+        let heights = Heights { patch, traversal, lanes, alpha: patch.alpha(alpha) };
         match (&context.plan.start_sampler, &self.index) {
             (StartSampler::BySlope, Some(index)) => PatchSampler::BySlope(heights, index),
             (StartSampler::IntoApertures(apertures), Some(index)) => {
@@ -117,7 +117,7 @@ impl PatchSampler<'_> {
 impl Heights<'_> {
     /// The patch as it lies on the stage for a block.
     pub fn sample(&self, arms: &BlockArms) -> TracedPatch<'_> {
-        TracedPatch { walker: self.walker, alpha: self.alpha, image: arms.image }
+        TracedPatch { traversal: self.traversal, alpha: self.alpha, image: arms.image }
     }
 
     /// The fraction of a block's incident flux that one of its samples carries: about that of a block whose samples lie

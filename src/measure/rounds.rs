@@ -193,7 +193,7 @@ impl Tables {
         if self.tables.len() != roughnesses {
             return wrong("roughnesses", self.tables.len(), roughnesses);
         }
-        let shape = Tally::new(plan.bins, &plan.weighing);
+        let shape = Tally::new(plan.bins, &plan.sums);
         for table in &self.tables {
             if table.sums.is_empty() || table.sums.len() > plan.realisations as usize {
                 return wrong("realisations", table.sums.len(), plan.realisations as usize);
@@ -293,6 +293,6 @@ impl TableRun {
         let flux: Vec<TallyFlux> = self.sums.iter().filter_map(|sums| sums[stop].flux()).collect();
         let regions = plan.grid.regions(stop);
         let sizes: Vec<f64> = regions.iter().map(|region| region.projected_solid_angle()).collect();
-        relative_error(&flux, &sizes, &plan.weighing)
+        relative_error(&flux, &sizes, &plan.sums)
     }
 }

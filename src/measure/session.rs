@@ -102,9 +102,9 @@ impl<'a> Session<'a> {
 }
 
 /// What a run says that was ended, of all that it has measured.
-pub(super) fn interrupted(ledger: &RunState, plan: &Plan) -> Error {
+pub(super) fn interrupted(run_state: &RunState, plan: &Plan) -> Error {
     let of = plan.band.map_or(String::new(), |band| format!(" of band {band}"));
-    Error::Interrupted(format!("after {:.1} % of the samples{of}", ledger.percent(plan)))
+    Error::Interrupted(format!("after {:.1} % of the samples{of}", run_state.percent(plan)))
 }
 
 /// Writes checkpoints while others measure.
@@ -112,7 +112,7 @@ pub(super) struct Keeper<'a> {
     pub session: &'a Session<'a>,
     pub campaign: &'a Campaign,
     pub plan: &'a Plan,
-    pub ledger: &'a Mutex<RunState>,
+    pub run_state: &'a Mutex<RunState>,
     /// What the run has cost up to now.
     pub cost: &'a (dyn Fn() -> Cost + Sync),
 }
@@ -169,7 +169,7 @@ impl Keeper<'_> {
     /// Keeps what is finished, and ends the process in the middle of everything else.
     fn leave(&self, ending: &dyn ProcessEnd, checkpoint: &Checkpoint, last: &mut Last) -> Result<()> {
         let kept = if self.is_new(last) { self.write(checkpoint, last) } else { Ok(()) };
-        ending.leave(kept.err().unwrap_or_else(|| interrupted(&locked(self.ledger), self.plan)));
+        ending.leave(kept.err().unwrap_or_else(|| interrupted(&locked(self.run_state), self.plan)));
         Ok(())
     }
 
@@ -198,10 +198,10 @@ impl Keeper<'_> {
         let begin = Instant::now();
         let number = last.number + 1;
         let (bytes, starts) = {
-            let mut ledger = locked(self.ledger);
-            ledger.cost = (self.cost)();
-            let bytes = Checkpoint::bytes(&ledger, number, self.campaign, self.plan)?;
-            (bytes, ledger.tables.starts(self.plan))
+            let mut run_state = locked(self.run_state);
+            run_state.cost = (self.cost)();
+            let bytes = Checkpoint::bytes(&run_state, number, self.campaign, self.plan)?;
+            (bytes, run_state.tables.starts(self.plan))
         };
         // Also after a failure: a full disk is asked again at the next time, not at once.
         (last.at, last.cpu_s, last.took) = (begin, cpu_seconds(), begin.elapsed());
@@ -211,6 +211,6 @@ impl Keeper<'_> {
     }
 
     fn starts(&self) -> u64 {
-        locked(self.ledger).tables.starts(self.plan)
+        locked(self.run_state).tables.starts(self.plan)
     }
 }

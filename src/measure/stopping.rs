@@ -55,11 +55,11 @@ pub fn is_looked_at(blocks: u64, planned: u64) -> bool {
 /// `sizes` are the bins' projected solid angles. Several materials count together: the pass ends when all have enough
 /// light.
 /// Held by: `the_relative_error_is_that_of_the_bright_bins`.
-pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], weighing: &FresnelSums) -> Option<f64> {
+pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], sums: &FresnelSums) -> Option<f64> {
     let mut errors = Vec::new();
-    for colour in weighing.all_colours() {
+    for colour in sums.all_colours() {
         let of = |bin: usize, size: f64| {
-            let flux = realisations.iter().map(|r| r.single(colour, bin) + r.multiple(weighing, colour, bin));
+            let flux = realisations.iter().map(|r| r.single(colour, bin) + r.multiple(sums, colour, bin));
             let (mean, se) = stats::mean_and_se(flux);
             se.map(|se| (mean / size, se / size))
         };
@@ -169,15 +169,14 @@ mod tests {
         let text = "name = \"bright\"\nseed = 1\n[surface]\nrealisations = 2\n[surface.mirror]\n[light]\n\
                     theta_i_deg = [0]\nphi_i_deg = [0]\n[sensor.hemisphere]\n[stop]\nsamples = 1\n";
         let campaign = campaign::parse(text, "bright", Path::new("")).expect("a campaign").campaign;
-        let weighing = FresnelSums::of(&campaign);
-        let tally =
-            |flux: [f64; 3]| Tally { single: flux.map(to_units).to_vec(), ..Tally::new(3, &weighing) };
+        let sums = FresnelSums::of(&campaign);
+        let tally = |flux: [f64; 3]| Tally { single: flux.map(to_units).to_vec(), ..Tally::new(3, &sums) };
         let tallies = [tally([0.4, 0.2, 0.001]), tally([0.6, 0.2, 0.002])];
         let flux = tallies.each_ref().map(|tally| TallyFlux::new(tally, 1));
-        let error = relative_error(&flux, &[1.0; 3], &weighing).expect("two patches");
+        let error = relative_error(&flux, &[1.0; 3], &sums).expect("two patches");
         // A handful of roundings.
         assert!((error - 0.2).abs() < 10.0 * f64::EPSILON, "{error}");
-        assert_eq!(relative_error(&flux[..1], &[1.0; 3], &weighing), None);
+        assert_eq!(relative_error(&flux[..1], &[1.0; 3], &sums), None);
     }
 
     /// Looks at a stop of 16 patches after 1, 2, 4, ... blocks whose squared error is a/n + p2.

@@ -92,7 +92,7 @@ impl BrdfTable {
     }
 
     /// The same table on another grid, without its values: what it is called and made of.
-    pub fn heading(&self, grid: &Grid) -> Self {
+    pub fn header(&self, grid: &Grid) -> Self {
         let empty = |colour: &ColourChannels| ColourChannels {
             orders: vec![Vec::new(); colour.orders.len()],
             wavelength_nm: colour.wavelength_nm,

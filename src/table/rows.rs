@@ -1,4 +1,4 @@
-//! A stored table read by rows: its heading first, then the stops that are asked for, from a file of any size.
+//! A stored table read by rows: its header first, then the stops that are asked for, from a file of any size.
 //!
 //! Enters: a table's file. Leaves: bands of it, each a table of its own with a list of stops.
 
@@ -29,7 +29,7 @@ pub struct TableRows {
 }
 
 impl TableRows {
-    /// Reads the heading of a table's file.
+    /// Reads the header of a table's file.
     pub fn open(path: &Path) -> Result<Self> {
         let wrong = |why: String| Error::format(path, why);
         let blocks = BlockReader::open(BufReader::new(files::open(path)?)).map_err(wrong)?;
@@ -37,8 +37,7 @@ impl TableRows {
             return Err(store::several(path, blocks.outlines().len()));
         };
         let mut outline = outline.clone();
-        let store::TableHeader { empty, names, mut warnings } =
-            store::heading(&mut outline).map_err(wrong)?;
+        let store::TableHeader { empty, names, mut warnings } = store::header(&mut outline).map_err(wrong)?;
         if outline.text(DIGEST).is_none() {
             warnings.push(channels::no_digest());
         }
@@ -46,7 +45,7 @@ impl TableRows {
     }
 
     /// The table without its values.
-    pub fn heading(&self) -> &BrdfTable {
+    pub fn header(&self) -> &BrdfTable {
         &self.empty
     }
 

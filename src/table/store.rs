@@ -102,7 +102,7 @@ pub(super) fn several(path: &Path, parts: usize) -> Error {
 }
 
 fn from_part(mut part: ImagePart) -> Reason<Loaded> {
-    let TableHeader { empty, names, mut warnings } = heading(&mut part)?;
+    let TableHeader { empty, names, mut warnings } = header(&mut part)?;
     channels::check_digest(&part, &empty.patch_digest, &mut warnings)?;
     let stops: Vec<usize> = (0..part.height).collect();
     let table = filled(empty, &mut part, &names, (&stops, stops.len()))?;
@@ -120,7 +120,7 @@ pub(super) struct TableHeader {
 }
 
 /// Reads what a part says besides its values; channels that are none of a table's are taken out of it.
-pub(super) fn heading(part: &mut ImagePart) -> Reason<TableHeader> {
+pub(super) fn header(part: &mut ImagePart) -> Reason<TableHeader> {
     let mut warnings = Vec::new();
     let grid = channels::read_grid(part)?;
     let seed = read_seed(part, &mut warnings)?;
@@ -165,7 +165,7 @@ pub(super) fn filled(
     Ok(BrdfTable { colours, hits, schlick, ..empty })
 }
 
-/// The heading of a table's file: all but the values, the digest yet to be filled in.
+/// The header of a table's file: all but the values, the digest yet to be filled in.
 pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, Plane>) -> Reason<ImagePart> {
     let (height, width) = channels::check_grid(grid)?;
     let mut part = ImagePart { width, height, ..ImagePart::default() };

@@ -162,7 +162,7 @@ pub fn difference_of_rows(
     bytes: u64,
 ) -> crate::error::Result<TableDifference> {
     let wrong = |path: &Path, why: String| Error::format(path, why);
-    fits(a.heading(), b.heading()).map_err(|why| wrong(b.path(), why))?;
+    fits(a.header(), b.header()).map_err(|why| wrong(b.path(), why))?;
     a.verify()?;
     b.verify()?;
     let mut found = DifferenceRun::default();

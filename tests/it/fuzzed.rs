@@ -77,7 +77,7 @@ fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
             let (campaign, plan) = checkpoint_of();
             let sealed =
                 sealed::seal(Checkpoint::KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()))?;
-            StoredRun::from_bytes(Checkpoint::KIND, &sealed)?.ledger(&campaign, &plan).map(drop)
+            StoredRun::from_bytes(Checkpoint::KIND, &sealed)?.run_state(&campaign, &plan).map(drop)
         }
         "campaign" => match campaign::parse(bytes, "c.toml", here) {
             Ok(parsed) => {

@@ -196,8 +196,9 @@ fn kept_bytes() -> (campaign::Campaign, Plan, Vec<u8>) {
     let plan = measure::plan(&parsed.campaign).expect("small");
     let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
     let (empty, session) = (RunState::new(&parsed.campaign, &plan), Session::plain(&|_| ()));
-    let ledger = measure::go_on(&parsed.campaign, &plan, &patches, empty, &session).expect("no ray is lost");
-    let bytes = Checkpoint::bytes(&ledger, 1, &parsed.campaign, &plan).expect("encodes");
+    let run_state =
+        measure::go_on(&parsed.campaign, &plan, &patches, empty, &session).expect("no ray is lost");
+    let bytes = Checkpoint::bytes(&run_state, 1, &parsed.campaign, &plan).expect("encodes");
     (parsed.campaign, plan, bytes)
 }
 
@@ -206,16 +207,16 @@ fn damaged_checkpoints_are_errors_and_never_panic() {
     const KIND: &str = "gonio checkpoint 3";
     let (campaign, plan, bytes) = kept_bytes();
     let whole = StoredRun::from_bytes(KIND, &bytes).expect("whole");
-    assert!(whole.heading.faults((&campaign, None), "small.toml", "out").is_empty());
-    whole.ledger(&campaign, &plan).expect("fits");
+    assert!(whole.header.faults((&campaign, None), "small.toml", "out").is_empty());
+    whole.run_state(&campaign, &plan).expect("fits");
     let content = sealed::open(KIND, &bytes).expect("whole").to_vec();
-    // A checksum that fits, as if somebody had meant it: what it holds is wrong, or could be a ledger all the same.
+    // A checksum that fits, as if somebody had meant it: what it holds is wrong, or could be a run_state all the same.
     let refused = mutations::survives(&content, 20_000, |damaged| {
         let sealed = sealed::seal(KIND, damaged.len(), |head| Ok::<_, String>([&head, damaged].concat()))?;
         let kept = StoredRun::from_bytes(KIND, &sealed)?;
-        match kept.heading.faults((&campaign, None), "small.toml", "out").first() {
+        match kept.header.faults((&campaign, None), "small.toml", "out").first() {
             Some(fault) => Err(fault.to_string()),
-            None => kept.ledger(&campaign, &plan).map(|_| ()),
+            None => kept.run_state(&campaign, &plan).map(|_| ()),
         }
     });
     assert!(refused > 10_000, "{refused}");

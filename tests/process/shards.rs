@@ -107,15 +107,15 @@ fn shards_merged_in_bands_have_the_bytes_of_one_run() {
         exits(&gonio(folder.path(), &["measure", "dealt.toml", "-o", "shards", "--shard", shard]), 0);
     }
     exits(&gonio(folder.path(), &["measure", "dealt.toml", "-o", "whole"]), 0);
-    let headings = || {
+    let headers = || {
         let files = shard::find(&folder.path().join("shards")).expect("shards");
-        let with_heading = |path: PathBuf| (path.clone(), shard::heading(&path).expect("whole"));
+        let with_heading = |path: PathBuf| (path.clone(), shard::header(&path).expect("whole"));
         Shards::new(files.into_iter().map(with_heading).collect()).expect("of one run")
     };
-    let campaign = campaign::parse(headings().campaign(), "shards", Path::new("")).expect("sound").campaign;
+    let campaign = campaign::parse(headers().campaign(), "shards", Path::new("")).expect("sound").campaign;
     // Threads are those of this process, and of the program.
     let bands =
-        |mb: u64| Merge::new(headings(), &campaign, mb << 20).map_or(0, |merge| merge.plan().bands().len());
+        |mb: u64| Merge::new(headers(), &campaign, mb << 20).map_or(0, |merge| merge.plan().bands().len());
     let least = (1..1000).find(|&mb| bands(mb) > 0).expect("a budget for one stop");
     assert!(bands(least) > 2, "{} bands within {least} MiB", bands(least));
     let (enough, less) = (least.to_string(), (least - 1).to_string());

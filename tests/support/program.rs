@@ -1,4 +1,4 @@
-//! The program as a user starts it, and what it answers.
+//! The program as a user starts it, and what it hits.
 
 use std::fs;
 use std::path::Path;

@@ -56,7 +56,7 @@ pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -
 }
 
 fn stops(found: &Against, other: Other) -> Vec<String> {
-    let headings = ["theta_i", "phi_i", "bins", "noise", &format!("by {other}"), "variance ratio"];
+    let headers = ["theta_i", "phi_i", "bins", "noise", &format!("by {other}"), "variance ratio"];
     let of_theta = angle_decimals(2, found.stops.iter().map(|stop| stop.theta_i_deg));
     let of_phi = angle_decimals(2, found.stops.iter().map(|stop| stop.phi_i_deg));
     let row = |stop: &bench::against::StopNoise| {
@@ -70,12 +70,12 @@ fn stops(found: &Against, other: Other) -> Vec<String> {
             format!("{:.2}", (other / plan).powi(2)),
         ]
     };
-    columns(&headings, &found.stops.iter().map(row).collect::<Vec<_>>())
+    columns(&headers, &found.stops.iter().map(row).collect::<Vec<_>>())
 }
 
 fn ways(found: &Against) -> Vec<String> {
     let target = format!("cpu s to {} %", 100.0 * found.target);
-    let headings = ["way", "Mrays", "cpu s", "error", "noise", &target];
+    let headers = ["way", "Mrays", "cpu s", "error", "noise", &target];
     let row = |way: &bench::against::Variant| {
         vec![
             way.name.into(),
@@ -86,7 +86,7 @@ fn ways(found: &Against) -> Vec<String> {
             format!("{:.3}", way.to_target_s),
         ]
     };
-    columns(&headings, &found.ways.iter().map(row).collect::<Vec<_>>())
+    columns(&headers, &found.ways.iter().map(row).collect::<Vec<_>>())
 }
 
 /// Measures the stops of a campaign on patches of several sizes.

@@ -109,7 +109,7 @@ pub fn thirds(table: &BrdfTable) -> Vec<BrdfTable> {
     let part = |colours: &[ColourChannels]| BrdfTable {
         colours: colours.to_vec(),
         hits: table.hits.clone(),
-        ..table.heading(&table.grid)
+        ..table.header(&table.grid)
     };
     table.colours.chunks(3).map(part).collect()
 }

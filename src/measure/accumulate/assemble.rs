@@ -82,7 +82,7 @@ pub(crate) fn assemble(
     let source = TableSource { plan, flux: &flux, sizes: &sizes };
     let of_material = |(material, optics): (usize, &Optics)| {
         let campaign = campaign.with_optics(optics);
-        let colours = plan.weighing.colours(material);
+        let colours = plan.sums.colours(material);
         let parts: Vec<RealisationPart> =
             flux.iter().map(|stops| source.realisation(stops, &colours)).collect();
         let wavelengths = optics.wavelengths_nm();
@@ -135,7 +135,7 @@ impl TableSource<'_> {
             for (bin, size) in sizes.iter().enumerate() {
                 for (place, &colour) in colours.iter().enumerate() {
                     let single = flux.single(colour, bin) / size;
-                    let multiple = flux.multiple(&self.plan.weighing, colour, bin) / size;
+                    let multiple = flux.multiple(&self.plan.sums, colour, bin) / size;
                     part.single[place].push(single as f32);
                     part.total[place].push((single + multiple) as f32);
                 }
@@ -159,24 +159,24 @@ impl TableSource<'_> {
 
     /// The sums of Schlick's formula over some realisations, where they serve any F0.
     fn schlick<'b>(&self, realisations: &[impl AsRef<[TallyFlux<'b>]>]) -> Option<SchlickSums> {
-        let weighing = &self.plan.weighing;
+        let sums = &self.plan.sums;
         let group = |group: usize| {
-            let sums = weighing.group(group);
+            let sums = sums.group(group);
             sums.map(|sum| self.brdf(realisations, |flux, bin| flux.of(flux.tally.multiple[sum][bin])))
                 .collect()
         };
-        weighing.serves_any_f0().then(|| SchlickSums {
+        sums.serves_any_f0().then(|| SchlickSums {
             unit: self.brdf(realisations, |flux, bin| flux.of(flux.tally.single[bin])),
             first: self.brdf(realisations, |flux, bin| flux.of(flux.tally.first[0][bin])),
-            further: (0..weighing.groups()).map(group).collect(),
+            further: (0..sums.groups()).map(group).collect(),
         })
     }
 
     /// Orders 2, 3, ... of a colour, where they are kept apart.
     fn orders(&self, colour: ColourSource) -> Vec<Vec<f32>> {
-        let weighing = &self.plan.weighing;
-        let groups = if weighing.by_order() { weighing.groups() } else { 0 };
-        let order = |group| self.brdf(self.flux, |flux, bin| flux.group(weighing, group, colour, bin));
+        let sums = &self.plan.sums;
+        let groups = if sums.by_order() { sums.groups() } else { 0 };
+        let order = |group| self.brdf(self.flux, |flux, bin| flux.group(sums, group, colour, bin));
         (0..groups).map(order).collect()
     }
 }

@@ -224,7 +224,7 @@ mod tests {
     use super::*;
     use crate::campaign;
 
-    fn weighing(optics: &str, trace: &str) -> FresnelSums {
+    fn sums(optics: &str, trace: &str) -> FresnelSums {
         let text = format!(
             "name = \"w\"\n[surface]\nrealisations = 1\n[surface.ggx]\nalpha = 0.5\n[light]\ntheta_i_deg = [0]\n\
              [sensor.hemisphere]\n{optics}\n[trace]\n{trace}\n[stop]\nsamples = 1\n"
@@ -248,19 +248,15 @@ mod tests {
             (exact, "bounces = 1", 7, 0),
             (exact, "bounces = 3\nby_order = true", 7, 12),
         ] {
-            let weighing = weighing(optics, trace);
-            assert_eq!(
-                (weighing.first_sums(), weighing.multiple_sums()),
-                (first, multiple),
-                "{optics} {trace}"
-            );
+            let sums = sums(optics, trace);
+            assert_eq!((sums.first_sums(), sums.multiple_sums()), (first, multiple), "{optics} {trace}");
             let mut next = 0;
-            for group in 0..weighing.groups() {
-                assert_eq!(weighing.group(group).start, next);
-                next = weighing.group(group).end;
+            for group in 0..sums.groups() {
+                assert_eq!(sums.group(group).start, next);
+                next = sums.group(group).end;
             }
         }
-        assert!(!weighing(gold, "bounces = 9").serves_any_f0());
-        assert_eq!(weighing(exact, "bounces = 1").all_colours().len(), 6);
+        assert!(!sums(gold, "bounces = 9").serves_any_f0());
+        assert_eq!(sums(exact, "bounces = 1").all_colours().len(), 6);
     }
 }

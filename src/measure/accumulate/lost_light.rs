@@ -18,12 +18,12 @@ pub(crate) fn covered(
     colour: ColourSource,
     channels: ColourChannels,
 ) -> ColourChannels {
-    let weighing = &source.plan.weighing;
+    let sums = &source.plan.sums;
     let single =
         source.brdf(source.flux, |flux, bin| flux.left().map_or(0.0, |left| left.single(colour, bin)));
     let total = source.brdf(source.flux, |flux, bin| {
         flux.left().map_or(0.0, |left| {
-            left.single(colour, bin) + left.multiple(weighing, colour, bin) + left.truncated()
+            left.single(colour, bin) + left.multiple(sums, colour, bin) + left.truncated()
         })
     });
     ColourChannels {

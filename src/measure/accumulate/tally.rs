@@ -74,16 +74,15 @@ pub struct Order {
 
 impl Tally {
     /// An empty tally for so many bins.
-    pub fn new(bins: usize, weighing: &FresnelSums) -> Self {
+    pub fn new(bins: usize, sums: &FresnelSums) -> Self {
         let of_bins = |sums: usize| vec![vec![0u128; bins]; sums];
-        let order =
-            |order: usize| Order { weighted: vec![0; weighing.order_sums(order)], ..Order::default() };
+        let order = |order: usize| Order { weighted: vec![0; sums.order_sums(order)], ..Order::default() };
         Tally {
             single: vec![0; bins],
-            first: of_bins(weighing.first_sums()),
-            multiple: of_bins(weighing.multiple_sums()),
+            first: of_bins(sums.first_sums()),
+            multiple: of_bins(sums.multiple_sums()),
             hits: vec![0; bins],
-            orders: (1..=weighing.bounces()).map(order).collect(),
+            orders: (1..=sums.bounces()).map(order).collect(),
             cut: FluxCount::default(),
             hidden: FluxCount::default(),
             left_map: FluxCount::default(),
@@ -162,9 +161,9 @@ impl Tally {
     }
 
     /// The sums of the paths over the edge of an open map.
-    pub fn left(&mut self, weighing: &FresnelSums) -> &mut Tally {
+    pub fn left(&mut self, sums: &FresnelSums) -> &mut Tally {
         let bins = self.single.len();
-        self.left.get_or_insert_with(|| Box::new(Tally::new(bins, weighing)))
+        self.left.get_or_insert_with(|| Box::new(Tally::new(bins, sums)))
     }
 
     /// How many sums by bin there are, hits not among them.

@@ -39,13 +39,13 @@ impl<'a> TallyFlux<'a> {
     }
 
     /// Flux of the orders above 1 in one colour.
-    pub fn multiple(&self, weighing: &FresnelSums, colour: ColourSource, bin: usize) -> f64 {
-        (0..weighing.groups()).map(|group| self.group(weighing, group, colour, bin)).sum()
+    pub fn multiple(&self, sums: &FresnelSums, colour: ColourSource, bin: usize) -> f64 {
+        (0..sums.groups()).map(|group| self.group(sums, group, colour, bin)).sum()
     }
 
     /// Flux of one group of orders above 1 in one colour.
-    pub fn group(&self, weighing: &FresnelSums, group: usize, colour: ColourSource, bin: usize) -> f64 {
-        let (multiple, sums) = (&self.tally.multiple, weighing.group(group));
+    pub fn group(&self, sums: &FresnelSums, group: usize, colour: ColourSource, bin: usize) -> f64 {
+        let (multiple, sums) = (&self.tally.multiple, sums.group(group));
         match colour {
             ColourSource::Unit => self.of(multiple[sums.start][bin]),
             ColourSource::Schlick { f0 } => {

@@ -50,15 +50,15 @@ impl BandFiles {
         Ok(found)
     }
 
-    /// What is there, by number: headings of whole files of one run in bands.
+    /// What is there, by number: headers of whole files of one run in bands.
     ///
     /// Errors: `Io`; `Format`, which names the file that is damaged, or of bands of another length.
-    pub fn headings(&self) -> Result<FinishedBands> {
+    pub fn headers(&self) -> Result<FinishedBands> {
         let mut found = BTreeMap::new();
         let mut first: Option<Band> = None;
         for path in self.paths()? {
-            let heading = RunHeader::read(KIND, &path).map_err(with_advice)?;
-            let band = heading.band.filter(|band| self.path(*band) == path);
+            let header = RunHeader::read(KIND, &path).map_err(with_advice)?;
+            let band = header.band.filter(|band| self.path(*band) == path);
             let band =
                 band.ok_or_else(|| Error::format(&path, format!("is not what its name says; {ADVICE}")))?;
             let first = first.get_or_insert(band);
@@ -66,15 +66,15 @@ impl BandFiles {
                 let what = format!("is band {band}, there are others of {}; --force starts again", first.of);
                 return Err(Error::format(&path, what));
             }
-            found.insert(band.number, (path, heading));
+            found.insert(band.number, (path, header));
         }
         Ok(found)
     }
 
     /// Writes the file of the band that `plan` is of.
-    pub fn save(&self, ledger: &RunState, campaign: &Campaign, plan: &Plan) -> Result<()> {
+    pub fn save(&self, run_state: &RunState, campaign: &Campaign, plan: &Plan) -> Result<()> {
         let band = plan.band.ok_or_else(|| Error::Internal("a band without its number".into()))?;
-        files::write_atomically(&self.path(band), &ledger.to_bytes(KIND, 0, campaign, plan)?)
+        files::write_atomically(&self.path(band), &run_state.to_bytes(KIND, 0, campaign, plan)?)
     }
 
     /// Removes all files that are there.

@@ -48,11 +48,9 @@ impl<'a> BandRun<'a> {
         under_way: Option<FoundCheckpoint>,
     ) -> Result<Self> {
         let mut patches: Vec<Option<[u8; 32]>> = vec![None; plan.realisations as usize];
-        let headings = finished.values().map(|(path, heading)| (path, heading));
-        for (path, heading) in
-            headings.chain(under_way.iter().map(|found| (&found.path, &found.kept.heading)))
-        {
-            for (known, digest) in patches.iter_mut().zip(&heading.digests) {
+        let headers = finished.values().map(|(path, header)| (path, header));
+        for (path, header) in headers.chain(under_way.iter().map(|found| (&found.path, &found.kept.header))) {
+            for (known, digest) in patches.iter_mut().zip(&header.digests) {
                 if known.is_some() && digest.is_some() && known != digest {
                     return Err(Error::format(path, "is of other patches than the bands before it"));
                 }
@@ -64,11 +62,11 @@ impl<'a> BandRun<'a> {
 
     /// Starts that are measured.
     pub fn starts(&self) -> u64 {
-        let finished = self.finished.values().map(|(_, heading)| heading.starts);
-        let under_way = self.under_way.iter().map(|found| &found.kept.heading);
+        let finished = self.finished.values().map(|(_, header)| header.starts);
+        let under_way = self.under_way.iter().map(|found| &found.kept.header);
         let is_finished = |band: Band| self.finished.contains_key(&band.number);
-        let alone = under_way.filter(|heading| !heading.band.is_some_and(is_finished));
-        finished.chain(alone.map(|heading| heading.starts)).sum()
+        let alone = under_way.filter(|header| !header.band.is_some_and(is_finished));
+        finished.chain(alone.map(|header| header.starts)).sum()
     }
 
     /// The tables of the band of these stops, and what it has cost. Its file is there afterwards, its checkpoint is not.
@@ -82,47 +80,47 @@ impl<'a> BandRun<'a> {
         session: &Session,
     ) -> Result<(Vec<Measured>, Cost)> {
         let plan = self.plan.of_band(stops)?;
-        let (ledger, is_kept) = self.ledger(&plan)?;
+        let (run_state, is_kept) = self.run_state(&plan)?;
         if session.is_over() {
             let band = plan.band.map_or(String::new(), |band| band.to_string());
             return Err(Error::Interrupted(format!("before band {band}")));
         }
-        let ledger = if is_kept && ledger.is_at_its_end() {
-            ledger
+        let run_state = if is_kept && run_state.is_at_its_end() {
+            run_state
         } else {
-            let ledger = go_on(self.campaign, &plan, patches, ledger, session)?;
-            self.files.save(&ledger, self.campaign, &plan)?;
+            let run_state = go_on(self.campaign, &plan, patches, run_state, session)?;
+            self.files.save(&run_state, self.campaign, &plan)?;
             // Until now the checkpoint was all that there was of the band.
             self.checkpoint.remove()?;
-            ledger
+            run_state
         };
-        self.patches.clone_from(&ledger.digests);
-        Ok(tables(self.campaign, &plan, ledger))
+        self.patches.clone_from(&run_state.digests);
+        Ok(tables(self.campaign, &plan, run_state))
     }
 
     /// What there is of a band, and whether that is in its file.
-    fn ledger(&mut self, plan: &Plan) -> Result<(RunState, bool)> {
+    fn run_state(&mut self, plan: &Plan) -> Result<(RunState, bool)> {
         let number = plan.band.map_or(0, |band| band.number);
-        let under_way = self.under_way.take_if(|found| found.kept.heading.band == plan.band);
+        let under_way = self.under_way.take_if(|found| found.kept.header.band == plan.band);
         let file = self.finished.get(&number);
         let (path, kept, is_kept) = match (file, under_way) {
             (None, None) => (None, None, false),
             // A checkpoint that is left of a finished band has no more than its file, unless the run went on to more
             // samples from that file.
-            (Some((path, heading)), Some(found)) if heading.campaign == found.kept.heading.campaign => {
+            (Some((path, header)), Some(found)) if header.campaign == found.kept.header.campaign => {
                 self.checkpoint.remove()?;
                 (Some(path.clone()), Some(band_files::load(path)?), true)
             }
             (Some((path, _)), None) => (Some(path.clone()), Some(band_files::load(path)?), true),
             (_, Some(found)) => (Some(found.path), Some(found.kept), false),
         };
-        let ledger = match path.zip(kept) {
+        let run_state = match path.zip(kept) {
             Some((path, kept)) => {
                 let wrong = |why| Error::format(&path, format!("{why}; --force starts again"));
-                kept.ledger(self.campaign, plan).map_err(wrong)?
+                kept.run_state(self.campaign, plan).map_err(wrong)?
             }
             None => RunState::new(self.campaign, plan),
         };
-        Ok((ledger.on_patches(&self.patches), is_kept))
+        Ok((run_state.on_patches(&self.patches), is_kept))
     }
 }

@@ -57,7 +57,7 @@ impl Checkpoint {
                 Err(why) => damaged.push((path, why)),
             }
         }
-        whole.sort_by_key(|(_, kept)| kept.heading.number);
+        whole.sort_by_key(|(_, kept)| kept.header.number);
         match (whole.pop(), damaged.pop()) {
             (Some((path, kept)), damaged) => {
                 let passed_over = damaged.map(|(path, why)| format!("{}: {why}", path.display()));
@@ -74,8 +74,8 @@ impl Checkpoint {
     }
 
     /// The bytes of the checkpoint of this `number`.
-    pub fn bytes(ledger: &RunState, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>> {
-        ledger.to_bytes(Self::KIND, number, campaign, plan)
+    pub fn bytes(run_state: &RunState, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>> {
+        run_state.to_bytes(Self::KIND, number, campaign, plan)
     }
 
     /// Removes both files.

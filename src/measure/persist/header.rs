@@ -13,10 +13,10 @@ use crate::files::sealed;
 use crate::measure::cost::Cost;
 use crate::measure::plan::bands::Band;
 
-/// A heading is no longer than this: a campaign's text, and 33 bytes for each patch.
+/// A header is no longer than this: a campaign's text, and 33 bytes for each patch.
 const LONGEST: usize = 1 << 24;
 
-/// What the bytes of a ledger say of it before its sums.
+/// What the bytes of a run_state say of it before its sums.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RunHeader {
     /// Version of the program that wrote it.
@@ -42,13 +42,13 @@ pub struct RunHeader {
 }
 
 impl RunHeader {
-    /// The heading of a file of this `kind`, which is read to its end and held to its checksum, a piece at a time.
+    /// The header of a file of this `kind`, which is read to its end and held to its checksum, a piece at a time.
     pub(crate) fn read(kind: &str, path: &Path) -> Result<Self> {
         let begin =
             sealed::checked(kind, &mut files::open(path)?, LONGEST).map_err(|e| Error::io(path, e))?;
         let begin = begin.map_err(|why| Error::format(path, why))?;
         let read = postcard::take_from_bytes::<RunHeader>(&begin);
-        read.map(|(heading, _)| heading).map_err(|e| Error::format(path, unreadable(&e)))
+        read.map(|(header, _)| header).map_err(|e| Error::format(path, unreadable(&e)))
     }
 
     /// Why this cannot be gone on from: another version, or a campaign that differs in more than that it has more

@@ -74,24 +74,24 @@ impl Merge {
         } else {
             self.plan.of_band(band.clone())?
         };
-        let mut ledger = RunState::new(campaign, &part);
+        let mut run_state = RunState::new(campaign, &part);
         let wanted = &self.stops[band];
         for (dealt, file) in self.dealt.iter().zip(self.shards.files()) {
             let places = wanted.iter().zip(0..).filter(|(stop, _)| dealt.binary_search(stop).is_ok());
             let places: Vec<(usize, usize)> = places.map(|(&stop, place)| (stop, place)).collect();
             if !places.is_empty() {
-                let shard = super::shard::load(file)?.ledger(campaign, &self.whole);
-                let taken = shard.and_then(|shard| ledger.take(shard, &places));
+                let shard = super::shard::load(file)?.run_state(campaign, &self.whole);
+                let taken = shard.and_then(|shard| run_state.take(shard, &places));
                 taken.map_err(|why| Error::format(file, why))?;
             }
         }
-        Ok((tables(campaign, &part, ledger).0, Cost { threads, ..cost }))
+        Ok((tables(campaign, &part, run_state).0, Cost { threads, ..cost }))
     }
 }
 
 /// Bytes of the sums of one stop in memory: counts and hits of a bin, fixed-point sums, and what a stop has besides.
 fn sums_of(campaign: &Campaign, plan: &Plan) -> u128 {
-    let sums = (plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
+    let sums = (plan.sums.first_sums() + plan.sums.multiple_sums()) as u128;
     let tallies = u128::from(plan.realisations) * campaign.alphas().len() as u128;
     let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
     copies * tallies * (plan.bins as u128 * (16 + 16 * sums) + 1024)

@@ -23,11 +23,11 @@ pub struct RunState {
     pub(crate) cost: Cost,
 }
 
-/// A ledger read from bytes, not yet held against a campaign.
+/// A run_state read from bytes, not yet held against a campaign.
 #[derive(Debug, Clone)]
 pub struct StoredRun {
     /// What it is of.
-    pub heading: RunHeader,
+    pub header: RunHeader,
     tables: Tables,
 }
 
@@ -66,7 +66,7 @@ impl RunState {
         Cost { samples: self.starts(plan), ..self.cost.clone() }
     }
 
-    /// Takes over stops of another ledger (`places`: theirs, here), which must be at their end, or says what is wrong.
+    /// Takes over stops of another run_state (`places`: theirs, here), which must be at their end, or says what is wrong.
     pub(crate) fn take(&mut self, other: RunState, places: &[(usize, usize)]) -> Result<(), String> {
         self.tables.take(other.tables, places)?;
         for (mine, theirs) in self.digests.iter_mut().zip(other.digests) {
@@ -83,7 +83,7 @@ impl RunState {
         campaign: &Campaign,
         plan: &Plan,
     ) -> Result<Vec<u8>, Error> {
-        let heading = RunHeader {
+        let header = RunHeader {
             version: env!("CARGO_PKG_VERSION").into(),
             campaign: campaign::to_toml(campaign),
             number,
@@ -96,7 +96,7 @@ impl RunState {
             digests: self.digests.clone(),
             cost: self.cost.clone(),
         };
-        sealed::seal(kind, self.tables.bytes(), |out| postcard::to_extend(&(heading, &self.tables), out))
+        sealed::seal(kind, self.tables.bytes(), |out| postcard::to_extend(&(header, &self.tables), out))
             .map_err(|e| Error::Internal(format!("encoding finished blocks: {e}")))
     }
 }
@@ -108,16 +108,16 @@ impl StoredRun {
     pub fn from_bytes(kind: &str, bytes: &[u8]) -> Result<Self, String> {
         let content = sealed::open(kind, bytes)?;
         let read = postcard::take_from_bytes::<(RunHeader, Tables)>(content);
-        let ((heading, tables), rest) = read.map_err(|e| unreadable(&e))?;
+        let ((header, tables), rest) = read.map_err(|e| unreadable(&e))?;
         if !rest.is_empty() {
             return Err(format!("{} bytes too many", rest.len()));
         }
-        Ok(StoredRun { heading, tables })
+        Ok(StoredRun { header, tables })
     }
 
-    /// The ledger, for a campaign that it has no faults with; else what is wrong with the sums.
-    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<RunState, String> {
-        let StoredRun { heading: RunHeader { band, blocks, by_slope, mut digests, cost, .. }, mut tables } =
+    /// The run_state, for a campaign that it has no faults with; else what is wrong with the sums.
+    pub fn run_state(self, campaign: &Campaign, plan: &Plan) -> Result<RunState, String> {
+        let StoredRun { header: RunHeader { band, blocks, by_slope, mut digests, cost, .. }, mut tables } =
             self;
         if band != plan.band {
             return Err("other stops at a time than those that were asked for".into());

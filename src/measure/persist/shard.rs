@@ -84,15 +84,15 @@ impl Shard {
 }
 
 /// Writes the file of a shard whose run is at its end.
-pub fn save(path: &Path, ledger: &RunState, campaign: &Campaign, plan: &Plan) -> Result<()> {
-    files::write_atomically(path, &ledger.to_bytes(KIND, 0, campaign, plan)?)
+pub fn save(path: &Path, run_state: &RunState, campaign: &Campaign, plan: &Plan) -> Result<()> {
+    files::write_atomically(path, &run_state.to_bytes(KIND, 0, campaign, plan)?)
 }
 
 /// What the file of a shard says of itself; it is read to its end and held to its checksum, a piece at a time.
-pub fn heading(path: &Path) -> Result<RunHeader> {
-    let heading = RunHeader::read(KIND, path)?;
-    match heading.shard {
-        Some(_) => Ok(heading),
+pub fn header(path: &Path) -> Result<RunHeader> {
+    let header = RunHeader::read(KIND, path)?;
+    match header.shard {
+        Some(_) => Ok(header),
         None => Err(Error::format(path, "says of no shard")),
     }
 }
@@ -131,7 +131,7 @@ impl Shards {
     /// of other patches.
     pub fn new(found: Vec<(PathBuf, RunHeader)>) -> Result<Self> {
         let with_shard =
-            |(path, heading): (PathBuf, RunHeader)| heading.shard.map(|shard| (shard, path, heading));
+            |(path, header): (PathBuf, RunHeader)| header.shard.map(|shard| (shard, path, header));
         let mut all: Vec<(Shard, PathBuf, RunHeader)> = found.into_iter().filter_map(with_shard).collect();
         all.sort_by(|a, b| (a.0, &a.1).cmp(&(b.0, &b.1)));
         let Some((first, others)) = all.split_first() else {
@@ -187,7 +187,7 @@ impl Shards {
     /// What they have cost together.
     pub(crate) fn cost(&self) -> Cost {
         let costs =
-            self.all.iter().map(|(.., heading)| Cost { samples: heading.starts, ..heading.cost.clone() });
+            self.all.iter().map(|(.., header)| Cost { samples: header.starts, ..header.cost.clone() });
         costs.fold(Cost::default(), Cost::plus)
     }
 }
@@ -198,19 +198,19 @@ fn agree(first: &(Shard, PathBuf, RunHeader), other: &(Shard, PathBuf, RunHeader
     let refused = |key: &str, here: &str, there: &str| {
         Err(Error::format(&other.1, format!("{key} = {here}, in {at} it is {there}: not of one run")))
     };
-    let heading = &other.2;
-    if let Some(differs) = campaign::differences(campaign, &heading.campaign).first() {
+    let header = &other.2;
+    if let Some(differs) = campaign::differences(campaign, &header.campaign).first() {
         let none = "not there";
         let value = |value: &Option<String>| value.clone().unwrap_or(none.into());
         return refused(&differs.key, &value(&differs.second), &value(&differs.first));
     }
-    if heading.version != *version {
-        return refused("version", &heading.version, version);
+    if header.version != *version {
+        return refused("version", &header.version, version);
     }
     if other.0.of != first.0.of {
         return refused("shard", &other.0.to_string(), &first.0.to_string());
     }
-    match heading.digests.iter().zip(digests).position(|(here, there)| here != there) {
+    match header.digests.iter().zip(digests).position(|(here, there)| here != there) {
         Some(patch) => Err(Error::format(
             &other.1,
             format!(

@@ -41,16 +41,16 @@ impl Disk {
     /// Values count as if they did not compress. Held by: `what_a_run_takes_on_the_disk_is_said_before`
     /// (tests/process/full_disk.rs).
     pub fn of(campaign: &Campaign, plan: &Plan, limit: u64) -> Self {
-        let weighing = &plan.weighing;
-        let sums = (weighing.first_sums() + weighing.multiple_sums()) as u128;
+        let sums = &plan.sums;
+        let sums = (sums.first_sums() + sums.multiple_sums()) as u128;
         // Of an open map the sums of what leaves it besides.
         let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
         let tally =
             copies * (plan.bins as u128 * (2 * BYTES_PER_COUNT + BYTES_PER_SUM * sums) + BYTES_PER_TALLY);
         let tallies = u128::from(plan.realisations) * campaign.alphas().len() as u128;
         let stop = tally.saturating_mul(tallies);
-        let heading = BYTES_PER_HEADING + BYTES_PER_DIGEST * u128::from(plan.realisations);
-        let file = |stops: usize| stop.saturating_mul(stops as u128).saturating_add(heading);
+        let header = BYTES_PER_HEADING + BYTES_PER_DIGEST * u128::from(plan.realisations);
+        let file = |stops: usize| stop.saturating_mul(stops as u128).saturating_add(header);
         let bands = plan.bands();
         let in_bands = bands.len() > 1;
         let finished = bands.iter().map(|stops| file(stops.len())).filter(|_| in_bands);
@@ -74,12 +74,12 @@ impl Disk {
 
 /// Channels of Schlick's formula.
 fn schlick_channels(plan: &Plan) -> usize {
-    if plan.weighing.serves_any_f0() { 2 + plan.weighing.multiple_sums() } else { 0 }
+    if plan.sums.serves_any_f0() { 2 + plan.sums.multiple_sums() } else { 0 }
 }
 
 /// The realisations' file of a table.
 fn realisations_of(plan: &Plan, material: usize, limit: u64) -> u64 {
-    let part = 2 * plan.weighing.colours(material).len() + schlick_channels(plan);
+    let part = 2 * plan.sums.colours(material).len() + schlick_channels(plan);
     let count = plan.realisations as usize;
     match realisations::kept(&plan.grid, part, count, limit) {
         StoredRealisations::All => realisations::file_bytes(&plan.grid, part, count),
@@ -90,13 +90,13 @@ fn realisations_of(plan: &Plan, material: usize, limit: u64) -> u64 {
 
 /// Tables, realisations, summaries and pages.
 fn tables(campaign: &Campaign, plan: &Plan, limit: u64) -> u128 {
-    let weighing = &plan.weighing;
+    let sums = &plan.sums;
     let schlick = schlick_channels(plan);
     let (stops, bins) = (plan.stops as u128, plan.bins as u128);
     let values = stops.saturating_mul(bins);
     let of_material = |material: usize| {
-        let colours = weighing.colours(material).len();
-        let orders = if weighing.by_order() { weighing.groups() } else { 0 };
+        let colours = sums.colours(material).len();
+        let orders = if sums.by_order() { sums.groups() } else { 0 };
         let left_map = usize::from(campaign.surface.kind.is_open_map());
         let channels = (colours * (5 + left_map + orders) + 1 + schlick) as u128;
         let parts = realisations_of(plan, material, limit);

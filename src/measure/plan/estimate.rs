@@ -85,13 +85,13 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let bins = plan.bins as u128;
     // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
     // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.
-    let sums = (1 + plan.weighing.first_sums() + plan.weighing.multiple_sums()) as u128;
+    let sums = (1 + plan.sums.first_sums() + plan.sums.multiple_sums()) as u128;
     let (realisations, roughnesses) = (u128::from(plan.realisations), campaign.alphas().len() as u128);
     // Of an open map the sums of what leaves it besides.
     let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
     let records = 2 * copies * bins * realisations * roughnesses * (8 + 16 * sums);
     let tallies = 4 * copies * threads * bins * (8 + 16 * sums);
-    let kept = if plan.weighing.serves_any_f0() { sums * plan.tables as u128 } else { 0 };
+    let kept = if plan.sums.serves_any_f0() { sums * plan.tables as u128 } else { 0 };
     let colours = (plan.colours as u128) * roughnesses;
     let files = bins * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);
     // Projected solid angles; means of each colour with three maskings; the same as bands are examined one by one.

@@ -80,7 +80,7 @@ pub struct Plan {
     pub colours: usize,
     /// What is summed of every path; tests have colours traced that follow from others.
     #[serde(skip)]
-    pub weighing: FresnelSums,
+    pub sums: FresnelSums,
     /// What is left out, and why.
     pub skipped: Vec<Saving>,
     /// Stops that are measured and written at a time: all, or as many as fit the memory.
@@ -156,7 +156,7 @@ pub(super) fn decided(campaign: &Campaign, shard: Option<Shard>) -> Result<(Plan
         images,
         folded,
         colours: campaign.optics.colours(),
-        weighing: FresnelSums::of(campaign),
+        sums: FresnelSums::of(campaign),
         skipped: Vec::new(),
         band_stops: grid.stops(),
         memory_bytes: 0,

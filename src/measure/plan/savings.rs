@@ -142,7 +142,7 @@ fn of_materials(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &s
         return;
     }
     let colours = format!("{} of {} traces", plan.colours - 1, plan.colours);
-    let (why, saves) = match (plan.weighing.is_traced(), campaign.trace.bounces) {
+    let (why, saves) = match (plan.sums.is_traced(), campaign.trace.bounces) {
         (true, _) if plan.colours == 1 => return,
         (true, _) => ("all colours are worked out along the same paths", colours),
         (false, 1) => (

@@ -227,7 +227,7 @@ fn albedos(page: &Page) -> String {
         return String::new();
     }
     let heads: String =
-        shown.iter().map(|key| format!("<th>{}</th>", heading(key, shown[0] == "albedo_total"))).collect();
+        shown.iter().map(|key| format!("<th>{}</th>", header(key, shown[0] == "albedo_total"))).collect();
     let angles = angle_cells(page, stops);
     let row = |index: usize| {
         let stop = &stops[index];
@@ -249,7 +249,7 @@ fn albedos(page: &Page) -> String {
 }
 
 /// What stands over a column of albedos, of which there may be one `alone`.
-fn heading(key: &str, alone: bool) -> &str {
+fn header(key: &str, alone: bool) -> &str {
     match key {
         "albedo_single" => "one bounce",
         "albedo_total" if alone => "albedo",

@@ -10,7 +10,7 @@ use crate::trace::symmetry::PatchSymmetry;
 #[derive(Debug, Clone, Copy)]
 pub struct TracedPatch<'a> {
     /// Walks the canonical field.
-    pub walker: GridTraversal<'a>,
+    pub traversal: GridTraversal<'a>,
     /// World slope per canonical slope.
     pub alpha: DVec2,
     /// Which mirror image of the field lies there.
@@ -62,7 +62,7 @@ impl TracedPatch<'_> {
 
     /// The mirror direction of `wi` at a facet: 2 (wi.N) N/(N.N) - wi with N = (-ax p, -ay q, 1), not normalised.
     pub fn reflected(&self, wi: DVec3, place: &SurfacePoint) -> DVec3 {
-        let corners = self.walker.field().corners(place.facet.x, place.facet.y);
+        let corners = self.traversal.field().corners(place.facet.x, place.facet.y);
         let slope = corners.slope(place.facet.upper);
         let world = self.alpha * self.image.from_field(slope);
         let normal = DVec3::new(-world.x, -world.y, 1.0);
@@ -74,7 +74,7 @@ impl TracedPatch<'_> {
     /// Where the light's ray leaves an open map the path is followed as one that the light may see: it ends as
     /// [`PathEnd::LeftMap`] with all that is known of it.
     pub fn trace(&self, start: SurfacePoint, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> PathEnd {
-        let perhaps_lit = match self.walker.walk(&start, self.to_field(wi)) {
+        let perhaps_lit = match self.traversal.traverse(&start, self.to_field(wi)) {
             Outcome::Escaped => false,
             Outcome::Hit(_) => return PathEnd::Hidden,
             Outcome::LeftMap => true,
@@ -93,7 +93,7 @@ impl TracedPatch<'_> {
             if order == bounces && wo.z <= 0.0 {
                 return cut(true);
             }
-            match self.walker.walk(&place, self.to_field(wo)) {
+            match self.traversal.traverse(&place, self.to_field(wo)) {
                 Outcome::Escaped if perhaps_lit => {
                     return PathEnd::LeftMap { wo: Some(wo), order, further: false };
                 }

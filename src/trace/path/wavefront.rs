@@ -62,7 +62,7 @@ impl PathWaves {
     /// Follows a path from each start of `wave`; `endings` gets their ends in the order of the starts, `visits[k]` the
     /// bounces of path k in theirs.
     ///
-    /// `over` is a lane walker over the field of all views. Directions are f64; only the question of what a ray meets
+    /// `over` is a lane traversal over the field of all views. Directions are f64; only the question of what a ray meets
     /// is f32's.
     ///
     /// Held by: `tests/it/trace/lanes.rs` against `TracedPatch::trace`.

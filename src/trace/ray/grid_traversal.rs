@@ -76,13 +76,13 @@ pub struct GridTraversal<'a> {
 const NEAR: u64 = 64;
 
 impl<'a> GridTraversal<'a> {
-    /// A walker over `field`.
+    /// A traversal over `field`.
     pub fn new(field: &'a Heightfield) -> Self {
         let (lowest, highest) = field.range();
         GridTraversal { field, lowest, highest, peaks: None }
     }
 
-    /// One that takes long rays over whole tiles, of which `peaks` of the same field knows the heights: the same answers,
+    /// One that takes long rays over whole tiles, of which `peaks` of the same field knows the heights: the same hits,
     /// sooner.
     pub fn with_peaks(self, peaks: &'a TilePeaks) -> Self {
         GridTraversal { peaks: Some(peaks), ..self }
@@ -101,8 +101,8 @@ impl<'a> GridTraversal<'a> {
     /// Follows the ray from `start` along `d` (any length, field coordinates) to its end.
     ///
     /// Held by: `tests/it/trace/watertight.rs` against a loop over all facets.
-    pub fn walk(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
-        self.walk_counted(start, d, &mut 0)
+    pub fn traverse(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
+        self.traverse_counted(start, d, &mut 0)
     }
 
     /// As `walk`, and adds the cells that the ray is followed through one by one, the first one included, to `cells`:
@@ -110,7 +110,7 @@ impl<'a> GridTraversal<'a> {
     ///
     /// Held by: `a_ray_crosses_as_many_cells_as_its_rise_over_the_patch_says`.
     #[inline]
-    pub fn walk_counted(&self, start: &SurfacePoint, d: DVec3, cells: &mut u64) -> Outcome {
+    pub fn traverse_counted(&self, start: &SurfacePoint, d: DVec3, cells: &mut u64) -> Outcome {
         let mut way = RayState::new(self, start, d);
         let limit = self.step_limit(start.z, d);
         let one_by_one = if self.peaks.is_some() { limit.min(NEAR) } else { limit };

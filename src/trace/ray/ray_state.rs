@@ -114,14 +114,14 @@ pub(crate) struct RayState<'a> {
 }
 
 impl<'a> RayState<'a> {
-    pub fn new(walker: &GridTraversal, start: &'a SurfacePoint, d: DVec3) -> Self {
+    pub fn new(traversal: &GridTraversal, start: &'a SurfacePoint, d: DVec3) -> Self {
         RayState {
             start,
             d,
             cell: (start.facet.x, start.facet.y),
             x: AxisSteps::new(d.x, start.u),
             y: AxisSteps::new(d.y, start.v),
-            clear_at: walker.clear_at(start.z, d.z),
+            clear_at: traversal.clear_at(start.z, d.z),
             // The clearance over the start's own facet is never negative, whatever rounding says.
             entry: Crossing { t: 0.0, clearance: 0.0 },
             upper: start.facet.upper,

@@ -25,25 +25,30 @@ struct TileExit {
 /// Follows the ray from `start` along `d` to its end: bit for bit `GridTraversal::walk`, of whose field `tiles` are.
 ///
 /// Held by: `tests/it/trace/long_rays.rs`, ray by ray against `GridTraversal::walk`.
-pub(crate) fn walk(walker: &GridTraversal, tiles: &impl Tiles, start: &SurfacePoint, d: DVec3) -> Outcome {
-    let mut way = RayState::new(walker, start, d);
+pub(crate) fn traverse(
+    traversal: &GridTraversal,
+    tiles: &impl Tiles,
+    start: &SurfacePoint,
+    d: DVec3,
+) -> Outcome {
+    let mut way = RayState::new(traversal, start, d);
     // The start's cell is left by the walk itself: the facet under the start is not tested.
-    if let Some(outcome) = way.cross(walker.field()) {
+    if let Some(outcome) = way.cross(traversal.field()) {
         return outcome;
     }
-    go_on(walker, tiles, start, way)
+    go_on(traversal, tiles, start, way)
 }
 
 /// Follows a ray that has left its start's cell to its end.
 pub(crate) fn go_on(
-    walker: &GridTraversal,
+    traversal: &GridTraversal,
     tiles: &impl Tiles,
     start: &SurfacePoint,
     mut way: RayState,
 ) -> Outcome {
-    let (field, d) = (walker.field(), way.d);
-    let limit = walker.step_limit(start.z, d) as f64;
-    let (lowest, highest) = walker.range();
+    let (field, d) = (traversal.field(), way.d);
+    let limit = traversal.step_limit(start.z, d) as f64;
+    let (lowest, highest) = traversal.range();
     // Where the walk compares heights: 3 roundings of numbers up to the largest height, and a place on an edge that
     // is off by 3 roundings of the edges crossed, times the steepest slope. 2^-53 each; 2^-49 leaves room.
     let unit = 2f64.powi(-49) * (highest - lowest + highest.abs().max(lowest.abs()).max(start.z.abs()));

@@ -97,7 +97,7 @@ impl<S: Lanes> CellCrossing<S> {
 
     /// Notes what the rays of `lanes` hit.
     #[inline(always)]
-    pub fn record(&self, s: S, rays: &RayLanes<S>, lanes: u32, answers: &mut HitBuffer) {
+    pub fn record(&self, s: S, rays: &RayLanes<S>, lanes: u32, hits: &mut HitBuffer) {
         let mirrored_x = s.negative(rays.mirror_x);
         // The side of the diagonal: where it runs across, the first facet is the near one; where it runs along, the
         // facet above it is the one entered across x, and left across y.
@@ -123,7 +123,7 @@ impl<S: Lanes> CellCrossing<S> {
         while left != 0 {
             let k = left.trailing_zeros() as usize;
             left &= left - 1;
-            answers.hits[ints[0][k] as usize] = LaneHit {
+            hits.hits[ints[0][k] as usize] = LaneHit {
                 cells_x: ints[1][k],
                 cells_y: ints[2][k],
                 upper: upper >> k & 1 != 0,

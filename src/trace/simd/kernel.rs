@@ -48,7 +48,7 @@ pub struct LaneHit {
     pub to: f32,
 }
 
-/// The answers to a batch, in its order.
+/// The hits to a batch, in its order.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct HitBuffer {
     /// One for each ray.
@@ -125,13 +125,13 @@ pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
     s: S,
     field: &MaxPyramid,
     rays: &RayBatch,
-    answers: &mut HitBuffer,
+    hits: &mut HitBuffer,
 ) {
-    answers.fates.clear();
-    answers.fates.resize(rays.len(), RayOutcome::Escaped);
+    hits.fates.clear();
+    hits.fates.resize(rays.len(), RayOutcome::Escaped);
     if CLOSEST {
-        answers.hits.clear();
-        answers.hits.resize(rays.len(), LaneHit::default());
+        hits.hits.clear();
+        hits.hits.resize(rays.len(), LaneHit::default());
     }
     let mut queue = Queue::new(rays);
     let mut walk = Walk::<S>::new(s, field);
@@ -139,7 +139,7 @@ pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
     loop {
         let free = all & !walk.live;
         if free.count_ones() as usize * 16 >= REFILL * S::WIDTH {
-            queue.fill::<S, CLOSEST>(s, field, answers);
+            queue.fill::<S, CLOSEST>(s, field, hits);
             if !queue.is_empty() {
                 walk.refill(s, &mut queue, free);
             }
@@ -147,11 +147,11 @@ pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
                 return;
             }
         }
-        walk.step(s, field, answers);
+        walk.step(s, field, hits);
         let waiting = walk.waiting;
         let enough = waiting.count_ones() as usize * 16 >= POSTPONE * S::WIDTH || waiting == walk.live;
         if enough && waiting != 0 {
-            walk.facets::<CLOSEST>(s, field, answers);
+            walk.facets::<CLOSEST>(s, field, hits);
         }
     }
 }
@@ -225,7 +225,7 @@ impl<S: Lanes> Walk<S> {
 
     /// One step of every lane that does not wait: over a tile that it clears, down a level, or to wait.
     #[inline(always)]
-    fn step(&mut self, s: S, field: &MaxPyramid, answers: &mut HitBuffer) {
+    fn step(&mut self, s: S, field: &MaxPyramid, hits: &mut HitBuffer) {
         let rays = &self.rays;
         let tile = s.shl(self.all_ones, self.shift);
         let exit = rays.exit(s, tile);
@@ -243,7 +243,7 @@ impl<S: Lanes> Walk<S> {
         let down = s.and(blocked, inner);
         self.shift = s.pick_i(down, s.sub_i(self.shift, self.two), self.shift);
         let done = self.advance(s, skips, &exit, tile);
-        self.retire_clear(s, done, answers);
+        self.retire_clear(s, done, hits);
     }
 
     /// Moves the lanes of `who` to `exit`, up a level where they leave a tile of the next; returns those at their end.
@@ -270,42 +270,42 @@ impl<S: Lanes> Walk<S> {
 
     /// Tests the facets of all waiting lanes' cells.
     #[inline(always)]
-    fn facets<const CLOSEST: bool>(&mut self, s: S, field: &MaxPyramid, answers: &mut HitBuffer) {
+    fn facets<const CLOSEST: bool>(&mut self, s: S, field: &MaxPyramid, hits: &mut HitBuffer) {
         let cell = CellCrossing::cross(s, &self.rays, field);
         let waiting = s.mask(self.waiting);
         let hit = s.and(waiting, s.or(cell.hit_first, cell.hit_last));
         let bits = s.bits(hit);
         if bits != 0 {
             if CLOSEST {
-                cell.record(s, &self.rays, bits, answers);
+                cell.record(s, &self.rays, bits, hits);
             }
-            self.retire(s, bits, RayOutcome::Blocked, answers);
+            self.retire(s, bits, RayOutcome::Blocked, hits);
         }
         let on = s.without(waiting, hit);
         let done = self.advance(s, on, &cell.exit, self.all_ones);
         self.waiting = 0;
-        self.retire_clear(s, done, answers);
+        self.retire_clear(s, done, hits);
     }
 
     /// Ends the lanes of `done`: above everything, or too long.
     #[inline(always)]
-    fn retire_clear(&mut self, s: S, done: u32, answers: &mut HitBuffer) {
+    fn retire_clear(&mut self, s: S, done: u32, hits: &mut HitBuffer) {
         // No branch on `done`: most steps end some lane, no pattern says which.
         let beyond = done & !s.bits(s.lt(self.rays.end, s.splat(LONGEST)));
         // Fates are `Escaped` unless said otherwise.
         if beyond != 0 {
-            self.retire(s, beyond, RayOutcome::Beyond, answers);
+            self.retire(s, beyond, RayOutcome::Beyond, hits);
         }
         self.live &= !done;
     }
 
     #[inline(always)]
-    fn retire(&mut self, s: S, lanes: u32, fate: RayOutcome, answers: &mut HitBuffer) {
+    fn retire(&mut self, s: S, lanes: u32, fate: RayOutcome, hits: &mut HitBuffer) {
         let mut ids = [0; LANES];
         s.store_i(&mut ids, self.rays.id);
         let mut left = lanes;
         while left != 0 {
-            answers.fates[ids[left.trailing_zeros() as usize] as usize] = fate;
+            hits.fates[ids[left.trailing_zeros() as usize] as usize] = fate;
             left &= left - 1;
         }
         self.live &= !lanes;

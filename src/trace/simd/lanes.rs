@@ -64,25 +64,20 @@ impl Kernel {
         }
     }
 
-    /// Runs the kernel over `rays`; with `CLOSEST`, `answers` gets what they hit as well. A kernel that the processor
-    /// lacks is replaced by the scalar one: the answers are the same.
-    pub(crate) fn run<const CLOSEST: bool>(
-        self,
-        field: &MaxPyramid,
-        rays: &RayBatch,
-        answers: &mut HitBuffer,
-    ) {
+    /// Runs the kernel over `rays`; with `CLOSEST`, `hits` gets what they hit as well. A kernel that the processor
+    /// lacks is replaced by the scalar one: the hits are the same.
+    pub(crate) fn run<const CLOSEST: bool>(self, field: &MaxPyramid, rays: &RayBatch, hits: &mut HitBuffer) {
         #[cfg(target_arch = "x86_64")]
         if self.available() {
             match self {
                 // SAFETY: available() asked the processor for these very features.
-                Kernel::Avx512 => return unsafe { x86::run_avx512::<CLOSEST>(field, rays, answers) },
+                Kernel::Avx512 => return unsafe { x86::run_avx512::<CLOSEST>(field, rays, hits) },
                 // SAFETY: available() asked the processor for these very features.
-                Kernel::Avx2 => return unsafe { x86::run_avx2::<CLOSEST>(field, rays, answers) },
+                Kernel::Avx2 => return unsafe { x86::run_avx2::<CLOSEST>(field, rays, hits) },
                 Kernel::Scalar => {}
             }
         }
-        kernel::run::<One, CLOSEST>(One, field, rays, answers);
+        kernel::run::<One, CLOSEST>(One, field, rays, hits);
     }
 }
 
@@ -108,21 +103,13 @@ mod x86 {
 
     // The features stay off FMA: a fused product would round unlike the other kernels.
     #[target_feature(enable = "avx512f,avx2,bmi1,bmi2,lzcnt,popcnt")]
-    pub(crate) fn run_avx512<const CLOSEST: bool>(
-        field: &MaxPyramid,
-        rays: &RayBatch,
-        answers: &mut HitBuffer,
-    ) {
-        kernel::run::<Interleaved<Avx512>, CLOSEST>(Interleaved(Avx512(())), field, rays, answers);
+    pub(crate) fn run_avx512<const CLOSEST: bool>(field: &MaxPyramid, rays: &RayBatch, hits: &mut HitBuffer) {
+        kernel::run::<Interleaved<Avx512>, CLOSEST>(Interleaved(Avx512(())), field, rays, hits);
     }
 
     #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-    pub(crate) fn run_avx2<const CLOSEST: bool>(
-        field: &MaxPyramid,
-        rays: &RayBatch,
-        answers: &mut HitBuffer,
-    ) {
-        kernel::run::<Interleaved<Avx2>, CLOSEST>(Interleaved(Avx2(())), field, rays, answers);
+    pub(crate) fn run_avx2<const CLOSEST: bool>(field: &MaxPyramid, rays: &RayBatch, hits: &mut HitBuffer) {
+        kernel::run::<Interleaved<Avx2>, CLOSEST>(Interleaved(Avx2(())), field, rays, hits);
     }
 
     /// For each mask of 8 lanes: the rank of each lane among those set, and the lanes set in order.

@@ -89,15 +89,15 @@ impl MaxPyramid {
     /// Whether anything stops each ray.
     ///
     /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
-    pub fn any_hit(&self, kernel: Kernel, rays: &RayBatch, answers: &mut HitBuffer) {
-        kernel.run::<false>(self, rays, answers);
+    pub fn any_hit(&self, kernel: Kernel, rays: &RayBatch, hits: &mut HitBuffer) {
+        kernel.run::<false>(self, rays, hits);
     }
 
     /// What each ray meets first.
     ///
     /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
-    pub fn closest_hit(&self, kernel: Kernel, rays: &RayBatch, answers: &mut HitBuffer) {
-        kernel.run::<true>(self, rays, answers);
+    pub fn closest_hit(&self, kernel: Kernel, rays: &RayBatch, hits: &mut HitBuffer) {
+        kernel.run::<true>(self, rays, hits);
     }
 }
 

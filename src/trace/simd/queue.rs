@@ -33,10 +33,10 @@ impl<'a> Queue<'a> {
 
     /// Prepares rays until a vector could be refilled twice, or none are left; some end already here.
     #[inline(always)]
-    pub fn fill<S: Lanes, const CLOSEST: bool>(&mut self, s: S, field: &MaxPyramid, answers: &mut HitBuffer) {
+    pub fn fill<S: Lanes, const CLOSEST: bool>(&mut self, s: S, field: &MaxPyramid, hits: &mut HitBuffer) {
         if self.len < S::WIDTH {
             while self.next < self.batch.len() && self.len < 3 * S::WIDTH {
-                self.prepare::<S, CLOSEST>(s, field, answers);
+                self.prepare::<S, CLOSEST>(s, field, hits);
             }
         }
     }
@@ -78,7 +78,7 @@ impl<'a> Queue<'a> {
 
     /// Scales and mirrors the next `WIDTH` rays of the batch and takes them through their first cell.
     #[inline(always)]
-    fn prepare<S: Lanes, const CLOSEST: bool>(&mut self, s: S, field: &MaxPyramid, answers: &mut HitBuffer) {
+    fn prepare<S: Lanes, const CLOSEST: bool>(&mut self, s: S, field: &MaxPyramid, hits: &mut HitBuffer) {
         let (batch, at) = (self.batch, self.next);
         let part = batch.part(at);
         let within = at % LANES;
@@ -95,10 +95,10 @@ impl<'a> Queue<'a> {
         let hit = walked & s.bits(cell.hit_last);
         let ends = walked & !hit & !s.bits(s.lt(cell.exit.t, rays.end));
         // Fates are `Escaped` unless said otherwise. A first cell is never too long.
-        each(hit, |k| answers.fates[at + k] = RayOutcome::Blocked);
-        each(present & !s.bits(fits) & !s.bits(rises), |k| answers.fates[at + k] = RayOutcome::Beyond);
+        each(hit, |k| hits.fates[at + k] = RayOutcome::Blocked);
+        each(present & !s.bits(fits) & !s.bits(rises), |k| hits.fates[at + k] = RayOutcome::Beyond);
         if CLOSEST && hit != 0 {
-            cell.record(s, &rays, hit, answers);
+            cell.record(s, &rays, hit, hits);
         }
         self.push(s, walked & !hit & !ends, &rays, &cell);
     }

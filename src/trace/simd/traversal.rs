@@ -1,6 +1,6 @@
 //! Many rays at once: the question of what they meet goes to the lanes, geometry stays in f64.
 //!
-//! Enters: rays by index. Leaves: answers in the same order. A ray that is too long for f32 goes on in further legs,
+//! Enters: rays by index. Leaves: hits in the same order. A ray that is too long for f32 goes on in further legs,
 //! each of which starts where f64 says; what is then still under way is walked in f64.
 
 use glam::DVec3;
@@ -16,38 +16,38 @@ use crate::trace::ray::tile_traversal;
 /// A field that both the lanes and the f64 walk know.
 #[derive(Debug, Clone, Copy)]
 pub struct SimdTraversal<'a> {
-    walker: GridTraversal<'a>,
+    traversal: GridTraversal<'a>,
     lanes: &'a MaxPyramid,
     kernel: Kernel,
 }
 
 impl<'a> SimdTraversal<'a> {
-    /// Rays over one field: `lanes` is made of the field of `walker`.
-    pub fn new(walker: GridTraversal<'a>, lanes: &'a MaxPyramid, kernel: Kernel) -> Self {
-        SimdTraversal { walker, lanes, kernel }
+    /// Rays over one field: `lanes` is made of the field of `traversal`.
+    pub fn new(traversal: GridTraversal<'a>, lanes: &'a MaxPyramid, kernel: Kernel) -> Self {
+        SimdTraversal { traversal, lanes, kernel }
     }
 
     /// The f64 walk.
-    pub fn walker(&self) -> &GridTraversal<'a> {
-        &self.walker
+    pub fn traversal(&self) -> &GridTraversal<'a> {
+        &self.traversal
     }
 
     /// The f64 walk of a ray that is too long for the lanes: the answer of `GridTraversal::walk`, sooner.
     ///
     /// Held by: `tests/it/trace/long_rays.rs`.
-    pub fn walk_long(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
-        tile_traversal::walk(&self.walker, self.lanes, start, d)
+    pub fn traverse_long(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
+        tile_traversal::traverse(&self.traversal, self.lanes, start, d)
     }
 
     /// Whether a ray crosses more than one leg's edges before it is above everything.
     fn is_long(&self, start: &SurfacePoint, d: DVec3) -> bool {
-        self.walker.clear_at(start.z, d.z) * (d.x.abs() + d.y.abs()) > f64::from(LONGEST)
+        self.traversal.clear_at(start.z, d.z) * (d.x.abs() + d.y.abs()) > f64::from(LONGEST)
     }
 
     /// The point of a ray after about so many `edges`, over the facet there.
     fn further(&self, start: &SurfacePoint, d: DVec3, edges: f64) -> SurfacePoint {
         let t = edges / (d.x.abs() + d.y.abs());
-        let field = self.walker.field();
+        let field = self.traversal.field();
         let of = |cell: usize, place: f64, d: f64, cells: usize| {
             let to = place + t * d;
             ((cell as i64 + to.floor() as i64).rem_euclid(cells as i64) as usize, to - to.floor())
@@ -104,7 +104,7 @@ const FURTHER_LEGS: u32 = 64;
 #[derive(Debug, Default)]
 pub struct Waves {
     rays: RayBatch,
-    answers: HitBuffer,
+    hits: HitBuffer,
     /// Rays that are under way, and what became of their last leg.
     under_way: Vec<usize>,
     leg: HitBuffer,
@@ -121,14 +121,14 @@ impl Waves {
         ray: impl Fn(usize) -> (&'p SurfacePoint, DVec3),
     ) -> &[RayOutcome] {
         self.load(count, &ray);
-        over.lanes.any_hit(over.kernel, &self.rays, &mut self.answers);
+        over.lanes.any_hit(over.kernel, &self.rays, &mut self.hits);
         self.go_on(over, &ray);
-        &self.answers.fates
+        &self.hits.fates
     }
 
     /// Follows the rays that are too long for one leg.
     fn go_on<'p>(&mut self, over: &SimdTraversal, ray: &impl Fn(usize) -> (&'p SurfacePoint, DVec3)) {
-        let Waves { rays, answers: HitBuffer { fates, .. }, under_way, leg } = self;
+        let Waves { rays, hits: HitBuffer { fates, .. }, under_way, leg } = self;
         let too_long = |&(index, fate): &(usize, &RayOutcome)| {
             *fate == RayOutcome::Beyond && {
                 let (start, d) = ray(index);
@@ -154,7 +154,7 @@ impl Waves {
         }
         for (index, fate) in fates.iter_mut().enumerate().filter(|(_, fate)| **fate == RayOutcome::Beyond) {
             let (start, d) = ray(index);
-            *fate = match over.walk_long(start, d) {
+            *fate = match over.traverse_long(start, d) {
                 Outcome::Escaped => RayOutcome::Escaped,
                 Outcome::Hit(_) => RayOutcome::Blocked,
                 Outcome::LeftMap | Outcome::Lost => RayOutcome::Beyond,
@@ -173,8 +173,8 @@ impl Waves {
         mut visit: impl FnMut(usize, Outcome),
     ) {
         self.load(count, &ray);
-        over.lanes.closest_hit(over.kernel, &self.rays, &mut self.answers);
-        for (index, (fate, hit)) in self.answers.fates.iter().zip(&self.answers.hits).enumerate() {
+        over.lanes.closest_hit(over.kernel, &self.rays, &mut self.hits);
+        for (index, (fate, hit)) in self.hits.fates.iter().zip(&self.hits.hits).enumerate() {
             let outcome = match fate {
                 RayOutcome::Escaped => Outcome::Escaped,
                 RayOutcome::Blocked => {
@@ -183,7 +183,7 @@ impl Waves {
                 }
                 RayOutcome::Beyond => {
                     let (start, d) = ray(index);
-                    over.walk_long(start, d)
+                    over.traverse_long(start, d)
                 }
             };
             visit(index, outcome);

@@ -108,8 +108,8 @@ fn checkpoints() -> Answer {
     let patches = Patches::prepare(&campaign, &mut Vec::new())?;
     let empty = RunState::new(&campaign, &plan);
     let whole = measure::go_on(&campaign, &plan, &patches, empty.clone(), &Session::plain(&|_| ()))?;
-    for (name, ledger) in [("empty", empty), ("whole", whole)] {
-        let bytes = Checkpoint::bytes(&ledger, 1, &campaign, &plan)?;
+    for (name, run_state) in [("empty", empty), ("whole", whole)] {
+        let bytes = Checkpoint::bytes(&run_state, 1, &campaign, &plan)?;
         seed("checkpoint", name, sealed::open(Checkpoint::KIND, &bytes)?)?;
     }
     Ok(())

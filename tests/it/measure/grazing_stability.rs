@@ -93,8 +93,8 @@ struct Cost {
 
 /// Follows the light's ray of every start of a block and holds its cells to the closed form.
 fn cost_of(field: &Heightfield, alpha: DVec2, theta_i_deg: f64, phi_i_deg: f64) -> Cost {
-    let walker = GridTraversal::new(field);
-    let sample = TracedPatch { walker, alpha, image: PatchSymmetry::nth(0) };
+    let traversal = GridTraversal::new(field);
+    let sample = TracedPatch { traversal, alpha, image: PatchSymmetry::nth(0) };
     let light = sample.to_field(sphere::direction_deg(theta_i_deg, phi_i_deg));
     let (low, high) = field.range();
     // Edges crossed along x and y for each unit of height.
@@ -104,7 +104,7 @@ fn cost_of(field: &Heightfield, alpha: DVec2, theta_i_deg: f64, phi_i_deg: f64) 
     let mut rng = test_rng(22);
     starts.each(BLOCK, &mut rng, |place| {
         let mut cells = 0;
-        let outcome = walker.walk_counted(&place, light, &mut cells);
+        let outcome = traversal.traverse_counted(&place, light, &mut cells);
         let edges = (high - place.z) * rate;
         match outcome {
             // Along each axis a length L crosses more than L - 1 and fewer than L + 1 edges; cells are one more.

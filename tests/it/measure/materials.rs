@@ -91,7 +91,7 @@ fn a_recoloured_table_is_the_traced_one() {
     let source = measured_one(&one("material = \"copper\""));
     for keys in ["material = \"gold\"", "f0 = [0.1, 0.55, 0.9]", "material = \"glass\"", "f0 = 0"] {
         let by_sums = measured_one(&one(keys));
-        let by_path = measured_with(&one(keys), |plan| plan.weighing = plan.weighing.clone().traced());
+        let by_path = measured_with(&one(keys), |plan| plan.sums = plan.sums.clone().traced());
         let text = by_sums.table.campaign.clone();
         let (table, parts) =
             recolour(&source.table, Some(&source.realisations), f0_of(&by_sums), text.clone())
@@ -132,7 +132,7 @@ fn orders_follow_from_their_parts() {
         let one = |keys: &str| rough("1.0", &optics(keys), &trace);
         let source = measured_one(&one("material = \"silver\""));
         for keys in ["material = \"copper\"", "f0 = [0.04, 0.5, 1]"] {
-            let wanted = measured_with(&one(keys), |plan| plan.weighing = plan.weighing.clone().traced());
+            let wanted = measured_with(&one(keys), |plan| plan.sums = plan.sums.clone().traced());
             let text = wanted.table.campaign.clone();
             let (table, parts) =
                 recolour(&source.table, Some(&source.realisations), f0_of(&wanted), text).expect("has sums");

@@ -258,7 +258,7 @@ fn a_place(field: &Heightfield, rng: &mut rand_pcg::Pcg64Dxsm) -> SurfacePoint {
 #[test]
 fn rays_steeper_than_every_slope_escape() {
     let field = patch();
-    let walker = GridTraversal::new(&field);
+    let traversal = GridTraversal::new(&field);
     let lanes = MaxPyramid::new(&field).expect("a power of two");
     let heights = field.heights();
     let steepest = (0..4096).map(|k| {
@@ -274,12 +274,12 @@ fn rays_steeper_than_every_slope_escape() {
             (a_place(&field, &mut rng), DVec3::new(cos, sin, rise).normalize())
         })
         .collect();
-    let over = SimdTraversal::new(walker, &lanes, Kernel::widest());
+    let over = SimdTraversal::new(traversal, &lanes, Kernel::widest());
     let mut waves = Waves::default();
     let fates = waves.any_hit(&over, rays.len(), |k| (&rays[k].0, rays[k].1));
     let (mut steep, mut blocked) = (0, 0);
     for ((start, d), fate) in rays.iter().zip(fates) {
-        let free = walker.walk(start, *d) == Outcome::Escaped;
+        let free = traversal.traverse(start, *d) == Outcome::Escaped;
         let steeper = d.z > steepest * (d.x.abs() + d.y.abs());
         assert!(free || !steeper);
         // Rays that are decided by the bound must be right; the others may touch an edge within f32's rounding.
@@ -297,7 +297,7 @@ fn rays_steeper_than_every_slope_escape() {
 fn paths_that_go_down_hit_again() {
     let field = patch();
     let sample = TracedPatch {
-        walker: GridTraversal::new(&field),
+        traversal: GridTraversal::new(&field),
         alpha: glam::DVec2::splat(2.0),
         image: PatchSymmetry::default(),
     };
@@ -311,7 +311,7 @@ fn paths_that_go_down_hit_again() {
         let lit = light.z > light.truncate().dot(corners.slope(start.facet.upper));
         let wo = sample.reflected(wi, &start);
         if lit && wo.z <= 0.0 {
-            assert!(matches!(sample.walker.walk(&start, sample.to_field(wo)), Outcome::Hit(_)));
+            assert!(matches!(sample.traversal.traverse(&start, sample.to_field(wo)), Outcome::Hit(_)));
             down += 1;
         }
     }

@@ -51,14 +51,18 @@ fn a_ray_along_a_corridor_ends_where_the_plain_walk_ends() {
     const RAYS: u64 = 1500;
     let mut rng = test_rng(41);
     for (name, field, corridor) in &fields() {
-        let (walker, peaks) = (GridTraversal::new(field), TilePeaks::new(field));
+        let (traversal, peaks) = (GridTraversal::new(field), TilePeaks::new(field));
         let (mut cells, mut long, mut ends) = (0, 0, [0u32; 2]);
         for _ in 0..RAYS {
             let (place, d) = ray(&mut rng, field, *corridor);
             let before = cells;
-            let expected = walker.walk_counted(&place, d, &mut cells);
+            let expected = traversal.traverse_counted(&place, d, &mut cells);
             // Every bit: where it is met, and that it is met at all.
-            assert_eq!(walker.with_peaks(&peaks).walk(&place, d), expected, "{name}: {place:?} along {d:?}");
+            assert_eq!(
+                traversal.with_peaks(&peaks).traverse(&place, d),
+                expected,
+                "{name}: {place:?} along {d:?}"
+            );
             // A hundred times round, and more.
             long += u32::from(cells - before > 3200);
             ends[usize::from(expected == Outcome::Escaped)] += 1;
@@ -80,14 +84,14 @@ fn a_ray_along_a_wall_of_any_height_takes_no_longer_than_its_field_is_large() {
     let (rows, high, climb, aside) = (128, 1e6, -1e-3, 1e-7);
     let heights = (0..16 * rows).map(|i| if i / 16 == 0 { high } else { 0.0 }).collect();
     let field = Heightfield::new(16, rows, true, heights);
-    let (walker, peaks) = (GridTraversal::new(&field), TilePeaks::new(&field));
+    let (traversal, peaks) = (GridTraversal::new(&field), TilePeaks::new(&field));
     let mut rng = test_rng(42);
     for _ in 0..200 {
         let facet = Facet { x: whole(&mut rng, 0, 16) as usize, y: 0, upper: false };
         let v = uniform(&mut rng);
         let place = SurfacePoint::on(&field, facet, uniform(&mut rng) * (1.0 - v), v);
         let d = DVec3::new(1.0, aside, climb);
-        let Outcome::Hit(end) = walker.with_peaks(&peaks).walk(&place, d) else {
+        let Outcome::Hit(end) = traversal.with_peaks(&peaks).traverse(&place, d) else {
             panic!("{place:?} meets nothing")
         };
         // Down on the plain, which begins a row from the wall; the face falls faster than the ray.

@@ -1,4 +1,4 @@
-//! Promise: rays in f32 lanes get the answers of the f64 walk, the same bits from every kernel, and none is lost.
+//! Promise: rays in f32 lanes get the hits of the f64 walk, the same bits from every kernel, and none is lost.
 
 use glam::{DVec2, DVec3};
 use gonio::rng::uniform;
@@ -92,8 +92,8 @@ fn lanes_answer_as_the_f64_walk() {
     let (mut inside, mut inside_differ, mut all, mut differ) = (0, 0, 0, 0);
     for field in &fields()[..2] {
         let lanes = MaxPyramid::new(field).expect("lanes serve it");
-        let walker = GridTraversal::new(field);
-        let over = SimdTraversal::new(walker, &lanes, Kernel::widest());
+        let traversal = GridTraversal::new(field);
+        let over = SimdTraversal::new(traversal, &lanes, Kernel::widest());
         for alpha in ALPHAS {
             let rays = rays(&mut rng, field, alpha, 100_000);
             waves.closest_hit(
@@ -104,7 +104,7 @@ fn lanes_answer_as_the_f64_walk() {
                     let (place, d) = rays[k];
                     // A ray that goes down meets a torus; none is lost.
                     assert!(matches!(outcome, Outcome::Hit(_)) || d.z > 0.0 && outcome == Outcome::Escaped);
-                    let same = match (outcome, walker.walk(&place, d)) {
+                    let same = match (outcome, traversal.traverse(&place, d)) {
                         (Outcome::Hit(a), Outcome::Hit(b)) => {
                             let near = (a.u - b.u).abs().max((a.v - b.v).abs()) < 1e-2;
                             a.facet == b.facet && near || same_point(field, &a, &b)
@@ -158,11 +158,11 @@ fn paths_in_waves_are_paths() {
     let mut rng = test_rng(13);
     let field = patch(SlopeLaw::Ggx, 128, 3);
     let lanes = MaxPyramid::new(&field).expect("lanes serve it");
-    let walker = GridTraversal::new(&field);
-    let over = SimdTraversal::new(walker, &lanes, Kernel::widest());
+    let traversal = GridTraversal::new(&field);
+    let over = SimdTraversal::new(traversal, &lanes, Kernel::widest());
     let mut paths = PathWaves::default();
     for (alpha, theta, bounces) in [(0.5, 60.0, 1), (0.5, 60.0, 4), (1.0, 30.0, 4)] {
-        let sample = TracedPatch { walker, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(5) };
+        let sample = TracedPatch { traversal, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(5) };
         let wi = sphere::direction_deg(theta, 77.0);
         let starts = lit_inside(&mut rng, &field, sample.to_field(wi), 30_000);
         let mut visits = vec![Bounces::default(); starts.len()];
@@ -206,12 +206,12 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
     let mut rng = test_rng(14);
     let field = patch(SlopeLaw::Ggx, 128, 4);
     let lanes = MaxPyramid::new(&field).expect("lanes serve it");
-    let walker = GridTraversal::new(&field);
-    let over = SimdTraversal::new(walker, &lanes, Kernel::widest());
+    let traversal = GridTraversal::new(&field);
+    let over = SimdTraversal::new(traversal, &lanes, Kernel::widest());
     let mut paths = PathWaves::default();
     // The last two lights are far beyond what f32 follows to its end, were it not for the f64 walk.
     for (alpha, theta) in [(0.2, 30.0), (0.5, 60.0), (1.0, 75.0), (0.8, 85.0), (0.8, 89.0)] {
-        let sample = TracedPatch { walker, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(3) };
+        let sample = TracedPatch { traversal, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(3) };
         let wi = sphere::direction_deg(theta, 131.0);
         let starts = lit_inside(&mut rng, &field, sample.to_field(wi), 100_000);
         let mut visits = vec![Bounces::default(); starts.len()];
@@ -270,7 +270,7 @@ fn rays_of_many_legs_end_as_in_one_walk() {
             let (sin, cos) = (std::f64::consts::TAU * uniform(rng)).sin_cos();
             // Anywhere above the surface: from the surface itself hardly one comes so far.
             let place = start(rng, &field);
-            let z = place.z + uniform(rng) * (over.walker().range().1 - place.z);
+            let z = place.z + uniform(rng) * (over.traversal().range().1 - place.z);
             (SurfacePoint { z, ..place }, DVec3::new(cos, sin, rise))
         };
         let rays: Vec<(SurfacePoint, DVec3)> = std::iter::repeat_with(|| ray(&mut rng)).take(count).collect();
@@ -282,7 +282,7 @@ fn rays_of_many_legs_end_as_in_one_walk() {
         let (mut long, mut differ): (Vec<usize>, usize) = (long.collect(), 0);
         long.truncate(400);
         for &k in &long {
-            let escapes = over.walker().walk(&rays[k].0, rays[k].1) == Outcome::Escaped;
+            let escapes = over.traversal().traverse(&rays[k].0, rays[k].1) == Outcome::Escaped;
             differ +=
                 usize::from(fates[k] != if escapes { RayOutcome::Escaped } else { RayOutcome::Blocked });
         }
@@ -291,14 +291,14 @@ fn rays_of_many_legs_end_as_in_one_walk() {
     }
 }
 
-/// Rays too long for f32 are said to be so, and the f64 walk answers in their stead.
+/// Rays too long for f32 are said to be so, and the f64 walk hits in their stead.
 #[test]
 fn very_long_rays_are_left_to_the_f64_walk() {
     let mut heights = vec![0.0; 64];
     heights[0] = 1024.0;
     let field = Heightfield::new(8, 8, true, heights);
     let lanes = MaxPyramid::new(&field).expect("lanes serve it");
-    let walker = GridTraversal::new(&field);
+    let traversal = GridTraversal::new(&field);
     // Between the needles, along y, for 1e6 cells: nothing is met before the ray is above them.
     let place = SurfacePoint::on(&field, Facet { x: 4, y: 4, upper: false }, 0.25, 0.25);
     let d = DVec3::new(0.0, 1.0, 1e-3);
@@ -309,14 +309,10 @@ fn very_long_rays_are_left_to_the_f64_walk() {
     batch.push(&place, DVec3::Z);
     batch.push(&place, DVec3::new(1e-30, 0.0, 1.0));
     for kernel in Kernel::ALL.into_iter().filter(|kernel| kernel.available()) {
-        let mut answers = HitBuffer::default();
-        lanes.any_hit(kernel, &batch, &mut answers);
-        assert_eq!(
-            answers.fates,
-            [RayOutcome::Beyond, RayOutcome::Escaped, RayOutcome::Escaped],
-            "{kernel:?}"
-        );
-        let over = SimdTraversal::new(walker, &lanes, kernel);
+        let mut hits = HitBuffer::default();
+        lanes.any_hit(kernel, &batch, &mut hits);
+        assert_eq!(hits.fates, [RayOutcome::Beyond, RayOutcome::Escaped, RayOutcome::Escaped], "{kernel:?}");
+        let over = SimdTraversal::new(traversal, &lanes, kernel);
         assert_eq!(Waves::default().any_hit(&over, 1, |_| (&place, d)), [RayOutcome::Escaped]);
     }
 }

@@ -64,17 +64,17 @@ fn a_long_ray_ends_where_the_plain_walk_ends() {
     let mut rng = test_rng(31);
     for (name, field, climb) in &fields() {
         let lanes = MaxPyramid::new(field).expect("lanes serve it");
-        let walker = GridTraversal::new(field);
-        let over = SimdTraversal::new(walker, &lanes, Kernel::Scalar);
+        let traversal = GridTraversal::new(field);
+        let over = SimdTraversal::new(traversal, &lanes, Kernel::Scalar);
         let peaks = TilePeaks::new(field);
-        let over_tiles = walker.with_peaks(&peaks);
+        let over_tiles = traversal.with_peaks(&peaks);
         let (mut escaped, mut hit, mut cells) = (0u32, 0u32, 0);
         for _ in 0..RAYS {
             let (place, d) = ray(&mut rng, field, *climb);
-            let expected = walker.walk_counted(&place, d, &mut cells);
+            let expected = traversal.traverse_counted(&place, d, &mut cells);
             // Every bit: where it is met, and that it is met at all.
-            assert_eq!(over.walk_long(&place, d), expected, "{name}: {place:?} along {d:?}");
-            assert_eq!(over_tiles.walk(&place, d), expected, "{name}: {place:?} along {d:?}");
+            assert_eq!(over.traverse_long(&place, d), expected, "{name}: {place:?} along {d:?}");
+            assert_eq!(over_tiles.traverse(&place, d), expected, "{name}: {place:?} along {d:?}");
             escaped += u32::from(expected == Outcome::Escaped);
             hit += u32::from(matches!(expected, Outcome::Hit(_)));
         }
@@ -101,12 +101,12 @@ fn tiles_of_any_field_change_no_answer() {
         for (shape, extra) in shapes.into_iter().enumerate() {
             let height = |i: usize| extra(i % columns, i / columns) + 0.1 * ((i * 7919) % 13) as f64;
             let field = Heightfield::new(nx, ny, periodic, (0..columns * rows).map(height).collect());
-            let (walker, peaks) = (GridTraversal::new(&field), TilePeaks::new(&field));
+            let (traversal, peaks) = (GridTraversal::new(&field), TilePeaks::new(&field));
             let (mut plain, mut counted, mut ends) = (0, 0, [0u32; 3]);
             for _ in 0..RAYS {
                 let (place, d) = ray(&mut rng, &field, 3.0);
-                let expected = walker.walk_counted(&place, d, &mut plain);
-                let found = walker.with_peaks(&peaks).walk_counted(&place, d, &mut counted);
+                let expected = traversal.traverse_counted(&place, d, &mut plain);
+                let found = traversal.with_peaks(&peaks).traverse_counted(&place, d, &mut counted);
                 assert_eq!(found, expected, "{nx} x {ny}, shape {shape}: {place:?} along {d:?}");
                 let end = match expected {
                     Outcome::Escaped => 0,
@@ -133,8 +133,8 @@ fn a_ray_between_needles_finds_its_way_out() {
     heights[0] = 1024.0;
     let field = Heightfield::new(64, 64, true, heights);
     let lanes = MaxPyramid::new(&field).expect("lanes serve it");
-    let walker = GridTraversal::new(&field);
-    let over = SimdTraversal::new(walker, &lanes, Kernel::Scalar);
+    let traversal = GridTraversal::new(&field);
+    let over = SimdTraversal::new(traversal, &lanes, Kernel::Scalar);
     let place = SurfacePoint::on(&field, Facet { x: 32, y: 32, upper: false }, 0.25, 0.25);
     for (d, expected) in [
         (DVec3::new(0.0, 1.0, 1e-3), Outcome::Escaped),
@@ -142,7 +142,7 @@ fn a_ray_between_needles_finds_its_way_out() {
         (DVec3::Z, Outcome::Escaped),
         (DVec3::new(1e-30, 0.0, 1.0), Outcome::Escaped),
     ] {
-        assert_eq!(walker.walk(&place, d), expected);
-        assert_eq!(over.walk_long(&place, d), expected);
+        assert_eq!(traversal.traverse(&place, d), expected);
+        assert_eq!(over.traverse_long(&place, d), expected);
     }
 }

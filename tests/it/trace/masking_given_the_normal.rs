@@ -17,8 +17,8 @@ const EDGES: [f64; 8] = [-4.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0];
 fn a_smooth_surface_masks_facets_by_their_slope() {
     let alpha = 0.5;
     let field = Synthesiser::new(SlopeLaw::Ggx, 512, 8.0).patch(&mut test_rng(31));
-    let walker = GridTraversal::new(&field);
-    let sample = TracedPatch { walker, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(0) };
+    let traversal = GridTraversal::new(&field);
+    let sample = TracedPatch { traversal, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(0) };
     for theta_deg in [30.0, 60.0, 75.0] {
         let (mut seen, mut all) = ([0_u64; EDGES.len() + 1], [0_u64; EDGES.len() + 1]);
         for turn in 0..16 {
@@ -31,7 +31,7 @@ fn a_smooth_surface_masks_facets_by_their_slope() {
                 let slope = if place.facet.upper { corners.upper_slope() } else { corners.lower_slope() };
                 let class = EDGES.partition_point(|&edge| edge <= slope.dot(along));
                 all[class] += 1;
-                seen[class] += u64::from(walker.walk(&place, light) == Outcome::Escaped);
+                seen[class] += u64::from(traversal.traverse(&place, light) == Outcome::Escaped);
             });
         }
         let smith = ArmSide::new(Ndf::Ggx, sphere::direction_deg(theta_deg, 0.0), alpha, alpha).g1();

@@ -89,7 +89,7 @@ fn compare(seed: u64, wanted: usize, on_border: bool, special: bool) -> (usize, 
     let (mut rays, mut blocked, mut touches) = (0, 0, 0);
     for exact in fields(&mut rng) {
         let field = exact.field();
-        let walker = GridTraversal::new(&field);
+        let traversal = GridTraversal::new(&field);
         let mut left = wanted;
         while left > 0 {
             let upper = whole(&mut rng, 0, 2) == 1;
@@ -103,7 +103,7 @@ fn compare(seed: u64, wanted: usize, on_border: bool, special: bool) -> (usize, 
                 continue;
             }
             let (place, d) = exact.as_walked(&field, &ray);
-            let outcome = walker.walk(&place, d);
+            let outcome = traversal.traverse(&place, d);
             touches += usize::from(exact.compare(&ray, end, outcome) == Agreement::Touch);
             blocked += usize::from(matches!(outcome, Outcome::Hit(_)));
             assert!(ray.d[2] > 0 || matches!(outcome, Outcome::Hit(_)), "a ray down leaks: {ray:?}");
@@ -178,7 +178,7 @@ fn no_ray_aimed_at_an_edge_leaks() {
     let needles = (0..256).map(|i| if i * 7 % 13 == 0 { 1e4 } else { 0.1 * f64::from(i % 3) }).collect();
     let fields = [ggx_patch(16, 6), ggx_patch(64, 7), Heightfield::new(16, 16, true, needles)];
     for field in &fields {
-        let walker = GridTraversal::new(field);
+        let traversal = GridTraversal::new(field);
         let mut down = 0;
         while down < 400_000 {
             let from = anywhere(&mut rng, field);
@@ -186,7 +186,7 @@ fn no_ray_aimed_at_an_edge_leaks() {
             if d.z >= 0.0 || d.z - d.truncate().dot(slope(field, from.facet)) <= 0.0 {
                 continue;
             }
-            let outcome = walker.walk(&from, d);
+            let outcome = traversal.traverse(&from, d);
             assert!(matches!(outcome, Outcome::Hit(_)), "{from:?} {d}: {outcome:?}");
             down += 1;
         }
@@ -201,7 +201,7 @@ fn no_ray_meets_the_facet_that_it_leaves() {
     let mut hits = 0;
     for alpha in [0.5, 2.0, 10.0] {
         let sample = TracedPatch {
-            walker: GridTraversal::new(&field),
+            traversal: GridTraversal::new(&field),
             alpha: DVec2::splat(alpha),
             image: PatchSymmetry::nth(0),
         };
@@ -214,7 +214,7 @@ fn no_ray_meets_the_facet_that_it_leaves() {
                     break;
                 }
                 let wo = sample.reflected(back, &place);
-                match sample.walker.walk(&place, sample.to_field(wo)) {
+                match sample.traversal.traverse(&place, sample.to_field(wo)) {
                     Outcome::Hit(next) => {
                         // A copy of the facet is 64 cells away: none of these rays reaches so far.
                         assert_ne!(next.facet, place.facet);
@@ -238,7 +238,7 @@ fn grazing_rays_end_within_their_bound() {
     let mut rng = test_rng(10);
     let field = ggx_patch(64, 11);
     let (low, high) = field.range();
-    let walker = GridTraversal::new(&field);
+    let traversal = GridTraversal::new(&field);
     for elevation in [1e-1, 1e-3, 1e-5] {
         for _ in 0..300 {
             let from = anywhere(&mut rng, &field);
@@ -247,14 +247,14 @@ fn grazing_rays_end_within_their_bound() {
             if d.z <= d.truncate().dot(slope(&field, from.facet)) {
                 continue;
             }
-            assert!(matches!(walker.walk(&from, d), Outcome::Hit(_) | Outcome::Escaped));
+            assert!(matches!(traversal.traverse(&from, d), Outcome::Hit(_) | Outcome::Escaped));
             // At most sqrt 2 edges per unit of length.
             let most = 1.5 * (high - low) / elevation + 16.0;
-            assert!(walker.step_limit(from.z, d) as f64 <= most);
+            assert!(traversal.step_limit(from.z, d) as f64 <= most);
         }
     }
     // A level ray from the top of a plateau meets nothing.
     let flat = Heightfield::new(8, 8, true, vec![0.25; 64]);
     let start = SurfacePoint::on(&flat, Facet { x: 0, y: 0, upper: false }, 0.25, 0.25);
-    assert_eq!(GridTraversal::new(&flat).walk(&start, DVec3::X), Outcome::Escaped);
+    assert_eq!(GridTraversal::new(&flat).traverse(&start, DVec3::X), Outcome::Escaped);
 }

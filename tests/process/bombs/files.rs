@@ -67,7 +67,7 @@ pub fn all(size: f64) -> Vec<Bomb> {
             Box::new(move |folder| (alpha(folder), f0(folder)).0)
         }),
         ("csv line", import("csv"), texts("b", vec![once(CSV), of("0,", 300.0)])),
-        ("csv heading", import("csv"), texts("b", vec![of("theta_i_deg,", 300.0)])),
+        ("csv header", import("csv"), texts("b", vec![of("theta_i_deg,", 300.0)])),
         ("csv quoted", import("csv"), texts("b", vec![once(CSV), once("0,0,0,0,\""), of("0\n", 300.0)])),
         ("csv lines", import("csv"), texts("b", vec![once(CSV), of("0,0,0,0,1\n", 300.0)])),
         ("csv empty lines", import("csv"), texts("b", vec![once(CSV), of("\n", 300.0)])),

@@ -49,7 +49,7 @@ impl<'a> TableOutput<'a> {
             kept: realisations::kept(&plan.grid, realisations::channels_of(table), count, limit),
             measured: Measured {
                 campaign: campaign.clone(),
-                table: table.heading(&plan.grid),
+                table: table.header(&plan.grid),
                 realisations: Realisations::default(),
                 stops: Vec::new(),
             },
@@ -172,7 +172,7 @@ struct Staged {
 }
 
 impl Staged {
-    /// Without its summary a table counts as unfinished, whatever happens from the first line on; it comes last.
+    /// Without its summary a table counts as resumable, whatever happens from the first line on; it comes last.
     fn commit(self, target: &TablePaths) -> Result<()> {
         files::remove(&target.summary)?;
         self.table.commit()?;

@@ -20,7 +20,7 @@ pub struct RunStore {
     pub bands: BandFiles,
 }
 
-/// An unfinished run: nothing, blocks, bands, or bands and the blocks of a further one.
+/// An resumable run: nothing, blocks, bands, or bands and the blocks of a further one.
 #[derive(Default)]
 pub struct ResumableRun {
     pub found: Option<FoundCheckpoint>,
@@ -34,7 +34,7 @@ impl RunStore {
         RunStore { checkpoint: Checkpoint::of(&folder, stem), bands: BandFiles::of(&folder, stem), folder }
     }
 
-    /// The unfinished run that lies there, if it is asked for. One that is not asked for is in the way, or removed by
+    /// The resumable run that lies there, if it is asked for. One that is not asked for is in the way, or removed by
     /// force.
     pub fn find(&self, resume: bool, force: bool) -> Result<ResumableRun> {
         if resume {
@@ -43,7 +43,7 @@ impl RunStore {
         match self.path()? {
             Some(_) if force => self.remove().map(|()| ResumableRun::default()),
             Some(path) => {
-                let what = "keeps an unfinished run; --resume goes on with it, --force starts again, -o DIR writes \
+                let what = "keeps an resumable run; --resume goes on with it, --force starts again, -o DIR writes \
                             elsewhere";
                 Err(Error::format(&path, what))
             }
@@ -52,26 +52,24 @@ impl RunStore {
     }
 
     fn load(&self) -> Result<ResumableRun> {
-        let unfinished = ResumableRun { found: self.checkpoint.load()?, bands: self.bands.headings()? };
-        if let Some(found) = &unfinished.found {
+        let resumable = ResumableRun { found: self.checkpoint.load()?, bands: self.bands.headers()? };
+        if let Some(found) = &resumable.found {
             found.passed_over.iter().for_each(|why| {
                 warn(format_args!("{why}; the one before, {}, is used", found.path.display()));
             });
             let of = |band: Option<Band>| band.map(|band| (band.of, band.stops));
-            let other = unfinished
-                .bands
-                .values()
-                .find(|(_, heading)| of(heading.band) != of(found.kept.heading.band));
+            let other =
+                resumable.bands.values().find(|(_, header)| of(header.band) != of(found.kept.header.band));
             if let Some((band, _)) = other {
                 let what =
                     format!("is not of the run that {} is a band of; --force starts again", band.display());
                 return Err(Error::format(&found.path, what));
             }
         }
-        if unfinished.headings().next().is_none() {
+        if resumable.headers().next().is_none() {
             say("note: no checkpoint is there, all is measured from the beginning");
         }
-        Ok(unfinished)
+        Ok(resumable)
     }
 
     /// One of the files, if any is there.
@@ -100,27 +98,27 @@ impl RunStore {
 
     /// Removes what a run keeps whose tables are all there; that of another campaign stays.
     pub fn remove_finished(&self, campaign: &Campaign, shard: Option<Shard>) -> Result<()> {
-        let of_this = |heading: &RunHeader| heading.faults((campaign, shard), "", "").is_empty();
-        if matches!(self.checkpoint.load(), Ok(Some(found)) if of_this(&found.kept.heading)) {
+        let of_this = |header: &RunHeader| header.faults((campaign, shard), "", "").is_empty();
+        if matches!(self.checkpoint.load(), Ok(Some(found)) if of_this(&found.kept.header)) {
             self.checkpoint.remove()?;
         }
-        match self.bands.headings() {
-            Ok(bands) if bands.values().all(|(_, heading)| of_this(heading)) => self.bands.remove(),
+        match self.bands.headers() {
+            Ok(bands) if bands.values().all(|(_, header)| of_this(header)) => self.bands.remove(),
             _ => Ok(()),
         }
     }
 }
 
 impl ResumableRun {
-    fn headings(&self) -> impl Iterator<Item = (&Path, &RunHeader)> {
-        let found = self.found.iter().map(|found| (found.path.as_path(), &found.kept.heading));
-        found.chain(self.bands.values().map(|(path, heading)| (path.as_path(), heading)))
+    fn headers(&self) -> impl Iterator<Item = (&Path, &RunHeader)> {
+        let found = self.found.iter().map(|found| (found.path.as_path(), &found.kept.header));
+        found.chain(self.bands.values().map(|(path, header)| (path.as_path(), header)))
     }
 
     /// Which of `all` tables it measured: `open` may be fewer, where it was ended while it wrote them.
     pub fn measured<'a>(&self, all: &'a [TablePaths], open: Vec<&'a TablePaths>) -> Vec<&'a TablePaths> {
-        let Some((_, heading)) = self.headings().next() else { return open };
-        let parsed = campaign::parse(&heading.campaign, "campaign", Path::new(""));
+        let Some((_, header)) = self.headers().next() else { return open };
+        let parsed = campaign::parse(&header.campaign, "campaign", Path::new(""));
         let Ok(kept) = parsed.map(|parsed| parsed.campaign) else { return open };
         let (alphas, optics) = (kept.alphas(), kept.optics.each());
         let measured =
@@ -133,37 +131,38 @@ impl ResumableRun {
     /// Refuses what cannot be gone on from, by the key of `file` that differs.
     pub fn check(&self, campaign: &Campaign, shard: Option<Shard>, file: &Path) -> Result<()> {
         let file = file.display().to_string();
-        let faults = |(path, heading): (&Path, &RunHeader)| {
-            heading.faults((campaign, shard), &file, &path.display().to_string())
+        let faults = |(path, header): (&Path, &RunHeader)| {
+            header.faults((campaign, shard), &file, &path.display().to_string())
         };
-        let refused = self.headings().map(faults).find(|faults| !faults.is_empty());
+        let refused = self.headers().map(faults).find(|faults| !faults.is_empty());
         refused.map_or(Ok(()), |faults| Err(Error::Campaign(faults)))
     }
 
     /// The newest of its files.
     pub fn path(&self) -> Option<&Path> {
-        self.headings().next().map(|(path, _)| path)
+        self.headers().next().map(|(path, _)| path)
     }
 
     /// The number of its last checkpoint.
     pub fn number(&self) -> u64 {
-        self.found.as_ref().map_or(0, |found| found.kept.heading.number)
+        self.found.as_ref().map_or(0, |found| found.kept.header.number)
     }
 
     /// How many stops it measured at a time, if there is one; `None` within for all.
     pub fn stops_at_a_time(&self) -> Option<Option<u64>> {
-        self.headings().next().map(|(_, heading)| heading.band.map(|band| band.stops))
+        self.headers().next().map(|(_, header)| header.band.map(|band| band.stops))
     }
 
-    /// The ledger to go on with, for a run that is checked.
-    pub fn ledger(self, campaign: &Campaign, plan: &Plan) -> Result<RunState> {
+    /// The run_state to go on with, for a run that is checked.
+    pub fn run_state(self, campaign: &Campaign, plan: &Plan) -> Result<RunState> {
         let Some(FoundCheckpoint { path, kept, .. }) = self.found else {
             return Ok(RunState::new(campaign, plan));
         };
-        let ledger = kept.ledger(campaign, plan);
-        let ledger = ledger.map_err(|why| Error::format(&path, format!("{why}; --force starts again")))?;
-        goes_on(&path, ledger.starts(plan), plan);
-        Ok(ledger)
+        let run_state = kept.run_state(campaign, plan);
+        let run_state =
+            run_state.map_err(|why| Error::format(&path, format!("{why}; --force starts again")))?;
+        goes_on(&path, run_state.starts(plan), plan);
+        Ok(run_state)
     }
 }
 
@@ -190,9 +189,9 @@ pub fn pace() -> Result<Pace> {
 }
 
 /// An interruption with the command that goes on.
-pub fn with_advice(error: Error, keeping: &RunStore, arguments: &Arguments) -> Error {
+pub fn with_advice(error: Error, store: &RunStore, arguments: &Arguments) -> Error {
     match error {
-        Error::Interrupted(when) if matches!(keeping.path(), Ok(Some(_))) => {
+        Error::Interrupted(when) if matches!(store.path(), Ok(Some(_))) => {
             Error::Interrupted(format!("{when}; go on with: {}", arguments.again()))
         }
         Error::Interrupted(_) => Error::Interrupted("before anything was measured".into()),
@@ -201,8 +200,8 @@ pub fn with_advice(error: Error, keeping: &RunStore, arguments: &Arguments) -> E
 }
 
 /// What is said where a run is ended and does not measure just then.
-pub fn advice(keeping: &RunStore, again: &str) -> String {
-    match keeping.path() {
+pub fn advice(store: &RunStore, again: &str) -> String {
+    match store.path() {
         Ok(Some(_)) => format!("before its end; go on with: {again}"),
         _ => "before its end; nothing is kept to go on from".into(),
     }
