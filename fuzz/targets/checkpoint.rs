@@ -1,12 +1,13 @@
 #![no_main]
-//! What checkpoints, shards and finished bands hold behind their checksum, for a small campaign to go on from.
+//! What checkpoints, shards and finished bands hold behind their checksum, for a small campaign to resume.
 
 use std::path::Path;
 use std::sync::LazyLock;
 
 use gonio::campaign::{self, Campaign};
 use gonio::files::sealed;
-use gonio::measure::{self, Checkpoint, StoredRun, Plan};
+use gonio::measure::persist::header::KIND;
+use gonio::measure::{self, Plan, StoredRun};
 use libfuzzer_sys::fuzz_target;
 
 /// The campaign that `tests/it/fuzzed.rs` writes seeds of.
@@ -19,13 +20,13 @@ static CAMPAIGN: LazyLock<(Campaign, Plan)> = LazyLock::new(|| {
 
 fuzz_target!(|bytes: &[u8]| {
     let (campaign, plan) = &*CAMPAIGN;
-    let sealed = sealed::seal(Checkpoint::KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()));
-    gonio_fuzz::reason(sealed.and_then(|sealed| StoredRun::from_bytes(Checkpoint::KIND, &sealed)).and_then(
+    let sealed = sealed::seal(KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()));
+    gonio_fuzz::reason(sealed.and_then(|sealed| StoredRun::from_bytes(&sealed)).and_then(
         |kept| {
-            kept.heading.faults((campaign, None), "small.toml", "out").iter().for_each(|fault| {
+            kept.header.faults((campaign, None), "small.toml", "out").iter().for_each(|fault| {
                 gonio_fuzz::reason::<()>(Err(fault.to_string()));
             });
-            kept.ledger(campaign, plan).map(drop)
+            kept.run_state(campaign, plan).map(drop)
         },
     ));
 });

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::ending;
 use super::job::MeasureJob;
 use super::results::cost_lines;
-use super::run_store::{self, RunStore};
+use super::run_store;
 use super::targets::{self, TablePaths};
 use super::text::output;
 use super::text::output::{Output, say, warn};
@@ -17,8 +17,8 @@ use crate::error::Result;
 use crate::files;
 use crate::files::lock::Lock;
 use crate::measure;
-use crate::measure::persist::shard;
-use crate::measure::{Plan, Shard};
+use crate::measure::persist::shards;
+use crate::measure::{Part, Plan, RunFiles};
 use crate::table::realisations;
 
 /// Measure a campaign: table, realisations, summary and report
@@ -48,7 +48,7 @@ pub struct Arguments {
     memory_mb: Option<u64>,
     /// Measure one of N shards, whole stops; `gonio merge` puts them together
     #[arg(long, value_name = "K/N")]
-    shard: Option<Shard>,
+    shard: Option<Part>,
     /// Keep all realisations, however large: for fit, compare and validate
     #[arg(long)]
     keep_realisations: bool,
@@ -69,15 +69,15 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     notes.iter().for_each(warn);
     arguments.plan(&campaign)?;
     let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
-    let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign));
+    let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign.name));
     let _lock = Lock::take(&folder, &stem)?;
-    let store = RunStore::of(&folder, &stem);
-    let (again, kept_there) = (arguments.again(), RunStore::of(&folder, &stem));
+    let kept = RunFiles::of(&folder, &stem);
+    let (again, kept_there) = (arguments.again(), kept.clone());
     ending::advise(move || run_store::advice(&kept_there, &again));
     let mut out = Output::default();
     match arguments.shard {
-        Some(shard) => one_shard(arguments, campaign, shard, (&folder.join(stem), &store), &mut out)?,
-        None => whole(arguments, &campaign, (&folder, &store), &mut out)?,
+        Some(shard) => one_shard(arguments, campaign, shard, (&folder.join(stem), &kept), &mut out)?,
+        None => whole(arguments, &campaign, (&folder, &kept), &mut out)?,
     }
     Ok(0)
 }
@@ -86,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 fn whole(
     arguments: &Arguments,
     campaign: &Campaign,
-    (folder, store): (&Path, &RunStore),
+    (folder, kept): (&Path, &RunFiles),
     out: &mut Output,
 ) -> Result<()> {
     let all = TablePaths::of(campaign, folder);
@@ -102,21 +102,20 @@ fn whole(
         if arguments.json { say(text) } else { out.line(text)? }
     }
     if open.is_empty() {
-        store.remove_finished(campaign, None)?;
+        kept.remove_finished(campaign, None)?;
     } else {
-        let resumable = store.find(arguments.resume, arguments.force)?;
-        let measured = resumable.measured(&all, open.clone());
-        let job = MeasureJob { arguments, store, campaign: of_targets(campaign, &measured) };
-        resumable.check(&job.campaign, None, &arguments.campaign)?;
-        let plan = match resumable.stops_at_a_time() {
+        let found = run_store::find(kept, arguments.resume, arguments.force)?;
+        let measured = run_store::measured(&found, &all, open.clone());
+        let job = MeasureJob { arguments, files: kept, campaign: of_targets(campaign, &measured) };
+        found.check(&job.campaign, None, &arguments.campaign)?;
+        let plan = if found.headers().next().is_some() {
             // Whatever memory is free by now.
-            Some(stops) => measure::plan_in_bands(&job.campaign, stops, arguments.memory())?,
-            None => arguments.plan(&job.campaign)?,
+            measure::resumed(&job.campaign, found.band_stops(), arguments.memory())?
+        } else {
+            arguments.plan(&job.campaign)?
         };
-        let in_bands = plan.bands().len() > 1;
-        let run = if in_bands { MeasureJob::run_in_bands } else { MeasureJob::run_at_once };
-        run(&job, (resumable, &plan), &open, out)?;
-        store.remove()?;
+        job.run_to_tables(found, &plan, &open, out)?;
+        kept.remove()?;
     }
     if arguments.json { out.json(&summaries(&all)?) } else { Ok(()) }
 }
@@ -125,18 +124,21 @@ fn whole(
 fn one_shard(
     arguments: &Arguments,
     campaign: Campaign,
-    shard: Shard,
-    (path, store): (&Path, &RunStore),
+    shard: Part,
+    (path, kept): (&Path, &RunFiles),
     out: &mut Output,
 ) -> Result<()> {
     targets::spare_inputs(&[path], &arguments.campaign, &campaign)?;
     if !arguments.force && files::is_there(path) {
         let there =
-            shard::header(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
-        let faults =
-            there.faults((&campaign, Some(shard)), &arguments.campaign.display().to_string(), "this file");
-        if faults.is_empty() && there.is_of_all(&campaign) {
-            store.remove_finished(&campaign, Some(shard))?;
+            shards::open(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
+        let faults = there.header.faults(
+            (&campaign, Some(shard)),
+            &arguments.campaign.display().to_string(),
+            "this file",
+        );
+        if faults.is_empty() && there.header.is_of_all(&campaign) {
+            kept.remove_finished(&campaign, Some(shard))?;
             let text = format!("{} is finished: nothing to do", path.display());
             return if arguments.json {
                 out.json(&json!({ "shard": shard.to_string(), "file": path }))
@@ -146,20 +148,19 @@ fn one_shard(
         }
         return Err(targets::in_the_way(path, "was measured by another campaign, version or seed"));
     }
-    let resumable = store.find(arguments.resume, arguments.force)?;
-    resumable.check(&campaign, Some(shard), &arguments.campaign)?;
-    let job = MeasureJob { arguments, store, campaign };
+    let found = run_store::find(kept, arguments.resume, arguments.force)?;
+    found.check(&campaign, Some(shard), &arguments.campaign)?;
+    let job = MeasureJob { arguments, files: kept, campaign };
     let plan = arguments.plan(&job.campaign)?;
-    let (run_state, _) = job.run(resumable, &plan, out)?;
-    shard::save(path, &run_state, &job.campaign, &plan)?;
-    store.remove()?;
-    let cost = run_state.cost(&plan);
+    job.run(found, &plan, out)?;
+    kept.remove()?;
+    let cost = shards::open(path)?.header.cost();
     if arguments.json {
-        let stops: Vec<_> = plan.measured.iter().map(|&stop| plan.grid.stop_deg(stop)).collect();
+        let stops: Vec<_> = (0..plan.stops).map(|stop| plan.grid.stop_deg(stop)).collect();
         return out.json(&json!({ "shard": shard.to_string(), "file": path, "stops": stops, "cost": cost }));
     }
     let size = path.metadata().map_or(0, |meta| meta.len());
-    let (measured, stops) = (plan.measured.len(), plan.stops);
+    let (measured, stops) = (plan.stops, measure::stops(&job.campaign));
     let file = format!("{} ({})", path.display(), output::bytes(size));
     out.line(format_args!(
         "{:<14}{file}: {measured} of {stops} stops; gonio merge puts all together",

@@ -13,8 +13,8 @@ use crate::campaign;
 use crate::error::{Error, Result};
 use crate::files::lock::Lock;
 use crate::measure;
-use crate::measure::persist::shard;
-use crate::measure::{Disk, Merge, Shard, Shards};
+use crate::measure::persist::shards;
+use crate::measure::{Disk, Merge, Part, Shards};
 use crate::report::html::specimen;
 use crate::table::realisations;
 
@@ -52,9 +52,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut found = Vec::new();
     for at in &arguments.from {
-        for path in shard::find(at)? {
-            let header = shard::header(&path)?;
-            found.push((path, header));
+        for path in shards::find(at)? {
+            found.push(shards::open(&path)?);
         }
     }
     let shards = Shards::new(found)?;
@@ -64,7 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let stops = measure::stops(&campaign);
     let missing = missing(&shards, stops, arguments.partial)?;
     let memory = arguments.memory_mb.map_or_else(measure::memory_limit, |mb| mb.saturating_mul(1 << 20));
-    let merge = Merge::new(shards, &campaign, memory)?;
+    let merge = Merge::of_shards(shards, &campaign, memory)?;
     if !missing.is_empty() {
         let there = merge.stops().len();
         let missing = names(&missing);
@@ -83,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let band = |stops| merge.tables(&campaign, stops);
     results.write_all(band, |table| specimen::remade(&table.campaign), &mut out)?;
     if arguments.json {
-        let numbers: Vec<String> = missing.iter().map(Shard::to_string).collect();
+        let numbers: Vec<String> = missing.iter().map(Part::to_string).collect();
         let document = summaries(&all)?;
         out.json(&if numbers.is_empty() {
             document
@@ -95,7 +94,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 /// The shards that are missing, which must be allowed.
-fn missing(shards: &Shards, stops: usize, partial: bool) -> Result<Vec<Shard>> {
+fn missing(shards: &Shards, stops: usize, partial: bool) -> Result<Vec<Part>> {
     if shards.of() as usize > stops {
         let what = format!("is one of {} shards, the campaign has {stops} stops", shards.of());
         return Err(Error::format(shards.path(), what));
@@ -113,8 +112,8 @@ fn missing(shards: &Shards, stops: usize, partial: bool) -> Result<Vec<Shard>> {
     Err(Error::format(shards.path(), what))
 }
 
-fn names(missing: &[Shard]) -> String {
-    let names: Vec<String> = missing.iter().take(20).map(Shard::to_string).collect();
+fn names(missing: &[Part]) -> String {
+    let names: Vec<String> = missing.iter().take(20).map(Part::to_string).collect();
     let more = if missing.len() > names.len() {
         format!(" and {} more", missing.len() - names.len())
     } else {

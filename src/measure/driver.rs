@@ -47,7 +47,7 @@ pub fn measure(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<(Vec<Measured>, Cost)> {
     let run_state = RunState::new(campaign, plan);
-    let run_state = go_on(campaign, plan, patches, run_state, &Session::plain(progress))?;
+    let run_state = measure_missing(campaign, plan, patches, run_state, &Session::plain(progress))?;
     Ok(tables(campaign, plan, run_state))
 }
 
@@ -55,7 +55,7 @@ pub fn measure(
 ///
 /// Errors: as [`measure`]; `Interrupted`; `Io` where the last checkpoint could not be written; `Format` where a patch
 /// is not the one that the run_state's sums are of.
-pub fn go_on(
+pub fn measure_missing(
     campaign: &Campaign,
     plan: &Plan,
     patches: &Patches,

@@ -6,6 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
+use super::plan::KEPT_FRACTION;
 use crate::campaign::{Alpha, Campaign, HeightSpectrum, SmithHeights, SmithNdf, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
@@ -141,6 +142,16 @@ impl Patches {
         };
         let all = (0..u64::from(campaign.surface.realisations)).into_par_iter();
         Ok(Patches::Held(all.map(make).collect::<Result<_>>()?))
+    }
+
+    /// Made once for all bands of a run, where they fit `limit` bytes well; else made again for each.
+    pub fn for_bands(self, campaign: &Campaign, limit: u64) -> Result<Self> {
+        let surface = &campaign.surface;
+        let bytes = u128::from(surface.realisations) * u128::from(surface.cells).pow(2) * 8;
+        if matches!(self, Patches::Random { .. }) && bytes <= u128::from(limit / KEPT_FRACTION) {
+            return Patches::held(campaign);
+        }
+        Ok(self)
     }
 
     /// The patches of a random surface from a folder that `gonio surface` wrote, instead of making them: the same

@@ -5,8 +5,7 @@ use glam::DVec2;
 use super::block_arms::BlockArms;
 use super::driver::Context;
 use super::patches::{Patch, Specimen};
-use super::plan::Plan;
-use super::plan::start_sampler::{Apertures, StartSampler};
+use super::plan::{Apertures, Plan, StartSampler};
 use crate::campaign::{Alpha, Campaign};
 use crate::trace::{
     BatchedStarts, GridTraversal, MaxPyramid, SimdTraversal, SlopeIndex, SmithWalk, TilePeaks, TracedPatch,

@@ -32,9 +32,6 @@ pub(crate) struct TableRun {
     /// [realisation][stop].
     sums: Vec<Vec<Sum>>,
     stops: Vec<StopProgress>,
-    /// The stops that are measured here: all of them, but in a shard. Known from the plan.
-    #[serde(skip)]
-    measured: Vec<usize>,
 }
 
 /// What one stop and realisation has.
@@ -60,7 +57,6 @@ impl Tables {
             alpha,
             sums: vec![vec![Sum::default(); plan.stops]; plan.realisations as usize],
             stops: vec![StopProgress::default(); plan.stops],
-            measured: plan.measured.clone(),
         };
         Tables { tables: campaign.alphas().into_iter().map(table).collect(), judged: 0, done: 0 }
     }
@@ -159,7 +155,7 @@ impl Tables {
     /// Goes on from a run of `planned` blocks, or of fewer realisations, towards the whole plan: as if every stop had
     /// only been looked at where this plan looks.
     ///
-    /// Held by: `more_samples_give_the_bytes_of_a_fresh_run` in `tests/process/kills_and_resume.rs`.
+    // Tested by `more_samples_give_the_bytes_of_a_fresh_run` in `tests/process/kills_and_resume.rs`.
     pub fn extend(&mut self, campaign: &Campaign, plan: &Plan, planned: u64) {
         let realisations = plan.realisations as usize;
         let more_realisations = self.tables.iter().any(|table| table.sums.len() < realisations);
@@ -211,13 +207,12 @@ impl Tables {
         Ok(())
     }
 
-    /// Fills in what files do not repeat: the roughnesses, the stops, and how many blocks there are.
-    pub fn complete(&mut self, campaign: &Campaign, plan: &Plan) {
+    /// Fills in what files do not repeat: the roughnesses, and how many blocks there are.
+    pub fn complete(&mut self, campaign: &Campaign) {
         let sums = self.tables.iter().flat_map(|table| table.sums.iter().flatten());
         self.done = sums.map(|sum| sum.done.count()).sum();
         for (table, alpha) in self.tables.iter_mut().zip(campaign.alphas()) {
             table.alpha = alpha;
-            table.measured.clone_from(&plan.measured);
         }
     }
 
@@ -281,7 +276,7 @@ impl Sum {
 impl TableRun {
     /// The stops that go on.
     pub fn open_stops(&self) -> impl Iterator<Item = usize> {
-        self.measured.iter().copied().filter(|&stop| self.stops[stop].by.is_none())
+        (0..self.stops.len()).filter(|&stop| self.stops[stop].by.is_none())
     }
 
     /// What a stop of a realisation misses of `blocks`.

@@ -103,7 +103,7 @@ impl<'a> Session<'a> {
 
 /// What a run says that was ended, of all that it has measured.
 pub(super) fn interrupted(run_state: &RunState, plan: &Plan) -> Error {
-    let of = plan.band.map_or(String::new(), |band| format!(" of band {band}"));
+    let of = plan.part.band_stops().map_or(String::new(), |_| format!(" of {}", plan.part));
     Error::Interrupted(format!("after {:.1} % of the samples{of}", run_state.percent(plan)))
 }
 
@@ -200,7 +200,7 @@ impl Keeper<'_> {
         let (bytes, starts) = {
             let mut run_state = locked(self.run_state);
             run_state.cost = (self.cost)();
-            let bytes = Checkpoint::bytes(&run_state, number, self.campaign, self.plan)?;
+            let bytes = run_state.to_bytes(number, self.campaign, self.plan)?;
             (bytes, run_state.tables.starts(self.plan))
         };
         // Also after a failure: a full disk is asked again at the next time, not at once.

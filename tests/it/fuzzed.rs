@@ -12,7 +12,8 @@ use gonio::campaign::{self, Campaign};
 use gonio::error::Error;
 use gonio::files::sealed;
 use gonio::interchange::{self, Format, Options};
-use gonio::measure::{self, Checkpoint, Plan, StoredRun};
+use gonio::measure::persist::header::KIND;
+use gonio::measure::{self, Plan, StoredRun};
 use gonio::surface::io::map_file;
 use gonio::table::{realisations, store};
 
@@ -75,9 +76,8 @@ fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
         "pabopto" => interchange::text::pabopto::read(bytes).map(drop),
         "checkpoint" => {
             let (campaign, plan) = checkpoint_of();
-            let sealed =
-                sealed::seal(Checkpoint::KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()))?;
-            StoredRun::from_bytes(Checkpoint::KIND, &sealed)?.run_state(&campaign, &plan).map(drop)
+            let sealed = sealed::seal(KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()))?;
+            StoredRun::from_bytes(&sealed)?.run_state(&campaign, &plan).map(drop)
         }
         "campaign" => match campaign::parse(bytes, "c.toml", here) {
             Ok(parsed) => {

@@ -77,7 +77,7 @@ fn a_run_whose_disk_is_full_for_a_while_goes_on_and_is_kept_again() {
     let kept = Checkpoint::of(&below, "small").load().expect("whole").expect("there");
     assert_eq!(kept.kept.header.number, FULL.0, "two before, and the one after");
     let output = measure(here, "killed").arg("--resume").output().expect("runs");
-    assert!(exits(&output, 0).contains("goes on from"));
+    assert!(exits(&output, 0).contains("note: resumes "));
     assert_eq!(outputs::digests(&below), outputs::digests(&here.join("undisturbed")));
 }
 

@@ -160,7 +160,8 @@ fn a_run_is_ended_inside_a_block() {
     let session = Session { interrupted: &interrupted, ..Session::plain(&|_| ()) };
     let (answer, asked) = thread::scope(|scope| {
         let run = scope.spawn(|| {
-            measure::go_on(&campaign, &plan, &patches, RunState::new(&campaign, &plan), &session).map(drop)
+            measure::measure_missing(&campaign, &plan, &patches, RunState::new(&campaign, &plan), &session)
+                .map(drop)
         });
         thread::sleep(Duration::from_secs(2));
         assert!(!run.is_finished());

@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use gonio::campaign;
 use gonio::files::sealed;
+use gonio::measure::persist::header::KIND;
 use gonio::measure::{self, Checkpoint, Patches, Plan, RunState, Session, StoredRun};
 use rustix::process::Signal;
 
@@ -72,7 +73,7 @@ fn the_first_signal_keeps_what_is_measured_and_says_how_to_go_on() {
         let said = exits(&ended_by(folder.path(), words, signal, CHECKPOINT, 1), 130);
         let last = said.lines().last().expect("a line");
         assert!(last.starts_with("interrupted after ") && last.ends_with(" --resume"), "{said}");
-        assert!(last.contains("go on with: gonio measure small.toml -o out"), "{said}");
+        assert!(last.contains("resume with: gonio measure small.toml -o out"), "{said}");
     }
     // Not by mistake over what was measured.
     let refused = exits(&run(folder.path(), &[]), 3);
@@ -120,7 +121,7 @@ fn a_damaged_checkpoint_gives_way_to_the_one_before() {
         fs::write(both.path().join("out").join(path.file_name().expect("name")), cut).expect("cut off");
     }
     let said = exits(&run(folder.path(), &["--resume"]), 0);
-    assert!(said.contains("checksum is wrong") && said.contains("goes on from"), "{said}");
+    assert!(said.contains("checksum is wrong") && said.contains("note: resumes "), "{said}");
     assert_eq!(digests(folder.path()), *whole);
     let said = exits(&run(both.path(), &["--resume"]), 3);
     assert!(said.contains("small.checkpoint_") && said.contains("cut off"), "{said}");
@@ -168,7 +169,7 @@ fn more_samples_give_the_bytes_of_a_fresh_run() {
         exits(&ended_by(folder.path(), &[], Signal::INT, CHECKPOINT, 1), 130);
         fs::write(folder.path().join("small.toml"), &more).expect("campaign");
         let said = exits(&run(folder.path(), &["--resume"]), 0);
-        assert!(said.contains("goes on from"), "{said}");
+        assert!(said.contains("note: resumes "), "{said}");
         assert_eq!(digests(folder.path()), whole, "{less}");
     }
 }
@@ -184,7 +185,7 @@ fn tables_that_were_written_before_the_end_are_not_measured_again() {
         fs::copy(whole.path().join(&name), folder.path().join(&name)).expect("copied");
     }
     let said = exits(&run(folder.path(), &["--resume"]), 0);
-    assert!(said.contains("goes on from"), "{said}");
+    assert!(said.contains("note: resumes "), "{said}");
     assert_eq!(digests(folder.path()), digests(whole.path()));
 }
 
@@ -197,23 +198,22 @@ fn kept_bytes() -> (campaign::Campaign, Plan, Vec<u8>) {
     let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
     let (empty, session) = (RunState::new(&parsed.campaign, &plan), Session::plain(&|_| ()));
     let run_state =
-        measure::go_on(&parsed.campaign, &plan, &patches, empty, &session).expect("no ray is lost");
-    let bytes = Checkpoint::bytes(&run_state, 1, &parsed.campaign, &plan).expect("encodes");
+        measure::measure_missing(&parsed.campaign, &plan, &patches, empty, &session).expect("no ray is lost");
+    let bytes = run_state.to_bytes(1, &parsed.campaign, &plan).expect("encodes");
     (parsed.campaign, plan, bytes)
 }
 
 #[test]
 fn damaged_checkpoints_are_errors_and_never_panic() {
-    const KIND: &str = "gonio checkpoint 3";
     let (campaign, plan, bytes) = kept_bytes();
-    let whole = StoredRun::from_bytes(KIND, &bytes).expect("whole");
+    let whole = StoredRun::from_bytes(&bytes).expect("whole");
     assert!(whole.header.faults((&campaign, None), "small.toml", "out").is_empty());
     whole.run_state(&campaign, &plan).expect("fits");
     let content = sealed::open(KIND, &bytes).expect("whole").to_vec();
     // A checksum that fits, as if somebody had meant it: what it holds is wrong, or could be a run_state all the same.
     let refused = mutations::survives(&content, 20_000, |damaged| {
         let sealed = sealed::seal(KIND, damaged.len(), |head| Ok::<_, String>([&head, damaged].concat()))?;
-        let kept = StoredRun::from_bytes(KIND, &sealed)?;
+        let kept = StoredRun::from_bytes(&sealed)?;
         match kept.header.faults((&campaign, None), "small.toml", "out").first() {
             Some(fault) => Err(fault.to_string()),
             None => kept.run_state(&campaign, &plan).map(|_| ()),

@@ -118,7 +118,7 @@ fn the_first_signal_says_how_to_go_on_and_the_bands_stay_as_they_were() {
     assert_eq!(errors(&refused), 1, "{refused}");
     // More than the whole needs.
     let said = exits(&run(folder.path(), &["--resume", "--threads", "1"]), 0);
-    assert!(said.contains("goes on from out/small."), "{said}");
+    assert!(said.contains("resumes out/small."), "{said}");
     assert_eq!(digests(folder.path()), *whole());
 }
 
@@ -129,7 +129,7 @@ fn a_run_of_all_stops_is_not_gone_on_with_in_bands() {
     let output = ended_by(folder.path(), &["--threads", "2"], Signal::INT, ".checkpoint_", 1);
     exits(&output, 130);
     let refused = exits(&run(folder.path(), &with(&["--resume"])), 4);
-    assert!(refused.contains("goes on with all stops at once, as it began"), "{refused}");
+    assert!(refused.contains("is resumed with all stops at once, as it began"), "{refused}");
     assert_eq!(errors(&refused), 1, "{refused}");
     assert!(checkpoint.exists());
     exits(&run(folder.path(), &["--resume"]), 0);
@@ -182,6 +182,6 @@ fn more_samples_go_on_in_every_band() {
     // Ended again in a band that had been finished with fewer samples.
     ended_by(folder.path(), &with(&["--resume"]), Signal::KILL, "out/small.", 1);
     let said = exits(&run(folder.path(), &with(&["--resume"])), 0);
-    assert!(said.contains("goes on from"), "{said}");
+    assert!(said.contains("note: resumes "), "{said}");
     assert_eq!(digests(folder.path()), uninterrupted(&more, &in_three()));
 }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gonio::campaign;
-use gonio::measure::persist::shard;
+use gonio::measure::persist::shards;
 use gonio::measure::{Merge, Shards};
 use gonio::table::store;
 use rustix::process::Signal;
@@ -108,14 +108,15 @@ fn shards_merged_in_bands_have_the_bytes_of_one_run() {
     }
     exits(&gonio(folder.path(), &["measure", "dealt.toml", "-o", "whole"]), 0);
     let headers = || {
-        let files = shard::find(&folder.path().join("shards")).expect("shards");
-        let with_heading = |path: PathBuf| (path.clone(), shard::header(&path).expect("whole"));
-        Shards::new(files.into_iter().map(with_heading).collect()).expect("of one run")
+        let files = shards::find(&folder.path().join("shards")).expect("shards");
+        let opened = files.iter().map(|path| shards::open(path).expect("whole"));
+        Shards::new(opened.collect()).expect("of one run")
     };
     let campaign = campaign::parse(headers().campaign(), "shards", Path::new("")).expect("sound").campaign;
     // Threads are those of this process, and of the program.
-    let bands =
-        |mb: u64| Merge::new(headers(), &campaign, mb << 20).map_or(0, |merge| merge.plan().bands().len());
+    let bands = |mb: u64| {
+        Merge::of_shards(headers(), &campaign, mb << 20).map_or(0, |merge| merge.plan().bands().len())
+    };
     let least = (1..1000).find(|&mb| bands(mb) > 0).expect("a budget for one stop");
     assert!(bands(least) > 2, "{} bands within {least} MiB", bands(least));
     let (enough, less) = (least.to_string(), (least - 1).to_string());
@@ -244,7 +245,9 @@ fn a_killed_shard_goes_on_and_a_wrong_dealing_is_refused() {
         failing::preloaded().ended(shard, &shards, Signal::KILL, "dealt.shard_2_of_3.checkpoint_", 1);
     assert_eq!(killed.status.code(), None, "ended before it was killed");
     assert!(exits(&gonio(folder.path(), &words), 3).contains("--resume"));
-    assert!(exits(&gonio(folder.path(), &[&words[..], &["--resume"]].concat()), 0).contains("goes on from"));
+    assert!(
+        exits(&gonio(folder.path(), &[&words[..], &["--resume"]].concat()), 0).contains("note: resumes ")
+    );
     exits(&gonio(folder.path(), &["measure", "dealt.toml", "-o", "fresh", "--shard", "2/3"]), 0);
     // The file of a shard also says what it cost: its tables are compared.
     for (from, to) in [("shards", "a"), ("fresh", "b")] {

@@ -81,7 +81,7 @@ pub fn killed(whole: &Whole, kills: u32, chain: u32) {
             ended_before += u32::from(output.expect("runs").status.code() == Some(0));
         }
         let output = run(folder.path(), &words);
-        resumed += u32::from(exits(&output, 0).contains("goes on from"));
+        resumed += u32::from(exits(&output, 0).contains("note: resumes "));
         let ended = digests(folder.path());
         assert!(ended == *whole.files, "after kill {first}: {ended:?}\nnot {:?}", whole.files);
     }

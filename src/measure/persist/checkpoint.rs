@@ -3,11 +3,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::run_state::{RunState, StoredRun};
-use crate::campaign::Campaign;
+use super::run_state::StoredRun;
 use crate::error::{Error, Result};
 use crate::files;
-use crate::measure::plan::Plan;
 
 /// Where a run keeps its finished blocks.
 #[derive(Debug, Clone)]
@@ -27,9 +25,6 @@ pub struct FoundCheckpoint {
 }
 
 impl Checkpoint {
-    /// What the files begin with; another number is another format.
-    pub const KIND: &str = "gonio checkpoint 3";
-
     /// The files `<stem>.checkpoint_0` and `_1` of a folder.
     pub fn of(folder: &Path, stem: &str) -> Self {
         Checkpoint { slots: [0, 1].map(|slot| folder.join(format!("{stem}.checkpoint_{slot}"))) }
@@ -43,7 +38,7 @@ impl Checkpoint {
     /// The newest one that is whole; `None` where there is none at all.
     ///
     /// Errors: `Io`; `Format` where every file that is there is damaged.
-    /// Held by: `a_damaged_checkpoint_gives_way_to_the_one_before`.
+    // Tested by `a_damaged_checkpoint_gives_way_to_the_one_before`.
     pub fn load(&self) -> Result<Option<FoundCheckpoint>> {
         let mut whole: Vec<(&PathBuf, StoredRun)> = Vec::new();
         let mut damaged = Vec::new();
@@ -52,7 +47,7 @@ impl Checkpoint {
                 Err(Error::Io { source, .. }) if source.kind() == io::ErrorKind::NotFound => continue,
                 read => read?,
             };
-            match StoredRun::from_bytes(Self::KIND, &bytes) {
+            match StoredRun::from_bytes(&bytes) {
                 Ok(kept) => whole.push((path, kept)),
                 Err(why) => damaged.push((path, why)),
             }
@@ -71,11 +66,6 @@ impl Checkpoint {
     /// Puts these `bytes` in the place of the older file.
     pub(crate) fn save(&self, number: u64, bytes: &[u8]) -> Result<()> {
         files::write_atomically(&self.slots[(number % 2) as usize], bytes)
-    }
-
-    /// The bytes of the checkpoint of this `number`.
-    pub fn bytes(run_state: &RunState, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>> {
-        run_state.to_bytes(Self::KIND, number, campaign, plan)
     }
 
     /// Removes both files.

@@ -1,18 +1,19 @@
-//! What a file of finished blocks says of itself before its sums, and whether a run can go on from it.
+//! What a file of finished blocks says of itself before its sums, and whether a run can be resumed from it.
 
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::shard::Shard;
+use super::part::Part;
 use crate::campaign;
 use crate::campaign::Campaign;
 use crate::error::{Error, Fault, Result};
 use crate::files;
 use crate::files::sealed;
 use crate::measure::cost::Cost;
-use crate::measure::plan::bands::Band;
 
+/// What the files of a run begin with, checkpoints and finished parts alike; another number is another format.
+pub const KIND: &str = "gonio run 1";
 /// A header is no longer than this: a campaign's text, and 33 bytes for each patch.
 const LONGEST: usize = 1 << 24;
 
@@ -25,10 +26,8 @@ pub struct RunHeader {
     pub campaign: String,
     /// A later one has a higher number.
     pub number: u64,
-    /// Whose stops are measured, if not all.
-    pub shard: Option<Shard>,
-    /// Which band of stops this is, of a run in bands.
-    pub band: Option<Band>,
+    /// Whose incidences are measured.
+    pub part: Part,
     /// Starts that are measured.
     pub starts: u64,
     /// Whether errors or the clock have been looked at, which depends on how many realisations there are.
@@ -42,18 +41,18 @@ pub struct RunHeader {
 }
 
 impl RunHeader {
-    /// The header of a file of this `kind`, which is read to its end and held to its checksum, a piece at a time.
-    pub(crate) fn read(kind: &str, path: &Path) -> Result<Self> {
+    /// The header of a file, which is read to its end and held to its checksum, a piece at a time.
+    pub(crate) fn read(path: &Path) -> Result<Self> {
         let begin =
-            sealed::checked(kind, &mut files::open(path)?, LONGEST).map_err(|e| Error::io(path, e))?;
+            sealed::checked(KIND, &mut files::open(path)?, LONGEST).map_err(|e| Error::io(path, e))?;
         let begin = begin.map_err(|why| Error::format(path, why))?;
         let read = postcard::take_from_bytes::<RunHeader>(&begin);
         read.map(|(header, _)| header).map_err(|e| Error::format(path, unreadable(&e)))
     }
 
-    /// Why this cannot be gone on from: another version, or a campaign that differs in more than that it has more
+    /// Why this cannot be resumed: another version, or a campaign that differs in more than that it has more
     /// samples or realisations. `file` is the campaign's, `at` where this was read from.
-    pub fn faults(&self, (campaign, shard): (&Campaign, Option<Shard>), file: &str, at: &str) -> Vec<Fault> {
+    pub fn faults(&self, (campaign, shard): (&Campaign, Option<Part>), file: &str, at: &str) -> Vec<Fault> {
         let fault = |path: &str, key: &str, value: Option<String>, allowed: String| Fault {
             path: path.into(),
             line: None,
@@ -66,12 +65,13 @@ impl RunHeader {
         let version = env!("CARGO_PKG_VERSION");
         if self.version != version {
             let allowed =
-                format!("{version} cannot go on with what another version measured; --force starts again");
+                format!("{version} cannot resume what another version measured; --force starts again");
             return vec![fault(at, "version", Some(self.version.clone()), allowed)];
         }
-        if self.shard != shard {
-            let name = |shard: Option<Shard>| shard.map_or("none".into(), |shard| shard.to_string());
-            let allowed = format!("{} in the run that {at} keeps; --force starts again", name(self.shard));
+        let mine = Some(self.part).filter(|part| part.is_shard());
+        if mine != shard {
+            let name = |shard: Option<Part>| shard.map_or("none".into(), |shard| shard.to_string());
+            let allowed = format!("{} in the run that {at} keeps; --force starts again", name(mine));
             return vec![fault(file, "--shard", Some(name(shard)), allowed)];
         }
         let differences = campaign::differences(&self.campaign, &campaign::to_toml(campaign));
@@ -92,6 +92,11 @@ impl RunHeader {
             Some(fault(file, &difference.key, difference.second, allowed))
         });
         refused.collect()
+    }
+
+    /// What its samples have cost.
+    pub fn cost(&self) -> Cost {
+        Cost { samples: self.starts, ..self.cost.clone() }
     }
 
     /// Whether this is of the very campaign, not of one with fewer samples or realisations.

@@ -1,10 +1,11 @@
-//! Runs on disk: checkpoints, shards, and their merge.
+//! Runs on disk: checkpoints, the files of finished parts, and their merge.
 
-pub(crate) mod band_files;
-pub(crate) mod band_run;
 pub(crate) mod checkpoint;
 pub(crate) mod finished_blocks;
-pub(crate) mod header;
+pub mod header;
 pub(crate) mod merge;
+pub mod part;
+pub(crate) mod parts_run;
+pub(crate) mod run_files;
 pub(crate) mod run_state;
-pub mod shard;
+pub mod shards;

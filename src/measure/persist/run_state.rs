@@ -1,16 +1,15 @@
 //! What a run has so far, and the bytes that keep it: sums of finished blocks, digests of patches, costs.
 //!
-//! The sums are integers and blocks are told by their numbers, so that a run that goes on from here ends with the
-//! bytes of one that never stopped.
+//! The sums are integers and blocks have numbers, so that a run that is resumed ends with the bytes of one that was
+//! never ended.
 
-use super::header::{RunHeader, unreadable};
+use super::header::{KIND, RunHeader, unreadable};
 use crate::campaign;
 use crate::campaign::Campaign;
 use crate::error::Error;
 use crate::files::sealed;
 use crate::measure::cost::Cost;
-use crate::measure::plan::Plan;
-use crate::measure::plan::start_sampler::StartSampler;
+use crate::measure::plan::{Plan, StartSampler};
 use crate::measure::rounds::Tables;
 
 /// A run so far.
@@ -75,20 +74,13 @@ impl RunState {
         Ok(())
     }
 
-    /// The bytes of a file of this `kind`.
-    pub(crate) fn to_bytes(
-        &self,
-        kind: &str,
-        number: u64,
-        campaign: &Campaign,
-        plan: &Plan,
-    ) -> Result<Vec<u8>, Error> {
+    /// The bytes of its file: of the checkpoint of this `number`, or of a finished part (0).
+    pub fn to_bytes(&self, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>, Error> {
         let header = RunHeader {
             version: env!("CARGO_PKG_VERSION").into(),
             campaign: campaign::to_toml(campaign),
             number,
-            shard: plan.shard,
-            band: plan.band,
+            part: plan.part,
             starts: self.starts(plan),
             looked: self.tables.has_looked(campaign),
             blocks: plan.blocks,
@@ -96,7 +88,7 @@ impl RunState {
             digests: self.digests.clone(),
             cost: self.cost.clone(),
         };
-        sealed::seal(kind, self.tables.bytes(), |out| postcard::to_extend(&(header, &self.tables), out))
+        sealed::seal(KIND, self.tables.bytes(), |out| postcard::to_extend(&(header, &self.tables), out))
             .map_err(|e| Error::Internal(format!("encoding finished blocks: {e}")))
     }
 }
@@ -104,9 +96,10 @@ impl RunState {
 impl StoredRun {
     /// What the bytes of a file hold, or what is wrong with them.
     ///
-    /// Memory is bounded by the size of the file. Held by: `damaged_checkpoints_are_errors_and_never_panic`.
-    pub fn from_bytes(kind: &str, bytes: &[u8]) -> Result<Self, String> {
-        let content = sealed::open(kind, bytes)?;
+    /// Memory is bounded by the size of the file.
+    // Tested by `damaged_checkpoints_are_errors_and_never_panic`.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
+        let content = sealed::open(KIND, bytes)?;
         let read = postcard::take_from_bytes::<(RunHeader, Tables)>(content);
         let ((header, tables), rest) = read.map_err(|e| unreadable(&e))?;
         if !rest.is_empty() {
@@ -117,10 +110,10 @@ impl StoredRun {
 
     /// The run_state, for a campaign that it has no faults with; else what is wrong with the sums.
     pub fn run_state(self, campaign: &Campaign, plan: &Plan) -> Result<RunState, String> {
-        let StoredRun { header: RunHeader { band, blocks, by_slope, mut digests, cost, .. }, mut tables } =
+        let StoredRun { header: RunHeader { part, blocks, by_slope, mut digests, cost, .. }, mut tables } =
             self;
-        if band != plan.band {
-            return Err("other stops at a time than those that were asked for".into());
+        if part != plan.part {
+            return Err("other incidences than those that were asked for".into());
         }
         if by_slope != (plan.start_sampler == StartSampler::BySlope) {
             return Err("so many samples start in another order on the facets than these did".into());
@@ -129,7 +122,7 @@ impl StoredRun {
             return Err("more blocks or patches than were asked for".into());
         }
         tables.check(campaign, plan, blocks)?;
-        tables.complete(campaign, plan);
+        tables.complete(campaign);
         tables.extend(campaign, plan, blocks);
         digests.resize(plan.realisations as usize, None);
         Ok(RunState { tables, digests, cost })

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{Plan, saturated};
+use super::decide::saturated;
+use super::decisions::Plan;
 use crate::campaign::Campaign;
 use crate::table::realisations;
 use crate::table::realisations::{GROUPS, StoredRealisations};
@@ -55,10 +56,10 @@ impl Disk {
         let in_bands = bands.len() > 1;
         let finished = bands.iter().map(|stops| file(stops.len())).filter(|_| in_bands);
         let finished = finished.fold(0, u128::saturating_add);
-        let at_a_time = file(if in_bands { plan.band_stops } else { plan.measured.len() });
-        let results = if plan.shard.is_some() { at_a_time } else { tables(campaign, plan, limit) };
+        let at_a_time = file(plan.band_stops);
+        let results = if plan.part.is_shard() { at_a_time } else { tables(campaign, plan, limit) };
         let until_then = at_a_time.saturating_mul(CHECKPOINTS).saturating_add(finished);
-        let materials = if plan.shard.is_some() { 0 } else { campaign.optics.each().len() };
+        let materials = if plan.part.is_shard() { 0 } else { campaign.optics.each().len() };
         Disk {
             results_bytes: saturated(results),
             realisations_bytes: (0..materials).map(|k| realisations_of(plan, k, limit)).max().unwrap_or(0),

@@ -1,6 +1,6 @@
 //! What a run will need, before it begins: memory and time, from measured costs.
 
-use super::Plan;
+use super::decisions::Plan;
 use super::start_sampler::{StartSampler, aperture_fraction};
 use crate::campaign::{Alpha, Campaign, SurfaceKind};
 use crate::measure::prepared_patch::CELLS_PER_START;
@@ -61,7 +61,12 @@ pub(crate) struct Memory {
 impl Memory {
     /// All stops at once.
     pub fn whole(&self, plan: &Plan) -> u128 {
-        self.shared.saturating_add(self.stop.saturating_mul(plan.measured.len() as u128))
+        self.shared.saturating_add(self.stop.saturating_mul(plan.stops as u128))
+    }
+
+    /// How many incidences of a band fit so many bytes.
+    pub fn stops_in(&self, room: u128) -> usize {
+        usize::try_from(room / (self.stop + self.written).max(1)).unwrap_or(usize::MAX)
     }
 
     /// A band of stops at a time.
@@ -149,7 +154,7 @@ pub(crate) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
 fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
     let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
     let block = |stop: usize| block(campaign, plan, stop, alpha);
-    plan.blocks as f64 * plan.measured.iter().copied().map(block).sum::<f64>()
+    plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
 }
 
 /// One block of a stop, ns.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::Plan;
+use super::decisions::Plan;
 use super::start_sampler::{StartSampler, aperture_fraction};
 use crate::campaign::{Campaign, Optics, SurfaceKind};
 use crate::instrument::GridKind;

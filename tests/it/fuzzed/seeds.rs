@@ -11,7 +11,8 @@ use gonio::interchange::mitsuba::tensor_file;
 use gonio::interchange::mitsuba::tensor_file::TensorData;
 use gonio::interchange::radiance::xml;
 use gonio::interchange::{Format, Options, foreign_table};
-use gonio::measure::{self, Checkpoint, Patches, RunState, Session};
+use gonio::measure::persist::header::KIND;
+use gonio::measure::{self, Patches, RunState, Session};
 use gonio::surface::io::map_file;
 use gonio::table::{BrdfTable, RealisationPart, Realisations, realisations, store};
 
@@ -107,10 +108,11 @@ fn checkpoints() -> Answer {
     let (campaign, plan) = checkpoint_of();
     let patches = Patches::prepare(&campaign, &mut Vec::new())?;
     let empty = RunState::new(&campaign, &plan);
-    let whole = measure::go_on(&campaign, &plan, &patches, empty.clone(), &Session::plain(&|_| ()))?;
+    let whole =
+        measure::measure_missing(&campaign, &plan, &patches, empty.clone(), &Session::plain(&|_| ()))?;
     for (name, run_state) in [("empty", empty), ("whole", whole)] {
-        let bytes = Checkpoint::bytes(&run_state, 1, &campaign, &plan)?;
-        seed("checkpoint", name, sealed::open(Checkpoint::KIND, &bytes)?)?;
+        let bytes = run_state.to_bytes(1, &campaign, &plan)?;
+        seed("checkpoint", name, sealed::open(KIND, &bytes)?)?;
     }
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 mod makers;
 
+use gonio::measure::persist::header::KIND;
 use makers::{
     Maker, attributes, beside_a_table, exr, gaps, lights, map, needles, npy, npz, overlapping, sparse, texts,
 };
@@ -187,7 +188,7 @@ pub fn all(size: f64) -> Vec<Bomb> {
         ),
         ("shard", "merge b.shard_1_of_1 -o out".into(), sparse("b.shard_1_of_1", vec![], mb(3000.0))),
         ("shard content", "merge b.shard_1_of_1 -o out".into(), {
-            sparse("b.shard_1_of_1", b"gonio shard 3\n".to_vec(), mb(900.0))
+            sparse("b.shard_1_of_1", format!("{KIND}\n").into_bytes(), mb(900.0))
         }),
     ];
     list.into_iter().map(|(name, arguments, write)| Bomb { name: name.into(), arguments, write }).collect()

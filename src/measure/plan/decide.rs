@@ -1,0 +1,282 @@
+//! How a campaign is measured: what it needs, what fits the memory, and what is refused.
+
+use super::decisions::Plan;
+use super::estimate::{Memory, cells_and_relief, memory, seconds};
+use super::savings::skips;
+use super::start_sampler::StartSampler;
+use crate::campaign::{Azimuth, Campaign, SurfaceKind};
+use crate::error::{Error, Result};
+use crate::files::memory::memory_limit;
+use crate::instrument::{Grid, GridKind, grid_of};
+use crate::measure::accumulate::fresnel_sums::FresnelSums;
+use crate::measure::persist::part::Part;
+use crate::sphere;
+use crate::surface::io::import::ABSURD_SDQ;
+use crate::trace::BLOCK;
+
+/// Largest sum of the flux that starts carry, of what falls on the patch in one block.
+const LARGEST_FLUX: f64 = (1u64 << 36) as f64;
+/// A run that would take longer is refused: 31 days.
+const LONGEST_S: f64 = 31.0 * 86_400.0;
+/// One part in so many of the memory is left free by bands, and may be taken by patches that all of them share.
+pub(crate) const KEPT_FRACTION: u64 = 4;
+
+/// Decides how a campaign is measured. Errors: `Refused` where it would not fit the memory, or take too long.
+pub fn plan(campaign: &Campaign) -> Result<Plan> {
+    plan_of(campaign, None, memory_limit())
+}
+
+/// The same with so many bytes of memory. A table that exceeds them is measured in bands of stops.
+pub fn plan_within(campaign: &Campaign, limit: u64) -> Result<Plan> {
+    plan_of(campaign, None, limit)
+}
+
+/// The same for one shard of it, which is not measured in bands. Errors: as [`plan`]; `Usage` where the incidences do not
+/// suffice for so many shards, or where the clock would end each of them elsewhere.
+pub fn plan_of(campaign: &Campaign, shard: Option<Part>, limit: u64) -> Result<Plan> {
+    let (mut plan, memory) = decided(campaign);
+    if let Some(shard) = shard {
+        may_be_dealt(campaign, &plan.grid, shard)?;
+        plan = plan.of_part(shard)?;
+        estimate(campaign, &mut plan);
+    } else if plan.memory_bytes > limit
+        && let Some(stops) = stops_within(campaign, &plan, &memory, limit)
+    {
+        in_bands(&mut plan, &memory, stops);
+    }
+    checked(campaign, plan, limit)
+}
+
+/// The plan of a run that began with so many incidences at a time, or with all.
+///
+/// Errors: `Refused` where these do not fit `limit` bytes; as [`plan`].
+pub fn resumed(campaign: &Campaign, band_stops: Option<u64>, limit: u64) -> Result<Plan> {
+    let (mut plan, memory) = decided(campaign);
+    let stops = band_stops.map_or(Some(plan.stops), |stops| usize::try_from(stops).ok());
+    let Some(stops) = stops.filter(|stops| (1..=plan.stops).contains(stops)) else {
+        return Err(Error::Refused(format!("{}: bands of other lengths than a run has", campaign.name)));
+    };
+    if stops < plan.stops {
+        in_bands(&mut plan, &memory, stops);
+    }
+    if plan.memory_bytes > limit {
+        let at_a_time =
+            if stops < plan.stops { format!("bands of {stops} stops") } else { "all stops at once".into() };
+        return Err(Error::Refused(format!(
+            "{}: is resumed with {at_a_time}, as it began, which needs about {} MiB of memory, {} MiB may be used; \
+             --memory-mb allows more, --force starts again in bands that fit",
+            campaign.name,
+            plan.memory_bytes.div_ceil(1 << 20),
+            limit >> 20
+        )));
+    }
+    checked(campaign, plan, limit)
+}
+
+/// The plan with all incidences at once, whatever it takes.
+pub(crate) fn at_once(campaign: &Campaign) -> Plan {
+    decided(campaign).0
+}
+
+/// The `plan` of incidences that are there, as they are merged within `limit` bytes: so many at a time next to the
+/// `largest` file of a shard, bytes.
+pub(crate) fn merged(campaign: &Campaign, mut plan: Plan, largest: u128, limit: u64) -> Result<Plan> {
+    let memory = memory(campaign, &plan);
+    let takes = |stops: usize| memory.banded(stops).saturating_add(largest);
+    if takes(1) > u128::from(limit) || plan.stops == 0 {
+        return Err(Error::Refused(format!(
+            "{}: one stop and the largest shard need about {} MiB of memory, {} MiB may be used; --memory-mb allows \
+             more, shards of fewer stops need less",
+            campaign.name,
+            takes(1).div_ceil(1 << 20),
+            limit >> 20
+        )));
+    }
+    // But for the first incidence.
+    plan.band_stops = memory.stops_in(left_by_bands(limit).saturating_sub(takes(0))).clamp(1, plan.stops);
+    plan.memory_bytes = saturated(takes(plan.band_stops));
+    Ok(plan)
+}
+
+/// How many incidences fit `limit` bytes at a time; `None` where not one does, or where bands make no sense: a budget of
+/// time would hold for each of them.
+fn stops_within(campaign: &Campaign, plan: &Plan, memory: &Memory, limit: u64) -> Option<usize> {
+    let possible = campaign.stop.seconds.is_none() && plan.grid.of_stops([]).is_some();
+    let stops = memory.stops_in(left_by_bands(limit).checked_sub(memory.shared)?);
+    (possible && stops > 0).then_some(stops.min(plan.stops))
+}
+
+fn left_by_bands(limit: u64) -> u128 {
+    u128::from(limit - limit / KEPT_FRACTION)
+}
+
+fn in_bands(plan: &mut Plan, memory: &Memory, stops: usize) {
+    plan.band_stops = stops;
+    plan.memory_bytes = saturated(memory.banded(stops));
+}
+
+/// The plan with all incidences at once, and what it takes.
+fn decided(campaign: &Campaign) -> (Plan, Memory) {
+    let grid = grid_of(campaign);
+    let (cells, relief) = cells_and_relief(campaign);
+    let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
+    let blocks = campaign.stop.samples.div_ceil(BLOCK);
+    let samples = blocks * BLOCK;
+    let roughnesses = campaign.alphas().len();
+    let random = campaign.surface.kind.is_random_heights();
+    let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
+    let folded = folded_stops(campaign, &grid);
+    let realisations = campaign.surface.realisations;
+    // The statistical surface does not know where a path goes before it has left.
+    let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
+    let apertures_only = grid.kind == GridKind::Arm && campaign.trace.bounces == 1 && explicit;
+    let total = [grid.stops() as u128, u128::from(realisations), u128::from(samples), roughnesses as u128];
+    let start_sampler = StartSampler::decided(campaign, &grid, &folded, (samples, apertures_only));
+    let mut plan = Plan {
+        stops: grid.stops(),
+        part: Part::whole(grid.stops()),
+        cells,
+        relief,
+        bins: grid.bins(),
+        tables: roughnesses * campaign.optics.each().len(),
+        realisations,
+        blocks,
+        block_starts: BLOCK,
+        samples,
+        total_samples: saturated(total.iter().product()),
+        averages_azimuth,
+        apertures_only,
+        start_sampler,
+        images,
+        folded,
+        colours: campaign.optics.colours(),
+        sums: FresnelSums::of(campaign),
+        skipped: Vec::new(),
+        band_stops: grid.stops(),
+        memory_bytes: 0,
+        estimated_s: 0.0,
+        grid,
+    };
+    let memory = estimate(campaign, &mut plan);
+    (plan, memory)
+}
+
+/// Notes what is skipped, and what the run will take.
+fn estimate(campaign: &Campaign, plan: &mut Plan) -> Memory {
+    plan.skipped = skips(campaign, plan);
+    let memory = memory(campaign, plan);
+    plan.memory_bytes = saturated(memory.whole(plan));
+    plan.estimated_s = seconds(campaign, plan).min(campaign.stop.seconds.unwrap_or(f64::INFINITY));
+    memory
+}
+
+impl Plan {
+    /// The same measurement with surface samples row by row, to compare with; `None` where the plan has no other ones.
+    pub fn by_place(&self, campaign: &Campaign) -> Option<Plan> {
+        self.start_sampler
+            .is_indexed()
+            .then(|| self.with(campaign, StartSampler::ByPlace, self.apertures_only))
+    }
+
+    /// The same measurement with light in all directions followed, not that into apertures alone, to compare with;
+    /// `None` where the plan follows all of it.
+    pub fn all_directions(&self, campaign: &Campaign) -> Option<Plan> {
+        let sampler = match &self.start_sampler {
+            StartSampler::IntoApertures(_) => StartSampler::BySlope,
+            others => others.clone(),
+        };
+        self.apertures_only.then(|| self.with(campaign, sampler, false))
+    }
+
+    fn with(&self, campaign: &Campaign, start_sampler: StartSampler, apertures_only: bool) -> Plan {
+        let mut plan = Plan { start_sampler, apertures_only, ..self.clone() };
+        estimate(campaign, &mut plan);
+        plan
+    }
+}
+
+/// The plan, if it fits the memory and the time.
+fn checked(campaign: &Campaign, plan: Plan, limit: u64) -> Result<Plan> {
+    if plan.memory_bytes > limit {
+        return Err(Error::Refused(format!(
+            "{}: needs about {} MiB of memory, {} MiB may be used; take fewer stops, bins, realisations or cells",
+            campaign.name,
+            plan.memory_bytes >> 20,
+            limit >> 20
+        )));
+    }
+    flux_fits(campaign, &plan)?;
+    if plan.estimated_s > LONGEST_S {
+        return Err(Error::Refused(format!(
+            "{}: would take about {:.0} days on two cores, {:.0} are allowed; take fewer samples, stops or realisations",
+            campaign.name,
+            plan.estimated_s / 86_400.0,
+            LONGEST_S / 86_400.0
+        )));
+    }
+    Ok(plan)
+}
+
+/// Refuses light so near the horizon that the sums of flux would not hold it.
+///
+/// Starts carry the area that facets turn to the light, slope x tan(theta_i) of what falls on the patch in the mean,
+/// lit or not; a sum holds 2^38 times that (`tally`). Slopes in the mean stay below alpha, of a map below the largest
+/// that is let in: a factor of 4 is left.
+fn flux_fits(campaign: &Campaign, plan: &Plan) -> Result<()> {
+    let slope = match &campaign.surface.kind {
+        SurfaceKind::File(_) => ABSURD_SDQ,
+        SurfaceKind::VGroove { slope } => *slope,
+        kind => kind.alphas().into_iter().flatten().fold(1.0, |most, alpha| alpha.x.max(alpha.y).max(most)),
+    };
+    let most = LARGEST_FLUX / (slope.max(1.0) * plan.blocks as f64);
+    let theta = campaign.light.theta_i_deg.iter().copied().fold(0.0, f64::max);
+    let (sin, cos) = sphere::sin_cos_deg(theta);
+    if sin <= most * cos {
+        return Ok(());
+    }
+    Err(Error::Refused(format!(
+        "{}: light.theta_i_deg = {theta}: so near the horizon {} samples carry more flux than the sums hold; stay {:.0e} \
+         degrees from 90, or take fewer samples",
+        campaign.name,
+        plan.samples,
+        (1.0 / most).atan().to_degrees()
+    )))
+}
+
+/// How many light stops a campaign has.
+pub fn stops(campaign: &Campaign) -> usize {
+    grid_of(campaign).stops()
+}
+
+/// Refuses a shard that no campaign of these incidences has.
+fn may_be_dealt(campaign: &Campaign, grid: &Grid, shard: Part) -> Result<()> {
+    if let Some(seconds) = campaign.stop.seconds {
+        let why = "no budget of time with --shard: each shard would end somewhere else";
+        return Err(Error::Usage(format!("{}: stop.seconds = {seconds}: {why}", campaign.name)));
+    }
+    if shard.of as usize > grid.stops() {
+        let most = grid.stops();
+        return Err(Error::Usage(format!(
+            "--shard {shard}: {} has {most} stops, and no more shards",
+            campaign.name
+        )));
+    }
+    Ok(())
+}
+
+/// A count as it is reported: what exceeds 64 bits is refused or takes for ever in any case.
+pub(super) fn saturated(count: u128) -> u64 {
+    count.try_into().unwrap_or(u64::MAX)
+}
+
+/// For each stop, whether the surface's law is its own mirror image about the plane of incidence and arrivals are
+/// therefore counted on both sides.
+pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
+    let symmetric = campaign.surface.kind.alphas().is_some();
+    let along_an_axis = |stop: usize| {
+        let phi = sphere::reduced_deg(grid.stop_deg(stop).1 - campaign.surface.rotation_deg);
+        campaign.light.azimuth != Azimuth::Relative && phi % 90.0 == 0.0
+    };
+    let folds = |stop: usize| campaign.is_isotropic() || along_an_axis(stop);
+    (0..grid.stops()).map(|stop| campaign.trace.fold && symmetric && folds(stop)).collect()
+}
