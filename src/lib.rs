@@ -54,4 +54,6 @@ pub mod report;
 
 pub mod bench;
 
+pub mod job;
+
 pub mod cli;

@@ -6,7 +6,6 @@ use clap::Args;
 use serde_json::json;
 
 use super::table_file::{self, Opened};
-use super::targets::in_the_way;
 use super::text::output::{Output, to_json, warn, wrapped};
 use crate::error::{Error, Result};
 use crate::files;
@@ -14,6 +13,7 @@ use crate::instrument::GridKind;
 use crate::instrument::klems::Basis;
 use crate::interchange::merl::Sampling;
 use crate::interchange::{self, AlbedoCurve, Export, Format, Options};
+use crate::job::paths::already_exists;
 use crate::table::TableRows;
 
 /// Write a table in another program's format, and say how far the file is from the table
@@ -116,7 +116,7 @@ pub fn check_output(input: &Path, output: &Path, force: bool) -> Result<()> {
         return Err(Error::format(output, "is the file that is read; choose another -o"));
     }
     if files::is_there(output) && !force {
-        return Err(in_the_way(output, "is there already"));
+        return Err(already_exists(output, "is there already"));
     }
     Ok(())
 }

@@ -6,13 +6,13 @@ use clap::Args;
 use serde_json::json;
 
 use super::export::{check_output, format_of, options_of};
-use super::targets::in_the_way;
 use super::text::output::{Output, to_json, warn, wrapped};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
 use crate::interchange::radiance::xml::SampleSide;
 use crate::interchange::{self, Format, Options, maps};
+use crate::job::paths::already_exists;
 use crate::table::{TableRows, store};
 
 /// Campaigns that are written at once.
@@ -146,7 +146,7 @@ fn campaigns(arguments: &Arguments) -> Result<u8> {
         why => why,
     };
     if let Some((path, _)) = campaigns.iter().find(|(path, _)| files::is_there(path) && !arguments.force) {
-        return Err(in_the_way(path, "is there already"));
+        return Err(already_exists(path, "is there already"));
     }
     if let Some(why) = why {
         warn(format_args!("{skipped} of {} texels left out, the first: {why}", texels.len()));

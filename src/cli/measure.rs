@@ -6,20 +6,14 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::ending;
-use super::job::MeasureJob;
-use super::results::cost_lines;
-use super::run_store;
-use super::targets::{self, TablePaths};
-use super::text::output;
-use super::text::output::{Output, say, warn};
-use crate::campaign::{self, Campaign, Optics, Parsed};
-use crate::error::Result;
-use crate::files;
-use crate::files::lock::Lock;
-use crate::measure;
-use crate::measure::persist::shards;
-use crate::measure::{Part, Plan, RunFiles};
-use crate::table::realisations;
+use super::terminal::Terminal;
+use super::text::measured::cost_lines;
+use super::text::output::{self, Output, bytes, warn};
+use super::text::quoted;
+use crate::campaign::{self, Parsed};
+use crate::error::{Error, Result};
+use crate::job::{Measurement, TablePaths, Written};
+use crate::measure::{self, Cost, Pace, Part, Plan, RunFiles};
 
 /// Measure a campaign: table, realisations, summary and report
 #[derive(Args)]
@@ -67,131 +61,72 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let Parsed { mut campaign, notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     notes.iter().for_each(warn);
-    arguments.plan(&campaign)?;
-    let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
-    let stem = arguments.shard.map_or_else(|| campaign.name.clone(), |shard| shard.file_name(&campaign.name));
-    let _lock = Lock::take(&folder, &stem)?;
-    let kept = RunFiles::of(&folder, &stem);
-    let (again, kept_there) = (arguments.again(), kept.clone());
-    ending::advise(move || run_store::advice(&kept_there, &again));
-    let mut out = Output::default();
-    match arguments.shard {
-        Some(shard) => one_shard(arguments, campaign, shard, (&folder.join(stem), &kept), &mut out)?,
-        None => whole(arguments, &campaign, (&folder, &kept), &mut out)?,
+    let stops = measure::stops(&campaign);
+    let job = arguments.measurement(campaign)?;
+    let (files, again) = (job.files(), arguments.again());
+    let advice = (files.clone(), again.clone());
+    ending::advise(move || before_its_end(&advice.0, &advice.1));
+    let advised = |error| with_advice(error, &files, &again);
+    let terminal = Terminal::new(arguments.json, &advised);
+    let written = job.watcher(&terminal).write().map_err(advised)?;
+    let mut out = terminal.into_output();
+    match written {
+        Written::Tables(all) if arguments.json => out.json(&summaries(&all)?)?,
+        Written::Tables(_) => {}
+        Written::Shard { file, plan, cost } if arguments.json => {
+            out.json(&shard_json(arguments.shard, &file, plan.as_deref(), &cost))?;
+        }
+        Written::Shard { file, plan: Some(plan), cost } => {
+            print_shard(&file, (plan.stops, stops), &cost, &mut out)?
+        }
+        Written::Shard { plan: None, .. } => {}
     }
     Ok(0)
 }
 
-/// Measures and writes the tables that are not there yet.
-fn whole(
-    arguments: &Arguments,
-    campaign: &Campaign,
-    (folder, kept): (&Path, &RunFiles),
-    out: &mut Output,
-) -> Result<()> {
-    let all = TablePaths::of(campaign, folder);
-    for target in &all {
-        targets::spare_inputs(&target.paths(), &arguments.campaign, campaign)?;
+fn shard_json(shard: Option<Part>, file: &Path, plan: Option<&Plan>, cost: &Cost) -> Value {
+    let mut document = json!({ "shard": shard.map(|shard| shard.to_string()), "file": file });
+    if let Some(plan) = plan {
+        document["stops"] = (0..plan.stops).map(|stop| json!(plan.grid.stop_deg(stop))).collect();
+        document["cost"] = json!(cost);
     }
-    let finished =
-        all.iter().map(|target| Ok(!arguments.force && target.is_finished()?)).collect::<Result<Vec<_>>>()?;
-    let open: Vec<&TablePaths> =
-        all.iter().zip(&finished).filter(|(_, done)| !**done).map(|(target, _)| target).collect();
-    for target in all.iter().zip(&finished).filter(|(_, done)| **done).map(|(target, _)| target) {
-        let text = format!("{} is finished: nothing to do", target.table.display());
-        if arguments.json { say(text) } else { out.line(text)? }
-    }
-    if open.is_empty() {
-        kept.remove_finished(campaign, None)?;
-    } else {
-        let found = run_store::find(kept, arguments.resume, arguments.force)?;
-        let measured = run_store::measured(&found, &all, open.clone());
-        let job = MeasureJob { arguments, files: kept, campaign: of_targets(campaign, &measured) };
-        found.check(&job.campaign, None, &arguments.campaign)?;
-        let plan = if found.headers().next().is_some() {
-            // Whatever memory is free by now.
-            measure::resumed(&job.campaign, found.band_stops(), arguments.memory())?
-        } else {
-            arguments.plan(&job.campaign)?
-        };
-        job.run_to_tables(found, &plan, &open, out)?;
-        kept.remove()?;
-    }
-    if arguments.json { out.json(&summaries(&all)?) } else { Ok(()) }
+    document
 }
 
-/// Measures the stops of one shard, and keeps their sums for `gonio merge`.
-fn one_shard(
-    arguments: &Arguments,
-    campaign: Campaign,
-    shard: Part,
-    (path, kept): (&Path, &RunFiles),
-    out: &mut Output,
-) -> Result<()> {
-    targets::spare_inputs(&[path], &arguments.campaign, &campaign)?;
-    if !arguments.force && files::is_there(path) {
-        let there =
-            shards::open(path).map_err(|e| targets::in_the_way(path, &format!("is no shard ({e})")))?;
-        let faults = there.header.faults(
-            (&campaign, Some(shard)),
-            &arguments.campaign.display().to_string(),
-            "this file",
-        );
-        if faults.is_empty() && there.header.is_of_all(&campaign) {
-            kept.remove_finished(&campaign, Some(shard))?;
-            let text = format!("{} is finished: nothing to do", path.display());
-            return if arguments.json {
-                out.json(&json!({ "shard": shard.to_string(), "file": path }))
-            } else {
-                out.line(text)
-            };
-        }
-        return Err(targets::in_the_way(path, "was measured by another campaign, version or seed"));
-    }
-    let found = run_store::find(kept, arguments.resume, arguments.force)?;
-    found.check(&campaign, Some(shard), &arguments.campaign)?;
-    let job = MeasureJob { arguments, files: kept, campaign };
-    let plan = arguments.plan(&job.campaign)?;
-    job.run(found, &plan, out)?;
-    kept.remove()?;
-    let cost = shards::open(path)?.header.cost();
-    if arguments.json {
-        let stops: Vec<_> = (0..plan.stops).map(|stop| plan.grid.stop_deg(stop)).collect();
-        return out.json(&json!({ "shard": shard.to_string(), "file": path, "stops": stops, "cost": cost }));
-    }
-    let size = path.metadata().map_or(0, |meta| meta.len());
-    let (measured, stops) = (plan.stops, measure::stops(&job.campaign));
-    let file = format!("{} ({})", path.display(), output::bytes(size));
+fn print_shard(file: &Path, (measured, stops): (usize, usize), cost: &Cost, out: &mut Output) -> Result<()> {
+    let size = file.metadata().map_or(0, |meta| meta.len());
+    let file = format!("{} ({})", file.display(), bytes(size));
     out.line(format_args!(
         "{:<14}{file}: {measured} of {stops} stops; gonio merge puts all together",
         "shard"
     ))?;
-    out.lines(cost_lines(&cost))
+    out.lines(cost_lines(cost))
 }
 
 impl Arguments {
-    fn plan(&self, campaign: &Campaign) -> Result<Plan> {
-        measure::plan_of(campaign, self.shard, self.memory())
+    fn measurement<'a>(&self, campaign: campaign::Campaign) -> Result<Measurement<'a>> {
+        let mut job = Measurement::new(campaign)
+            .source(&self.campaign)
+            .patches(self.patches.clone())
+            .shard(self.shard)
+            .keep_realisations(self.keep_realisations)
+            .resume(self.resume)
+            .force(self.force)
+            .pace(pace()?);
+        if let Some(folder) = &self.output {
+            job = job.folder(folder);
+        }
+        if let Some(mb) = self.memory_mb {
+            job = job.memory(mb.saturating_mul(1 << 20));
+        }
+        Ok(job)
     }
 
-    /// Bytes that the run may use.
-    pub fn memory(&self) -> u64 {
-        self.memory_mb.map_or_else(measure::memory_limit, |mb| mb.saturating_mul(1 << 20))
-    }
-
-    /// Bytes that a file of realisations may take.
-    pub fn realisations_limit(&self) -> u64 {
-        realisations::limit(self.keep_realisations)
-    }
-
-    /// The command that goes on with this one.
-    pub fn again(&self) -> String {
-        let mut words = vec!["gonio measure".to_string(), run_store::quoted(&self.campaign)];
-        let folders = [("-o", &self.output), ("--patches", &self.patches)];
-        for (option, folder) in
-            folders.into_iter().filter_map(|(option, folder)| Some((option, folder.as_ref()?)))
-        {
-            words.extend([option.to_string(), run_store::quoted(folder)]);
+    /// The command that resumes this one.
+    fn again(&self) -> String {
+        let mut words = vec!["gonio measure".to_string(), quoted(&self.campaign)];
+        for (option, folder) in [("-o", &self.output), ("--patches", &self.patches)] {
+            words.extend(folder.iter().flat_map(|folder| [option.to_string(), quoted(folder)]));
         }
         words.extend(self.memory_mb.map(|mb| format!("--memory-mb {mb}")));
         words.extend(self.shard.map(|shard| format!("--shard {shard}")));
@@ -205,26 +140,44 @@ impl Arguments {
     }
 }
 
-/// The campaign with the roughnesses and materials of `open` alone. They share patches and draws: the tables stay the
-/// same.
-fn of_targets(campaign: &Campaign, open: &[&TablePaths]) -> Campaign {
-    let mut some = campaign.clone();
-    if let Some(alphas) = some.surface.kind.alphas_mut() {
-        alphas.retain(|alpha| open.iter().any(|target| target.alpha == Some(*alpha)));
+/// The environment's word for how often finished blocks are kept, s of processor time.
+const EVERY_S: &str = "GONIO_CHECKPOINT_S";
+
+fn pace() -> Result<Pace> {
+    let Some(word) = std::env::var_os(EVERY_S) else { return Ok(Pace::Rare) };
+    let seconds = word.to_str().and_then(|word| word.parse::<f64>().ok());
+    match seconds {
+        Some(seconds) if (1e-3..=86_400.0).contains(&seconds) => Ok(Pace::Every(seconds)),
+        _ => Err(Error::Usage(format!(
+            "{EVERY_S} = {}: seconds of processor time between two checkpoints, 0.001 to 86400, are expected",
+            quoted(&word)
+        ))),
     }
-    if let Optics::Several(all) = &mut some.optics {
-        all.retain(|optics| open.iter().any(|target| target.optics == *optics));
-        if let [one] = &all[..] {
-            some.optics = one.clone();
+}
+
+/// An interruption with the command that resumes.
+fn with_advice(error: Error, files: &RunFiles, again: &str) -> Error {
+    match error {
+        Error::Interrupted(when) if matches!(files.any(), Ok(Some(_))) => {
+            Error::Interrupted(format!("{when}; resume with: {again}"))
         }
+        Error::Interrupted(_) => Error::Interrupted("before anything was measured".into()),
+        other => other,
     }
-    some
+}
+
+/// What is said where a run is ended and does not measure just then.
+fn before_its_end(files: &RunFiles, again: &str) -> String {
+    match files.any() {
+        Ok(Some(_)) => format!("before its end; resume with: {again}"),
+        _ => "before its end; nothing is kept to be resumed".into(),
+    }
 }
 
 /// The summaries of finished tables: one document, or a list of them.
 pub fn summaries(all: &[TablePaths]) -> Result<Value> {
     let mut summaries =
-        all.iter().map(|target| output::read_json(&target.summary)).collect::<Result<Vec<Value>>>()?;
+        all.iter().map(|paths| output::read_json(&paths.summary)).collect::<Result<Vec<Value>>>()?;
     let single = if summaries.len() == 1 { summaries.pop() } else { None };
     Ok(single.unwrap_or(Value::Array(summaries)))
 }

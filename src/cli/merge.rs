@@ -6,15 +6,14 @@ use clap::Args;
 use serde_json::json;
 
 use super::measure::summaries;
-use super::results::{self, Results};
-use super::targets::{self, TablePaths};
-use super::text::output::{Output, say, warn};
+use super::terminal::Terminal;
+use super::text::output::{say, warn};
 use crate::campaign;
 use crate::error::{Error, Result};
 use crate::files::lock::Lock;
-use crate::measure;
+use crate::job::{self, TablePaths, TableWriting, paths};
 use crate::measure::persist::shards;
-use crate::measure::{Disk, Merge, Part, Shards};
+use crate::measure::{self, Disk, Merge, Part, Shards};
 use crate::report::html::specimen;
 use crate::table::realisations;
 
@@ -70,17 +69,18 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         warn(format_args!("{there} of {stops} stops: {missing} missing; no other stop is in the tables"));
         campaign.name = format!("{}_partial", campaign.name);
     }
-    let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
+    let (folder, _claim) = paths::open_folder(arguments.output.as_deref(), &campaign)?;
     let _lock = Lock::take(&folder, &campaign.name)?;
     let all = TablePaths::of(&campaign, &folder);
-    let open = open(&all, arguments, !missing.is_empty())?;
-    let mut out = Output::default();
+    let unchanged = |error| error;
+    let terminal = Terminal::new(arguments.json, &unchanged);
+    let open = open(&all, (arguments, !missing.is_empty()), &terminal)?;
     let realisations_limit = realisations::limit(arguments.keep_realisations);
-    results::realisations_fit(Disk::of(&campaign, merge.plan(), realisations_limit), memory)?;
-    let results =
-        Results { plan: merge.plan(), open: &open, json: arguments.json, memory, realisations_limit };
-    let band = |stops| merge.tables(&campaign, stops);
-    results.write_all(band, |table| specimen::remade(&table.campaign), &mut out)?;
+    job::realisations_fit(Disk::of(&campaign, merge.plan(), realisations_limit), memory)?;
+    let writing =
+        TableWriting { plan: merge.plan(), open: &open, memory, realisations_limit, watcher: &terminal };
+    writing.write(|stops| merge.tables(&campaign, stops), |table| specimen::remade(&table.campaign))?;
+    let mut out = terminal.into_output();
     if arguments.json {
         let numbers: Vec<String> = missing.iter().map(Part::to_string).collect();
         let document = summaries(&all)?;
@@ -123,13 +123,17 @@ fn names(missing: &[Part]) -> String {
 }
 
 /// The tables that are not there yet. Those of some of the shards give way to those of more.
-fn open<'a>(all: &'a [TablePaths], arguments: &Arguments, partial: bool) -> Result<Vec<&'a TablePaths>> {
+fn open<'a>(
+    all: &'a [TablePaths],
+    (arguments, partial): (&Arguments, bool),
+    terminal: &Terminal,
+) -> Result<Vec<&'a TablePaths>> {
     let mut open = Vec::new();
-    for target in all {
-        if arguments.force || !target.is_finished()? || partial {
-            open.push(target);
+    for table in all {
+        if arguments.force || !table.is_finished(terminal)? || partial {
+            open.push(table);
         } else {
-            say(format_args!("{} is finished: nothing to do", target.table.display()));
+            say(format_args!("{} is finished: nothing to do", table.table.display()));
         }
     }
     Ok(open)

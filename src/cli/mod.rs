@@ -10,6 +10,8 @@ use std::sync::{Arc, Mutex};
 use clap::{ColorChoice, Parser, Subcommand};
 
 use crate::error::{Error, Result};
+use crate::job::threads;
+use text::output::warn;
 
 mod bench;
 mod check;
@@ -18,27 +20,18 @@ mod ending;
 mod export;
 mod fit;
 mod import;
-mod job;
 mod measure;
 mod merge;
 mod recolour;
 mod report;
-mod results;
-mod run_store;
 mod study;
 mod surface;
 mod table_file;
-mod table_output;
-mod targets;
+mod terminal;
 pub mod text;
 mod validate;
 
 pub use text::output::print_error;
-
-/// Stack of a worker: nested parallel loops steal work on top of waiting work.
-const STACK_BYTES: usize = 16 << 20;
-/// Threads for each core at most.
-const THREADS_PER_CORE: usize = 4;
 
 /// A virtual gonioreflectometer: measures the BRDF of explicit random microsurfaces, with error bars.
 #[derive(Parser)]
@@ -128,30 +121,14 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
     ended
 }
 
-/// Workers by their number alone: the environment has no say.
+/// The wanted number of worker threads, or as many as are allowed.
 fn pool(wanted: usize) -> Result<rayon::ThreadPool> {
-    let threads = workers(wanted);
-    if wanted > threads {
-        text::output::warn(format_args!(
-            "--threads {wanted}: {threads} are used, {THREADS_PER_CORE} for each core"
-        ));
+    let pool = threads::pool(wanted)?;
+    let used = pool.current_num_threads();
+    if wanted > used {
+        warn(format_args!("--threads {wanted}: {used} are used, {} for each core", threads::PER_CORE));
     }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .stack_size(STACK_BYTES)
-        .build()
-        .map_err(|e| {
-            Error::Refused(format!(
-                "{threads} threads cannot be started: {e}; raise the limit of processes or of memory (ulimit -u, ulimit \
-                 -v), or give fewer --threads"
-            ))
-        })
-}
-
-/// How many workers there will be: as wanted, one for each core for 0, within the limit.
-fn workers(wanted: usize) -> usize {
-    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    if wanted == 0 { cores } else { wanted.min(THREADS_PER_CORE * cores) }
+    Ok(pool)
 }
 
 /// The last panic's text and place, as the hook saw it. Decoders catch panics of their own: nothing is printed
@@ -207,12 +184,5 @@ mod tests {
         let error = failed.expect_err("the worker panicked");
         assert_eq!(error.exit_code(), 70);
         assert_eq!(error.to_string(), "internal error: a broken invariant (please report)");
-    }
-
-    #[test]
-    fn threads_are_counted_by_the_command_line_alone() {
-        let cores = std::thread::available_parallelism().expect("known").get();
-        assert_eq!((workers(0), workers(1), workers(3), workers(100_000)), (cores, 1, 3, 4 * cores));
-        assert_eq!(pool(3).expect("starts").install(rayon::current_num_threads), 3);
     }
 }

@@ -6,12 +6,12 @@ use clap::Args;
 use serde_json::Value;
 
 use super::table_file::{self, Opened};
-use super::targets;
 use super::text::output;
 use super::text::output::{Output, bytes, say, warn};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
+use crate::job::paths;
 use crate::report;
 use crate::report::html::specimen;
 use crate::report::{Page, Scene, summary};
@@ -42,13 +42,13 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let path = &arguments.table;
     let opened = table_file::open(path, verdict::row_bytes)?;
     let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));
-    targets::spare(&output, [Some(path), arguments.bench.as_ref()].into_iter().flatten(), "command")?;
+    paths::spare(&output, [Some(path), arguments.bench.as_ref()].into_iter().flatten(), "command")?;
     let bench = arguments.bench.as_deref().map(bench_in).transpose()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
     if !arguments.force {
         let (mark, what) =
             if is_card { (report::card::MARK, "card") } else { (report::html::page::MARK, "page") };
-        targets::spare_foreign(&output, mark, what)?;
+        paths::spare_foreign(&output, mark, what)?;
     }
     let text = match opened {
         Opened::Whole(table) if is_card => stored_card(path, &table)?,

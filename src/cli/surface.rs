@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::targets;
 use super::text::certificate;
 use super::text::certificate::{MapFigures, Pooled, RayBound};
 use super::text::output::{Output, json_text, parsed_json, to_json, warn};
@@ -17,6 +16,7 @@ use super::text::progress::RunProgress;
 use crate::campaign::{self, Campaign, Parsed};
 use crate::error::{Error, Result};
 use crate::files;
+use crate::job::paths;
 use crate::measure::{self, Patch, Patches, Specimen, patches::patch_name};
 use crate::surface::io::export;
 use crate::surface::{Certificate, SlopeCounts};
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let Parsed { mut campaign, mut notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     measure::plan(&campaign)?;
-    let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), &campaign)?;
+    let (folder, _claim) = paths::open_folder(arguments.output.as_deref(), &campaign)?;
     let job = PatchJob::new(arguments, &campaign, folder, &mut notes)?;
     notes.iter().for_each(warn);
     job.check_folder(&arguments.campaign)?;
@@ -166,11 +166,11 @@ impl<'a> PatchJob<'a> {
         let mut outputs: Vec<PathBuf> = self.names().iter().map(|name| self.folder.join(name)).collect();
         outputs.push(self.certificate());
         let paths: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
-        targets::spare_inputs(&paths, file, self.campaign)?;
+        paths::spare_inputs(&paths, file, self.campaign)?;
         if !self.force {
             let strange = self.patches_there()?.into_iter().find(|(index, _)| *index >= self.count);
             if let Some((_, path)) = strange {
-                return Err(targets::in_the_way(&path, "is there, a patch more than this campaign has"));
+                return Err(paths::already_exists(&path, "is there, a patch more than this campaign has"));
             }
             return self.check_certificate();
         }
@@ -184,7 +184,7 @@ impl<'a> PatchJob<'a> {
                     let what = "is there, a patch that no certificate names; move it, or choose another -o";
                     return Err(Error::format(&path, what));
                 }
-                targets::spare_inputs(&[&path], file, self.campaign)?;
+                paths::spare_inputs(&[&path], file, self.campaign)?;
                 files::remove(&path)?;
             }
         }
@@ -212,7 +212,7 @@ impl<'a> PatchJob<'a> {
         let same = old["seed"] == json!(self.campaign.seed)
             && old["surface"] == surface_of(self.campaign)?
             && old["pitch"] == json!(self.pitch);
-        if same { Ok(()) } else { Err(targets::in_the_way(&self.certificate(), "is of other patches")) }
+        if same { Ok(()) } else { Err(paths::already_exists(&self.certificate(), "is of other patches")) }
     }
 
     /// Files in the folder that are named as patches are, with their numbers.
@@ -284,7 +284,7 @@ impl<'a> PatchJob<'a> {
         let path = self.folder.join(self.name(index, end));
         if !self.force && files::is_there(&path) {
             let same = files::read(&path)? == bytes;
-            return if same { Ok(()) } else { Err(targets::in_the_way(&path, "is another patch")) };
+            return if same { Ok(()) } else { Err(paths::already_exists(&path, "is another patch")) };
         }
         files::write_atomically(&path, bytes)
     }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::accumulate::tally::Tally;
 use super::block_arms::{BlockArms, starts_stream};
 use super::block_tracer::{BlockTracer, with_waves};
-use super::driver::Context;
+use super::context::Context;
 use super::optics::BounceRecorder;
 use super::prepared_patch::{Heights, IntoApertures, PatchSampler};
 use crate::rng;

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use super::accumulate::fresnel_sums::PathWeights;
 use super::accumulate::tally::{Tally, to_units};
 use super::block_arms::BlockArms;
-use super::driver::Context;
+use super::context::Context;
 use super::optics::BounceRecorder;
 use crate::campaign::Campaign;
 use crate::trace::{PathEnd, PathWaves, SimdTraversal, SurfacePoint, TracedPatch, View, Wave};

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc;
 use std::thread;
 use std::time::Instant;
@@ -11,7 +9,8 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::accumulate::assemble::{Measured, assemble};
-use super::cost::{Clocks, Cost, cpu_seconds};
+use super::context::Context;
+use super::cost::{Cost, cpu_seconds};
 use super::patches::{Patches, Specimen};
 use super::persist::run_state::RunState;
 use super::plan::Plan;
@@ -21,21 +20,6 @@ use super::stopping;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
-use crate::instrument::Sensor;
-use crate::trace::Kernel;
-
-/// Everything that blocks share.
-pub(super) struct Context<'a> {
-    pub campaign: &'a Campaign,
-    pub plan: &'a Plan,
-    pub session: &'a Session<'a>,
-    pub sensor: Sensor,
-    pub kernel: Kernel,
-    pub run_state: Mutex<RunState>,
-    clocks: Mutex<Clocks>,
-    rays: AtomicU64,
-    skipped: AtomicU64,
-}
 
 /// Measures a campaign: one result for each roughness and material. `progress` is called with the starts of every finished block.
 ///
@@ -62,17 +46,7 @@ pub fn measure_missing(
     run_state: RunState,
     session: &Session,
 ) -> Result<RunState> {
-    let context = Context {
-        campaign,
-        plan,
-        session,
-        sensor: Sensor::new(&plan.grid),
-        kernel: Kernel::widest(),
-        clocks: Mutex::new(Clocks::new(run_state.cost.clone())),
-        rays: AtomicU64::new(run_state.cost.rays_traced),
-        skipped: AtomicU64::new(run_state.cost.rays_skipped),
-        run_state: Mutex::new(run_state),
-    };
+    let context = Context::new(campaign, plan, session, run_state);
     let cost = || context.cost();
     let keeper = Keeper { session, campaign, plan, run_state: &context.run_state, cost: &cost };
     let mut run = Run { context: &context, patches, mounted: BTreeMap::new() };
@@ -200,37 +174,5 @@ impl Run<'_> {
         });
         locked(&context.clocks).tracing_ends();
         traced
-    }
-}
-
-impl Context<'_> {
-    /// Keeps the digest of a patch; where there is one already, it must be the same.
-    fn note_digest(&self, realisation: u64, digest: Option<[u8; 32]>) -> Result<()> {
-        let mut run_state = locked(&self.run_state);
-        let kept = &mut run_state.digests[realisation as usize];
-        if kept.is_some() && *kept != digest {
-            let [here, there] = [digest, *kept].map(|digest| files::hex(&digest.unwrap_or_default()));
-            return Err(Error::Refused(format!(
-                "patch {realisation} has the digest {here}, blocks of {there} are kept: made on another processor, or by \
-                 other --patches; --force starts again"
-            )));
-        }
-        *kept = digest;
-        Ok(())
-    }
-
-    /// Adds to the rays of the cost report.
-    pub(super) fn add_rays(&self, traced: u64, skipped: u64) {
-        self.rays.fetch_add(traced, Ordering::Relaxed);
-        self.skipped.fetch_add(skipped, Ordering::Relaxed);
-    }
-
-    /// What the run has cost up to now.
-    fn cost(&self) -> Cost {
-        Cost {
-            rays_traced: self.rays.load(Ordering::Relaxed),
-            rays_skipped: self.skipped.load(Ordering::Relaxed),
-            ..locked(&self.clocks).cost()
-        }
     }
 }

@@ -4,6 +4,7 @@ pub mod accumulate;
 mod block;
 pub mod block_arms;
 mod block_tracer;
+mod context;
 pub mod cost;
 pub mod driver;
 pub mod optics;
@@ -29,8 +30,8 @@ pub use persist::parts_run::{MeasuredRun, PartsRun};
 pub use persist::run_files::{PartFile, ResumableRun, RunFiles};
 pub use persist::run_state::{RunState, StoredRun};
 pub use persist::shards::Shards;
-pub use plan::savings::Saving;
-pub use plan::{Disk, Plan, StartSampler, plan, plan_of, plan_within, resumed, stops};
+
+pub use plan::{Disk, Plan, Saving, StartSampler, plan, plan_of, plan_within, resumed, stops};
 pub use prepared_patch::CELLS_PER_START;
 pub use session::{Pace, ProcessEnd, Session};
 pub use stopping::StoppedBy;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::accumulate::tally::Tally;
 use super::block::Work;
-use super::driver::Context;
+use super::context::Context;
 use super::prepared_patch::{PatchSampler, PreparedPatch};
 use super::session::locked;
 use crate::error::Result;

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::block_arms::BlockArms;
-use super::driver::Context;
+use super::context::Context;
 use super::patches::{Patch, Specimen};
 use super::plan::{Apertures, Plan, StartSampler};
 use crate::campaign::{Alpha, Campaign};

@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 
-use super::targets;
 use super::text::output::{Output, columns, duration, grouped, json_text, parsed_json, say, to_json, warn};
 use super::text::progress::RunProgress;
 use super::text::resolution;
@@ -15,6 +14,7 @@ use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, MeasuredRung, Other, Rang
 use crate::campaign::{self, Campaign, Parsed, Resolution};
 use crate::error::{Error, Fault, Result};
 use crate::files;
+use crate::job::paths;
 use crate::measure::Patches;
 use crate::validate::prediction::model::Model;
 
@@ -142,12 +142,12 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 
 /// The files that will be written; what is there must be of the same campaign.
 fn outputs(arguments: &Arguments, path: &Path, campaign: &Campaign, resolved: &str) -> Result<[PathBuf; 2]> {
-    let (folder, _claim) = targets::open_folder(arguments.output.as_deref(), campaign)?;
+    let (folder, _claim) = paths::open_folder(arguments.output.as_deref(), campaign)?;
     let [document, picture] = ["bench.json", "bench.svg"].map(|name| folder.join(name));
-    targets::spare_inputs(&[&document, &picture], path, campaign)?;
+    paths::spare_inputs(&[&document, &picture], path, campaign)?;
     if !arguments.force {
         spare_another(&document, resolved)?;
-        targets::spare_foreign(&picture, plot::MARK, "plot")?;
+        paths::spare_foreign(&picture, plot::MARK, "plot")?;
     }
     Ok([document, picture])
 }
@@ -205,7 +205,7 @@ fn spare_another(document: &Path, resolved: &str) -> Result<()> {
         say(format_args!("note: {} is measured again", document.display()));
         return Ok(());
     }
-    Err(targets::in_the_way(document, "is of another campaign or seed"))
+    Err(paths::already_exists(document, "is of another campaign or seed"))
 }
 
 /// The JSON document: the rows of all ladders, and the fit whose b is the bias.

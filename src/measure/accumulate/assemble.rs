@@ -2,8 +2,8 @@
 
 use super::fresnel_sums::ColourSource;
 use super::lost_light;
-use super::slopes;
-use super::slopes::SlopeClass;
+use super::slopes::{self, SeenBySlope, SlopeClass};
+use super::table_source::{TableSource, entries};
 use super::tally::Tally;
 use super::tally_flux::TallyFlux;
 use crate::campaign;
@@ -13,7 +13,7 @@ use crate::measure::rounds::FinishedTable;
 use crate::measure::stopping::{Look, StopProgress, StoppedBy};
 use crate::stats;
 use crate::table::brdf_table::HITS_OF_AN_EMPTY_BIN;
-use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
+use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
 
 /// What a stop shows besides its bins.
 #[derive(Debug, Clone)]
@@ -116,71 +116,6 @@ pub(crate) fn assemble(
     campaign.optics.each().into_iter().enumerate().map(of_material).collect()
 }
 
-/// What tables are made of: [realisation][stop], and the bins' projected solid angles, [stop][bin].
-pub(crate) struct TableSource<'a> {
-    pub plan: &'a Plan,
-    pub flux: &'a [Vec<TallyFlux<'a>>],
-    sizes: &'a [Vec<f64>],
-}
-
-impl TableSource<'_> {
-    /// BRDF values of one realisation: flux over projected solid angle.
-    fn realisation(&self, stops: &[TallyFlux], colours: &[ColourSource]) -> RealisationPart {
-        let mut part = RealisationPart {
-            total: vec![Vec::new(); colours.len()],
-            single: vec![Vec::new(); colours.len()],
-            schlick: self.schlick(std::slice::from_ref(&stops)),
-        };
-        for (flux, sizes) in stops.iter().zip(self.sizes) {
-            for (bin, size) in sizes.iter().enumerate() {
-                for (place, &colour) in colours.iter().enumerate() {
-                    let single = flux.single(colour, bin) / size;
-                    let multiple = flux.multiple(&self.plan.sums, colour, bin) / size;
-                    part.single[place].push(single as f32);
-                    part.total[place].push((single + multiple) as f32);
-                }
-            }
-        }
-        part
-    }
-
-    /// Mean over some realisations of a flux, as a BRDF in every bin.
-    pub fn brdf<'b>(
-        &self,
-        realisations: &[impl AsRef<[TallyFlux<'b>]>],
-        flux: impl Fn(&TallyFlux<'b>, usize) -> f64,
-    ) -> Vec<f32> {
-        let count = realisations.len() as f64;
-        entries(self.plan, |stop, bin| {
-            let sum: f64 = realisations.iter().map(|stops| flux(&stops.as_ref()[stop], bin)).sum();
-            (sum / count / self.sizes[stop][bin]) as f32
-        })
-    }
-
-    /// The sums of Schlick's formula over some realisations, where they serve any F0.
-    fn schlick<'b>(&self, realisations: &[impl AsRef<[TallyFlux<'b>]>]) -> Option<SchlickSums> {
-        let sums = &self.plan.sums;
-        let group = |group: usize| {
-            let sums = sums.group(group);
-            sums.map(|sum| self.brdf(realisations, |flux, bin| flux.of(flux.tally.multiple[sum][bin])))
-                .collect()
-        };
-        sums.serves_any_f0().then(|| SchlickSums {
-            unit: self.brdf(realisations, |flux, bin| flux.of(flux.tally.single[bin])),
-            first: self.brdf(realisations, |flux, bin| flux.of(flux.tally.first[0][bin])),
-            further: (0..sums.groups()).map(group).collect(),
-        })
-    }
-
-    /// Orders 2, 3, ... of a colour, where they are kept apart.
-    fn orders(&self, colour: ColourSource) -> Vec<Vec<f32>> {
-        let sums = &self.plan.sums;
-        let groups = if sums.by_order() { sums.groups() } else { 0 };
-        let order = |group| self.brdf(self.flux, |flux, bin| flux.group(sums, group, colour, bin));
-        (0..groups).map(order).collect()
-    }
-}
-
 fn total_hits(plan: &Plan, flux: &[Vec<TallyFlux>]) -> Vec<u32> {
     let of = |stop: usize, bin: usize| flux.iter().map(|stops| stops[stop].tally.hits[bin]).sum::<u64>();
     entries(plan, |stop, bin| u32::try_from(of(stop, bin)).unwrap_or(u32::MAX))
@@ -203,13 +138,6 @@ fn empty_bin_errors(plan: &Plan, flux: &[Vec<TallyFlux>], sizes: &[Vec<f64>]) ->
     };
     let shares: Vec<f64> = (0..plan.stops).map(share).collect();
     entries(plan, |stop, bin| (HITS_OF_AN_EMPTY_BIN * shares[stop] / sizes[stop][bin]) as f32)
-}
-
-fn entries<T>(plan: &Plan, of: impl Fn(usize, usize) -> T) -> Vec<T> {
-    (0..plan.stops)
-        .flat_map(|stop| (0..plan.bins).map(move |bin| (stop, bin)))
-        .map(|(s, b)| of(s, b))
-        .collect()
 }
 
 fn stop_result(
@@ -248,6 +176,14 @@ fn stop_result(
         relative_error: end.relative_error,
         realisations_needed: end.realisations_needed,
         looks: end.looks.clone(),
-        seen_by_slope: slopes::classes(&tallies),
+        seen_by_slope: seen_by_slope(&tallies),
     }
+}
+
+/// How often facets are seen, by slope; `None` where paths leave an open map, of which nobody knows what the light would
+/// have met.
+fn seen_by_slope(tallies: &[&Tally]) -> Option<Vec<SlopeClass>> {
+    let left_map = tallies.iter().any(|tally| tally.left_map.count > 0);
+    let seen: Vec<&SeenBySlope> = tallies.iter().map(|tally| &tally.seen).collect();
+    if left_map { None } else { slopes::classes(&seen) }
 }

@@ -6,8 +6,8 @@
 //! [f, f + bound] the root mean square distance from f is bound/sqrt(3), which is added to the standard error in
 //! square (JCGM 100, 4.3.7); 95 % of it, 1.96 bound/sqrt(3), covers the bound.
 
-use super::assemble::TableSource;
 use super::fresnel_sums::ColourSource;
+use super::table_source::TableSource;
 use super::tally_flux::TallyFlux;
 use crate::stats;
 use crate::table::ColourChannels;

@@ -4,5 +4,6 @@ pub mod assemble;
 pub mod fresnel_sums;
 pub mod lost_light;
 pub mod slopes;
+pub(crate) mod table_source;
 pub mod tally;
 pub mod tally_flux;

@@ -6,7 +6,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::tally::Tally;
 use crate::stats;
 
 /// Edges between the classes, in units of alpha along the light's azimuth; plain slopes of a surface without an alpha. Below 0 a facet is tilted towards the light;
@@ -55,18 +54,10 @@ impl SeenBySlope {
     }
 }
 
-/// The classes over the tallies of all realisations of a stop; `None` where one of them has counted nothing: without
-/// visibility, where only some facets are started on, on a statistical surface; and where paths leave an open map, of which
-/// nobody knows what the light would have met.
-///
-/// Held by: `the_light_sees_a_groove_as_torrance_and_sparrow_say`.
-pub(crate) fn classes(tallies: &[&Tally]) -> Option<Vec<SlopeClass>> {
-    let left_map = tallies.iter().any(|tally| tally.left_map.count > 0);
-    let seen: Vec<&SeenBySlope> = tallies.iter().map(|tally| &tally.seen).collect();
-    if left_map { None } else { classes_of(&seen) }
-}
-
-fn classes_of(realisations: &[&SeenBySlope]) -> Option<Vec<SlopeClass>> {
+/// The classes over all realisations of an incidence; `None` where one of them has counted nothing: without visibility,
+/// where only some facets are sampled, on a statistical surface.
+// Tested by `the_light_sees_a_groove_as_torrance_and_sparrow_say`.
+pub(crate) fn classes(realisations: &[&SeenBySlope]) -> Option<Vec<SlopeClass>> {
     let counted = |counts: &&SeenBySlope| counts.starts.iter().any(|&starts| starts > 0);
     if !realisations.iter().all(counted) {
         return None;
@@ -96,9 +87,9 @@ mod tests {
         for (slope, seen) in [(-9.0, true), (0.25, true), (0.25, false), (0.249, true), (4.0, false)] {
             counts.count(slope, seen);
         }
-        let classes = classes_of(&[&counts, &counts]).expect("counted");
+        let counted = classes(&[&counts, &counts]).expect("counted");
         let of = |slope: [Option<f64>; 2]| {
-            let class = classes.iter().find(|class| class.slope == slope).expect("a class");
+            let class = counted.iter().find(|class| class.slope == slope).expect("a class");
             (class.starts, class.share, class.share_se)
         };
         assert_eq!(of([None, Some(-4.0)]), (2, Some(1.0), Some(0.0)));
@@ -106,6 +97,6 @@ mod tests {
         assert_eq!(of([Some(0.0), Some(0.25)]), (2, Some(1.0), Some(0.0)));
         assert_eq!(of([Some(4.0), None]), (2, Some(0.0), Some(0.0)));
         assert_eq!(of([Some(1.0), Some(1.5)]), (0, None, None));
-        assert!(classes_of(&[&counts, &SeenBySlope::default()]).is_none());
+        assert!(classes(&[&counts, &SeenBySlope::default()]).is_none());
     }
 }

@@ -98,11 +98,6 @@ impl RunHeader {
     pub fn cost(&self) -> Cost {
         Cost { samples: self.starts, ..self.cost.clone() }
     }
-
-    /// Whether this is of the very campaign, not of one with fewer samples or realisations.
-    pub fn is_of_all(&self, campaign: &Campaign) -> bool {
-        self.campaign == campaign::to_toml(campaign)
-    }
 }
 
 /// What is said of a content that cannot be read.

@@ -30,9 +30,9 @@ pub struct PartsRun<'a> {
 /// A run whose every part is measured.
 pub enum MeasuredRun {
     /// One part, in memory.
-    AtOnce(Box<RunState>),
+    AtOnce(RunState),
     /// Files of several.
-    InBands(Merge),
+    InBands(Box<Merge>),
 }
 
 impl<'a> PartsRun<'a> {
@@ -88,11 +88,11 @@ impl<'a> PartsRun<'a> {
                 self.files.checkpoint.remove()?;
             }
             self.patches.clone_from(&after.digests);
-            only = (parts.len() == 1).then(|| Box::new(after));
+            only = (parts.len() == 1).then_some(after);
         }
         match only {
             Some(run_state) => Ok(MeasuredRun::AtOnce(run_state)),
-            None => Merge::of_bands(self.files, self.plan).map(MeasuredRun::InBands),
+            None => Merge::of_bands(self.files, self.plan).map(|merge| MeasuredRun::InBands(Box::new(merge))),
         }
     }
 
@@ -132,7 +132,7 @@ impl MeasuredRun {
     ) -> Result<(Vec<Measured>, Cost)> {
         match self {
             MeasuredRun::AtOnce(run_state) => {
-                let run_state = std::mem::replace(run_state.as_mut(), RunState::new(campaign, plan));
+                let run_state = std::mem::replace(run_state, RunState::new(campaign, plan));
                 Ok(tables(campaign, plan, run_state))
             }
             MeasuredRun::InBands(merge) => merge.tables(campaign, band),

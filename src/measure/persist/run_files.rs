@@ -53,6 +53,11 @@ impl RunFiles {
         RunFiles { folder: folder.into(), stem: stem.into(), checkpoint: Checkpoint::of(folder, stem) }
     }
 
+    /// What the names of its files begin with.
+    pub fn stem(&self) -> &str {
+        &self.stem
+    }
+
     /// The file of a part: that of a shard has the stem for its name, which says already which shard it is.
     pub fn part(&self, part: Part) -> PathBuf {
         let name = if part.is_shard() { self.stem.clone() } else { part.file_name(&self.stem) };

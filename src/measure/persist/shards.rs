@@ -42,9 +42,11 @@ impl Shards {
             return Err(Error::Usage("no shard is there to be merged".into()));
         };
         others.iter().try_for_each(|other| agree(first, other))?;
-        if let Some([one, twice]) = all.array_windows().find(|[a, b]| a.header.part == b.header.part) {
-            let what = format!("is shard {}, and so is {}", twice.header.part, one.path.display());
-            return Err(Error::format(&twice.path, what));
+        for (one, other) in all.iter().zip(&all[1..]) {
+            if one.header.part == other.header.part {
+                let what = format!("is shard {}, and so is {}", other.header.part, one.path.display());
+                return Err(Error::format(&other.path, what));
+            }
         }
         Ok(Shards(all))
     }

@@ -4,13 +4,23 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use super::savings::Saving;
 use super::start_sampler::StartSampler;
 use crate::error::{Error, Result};
 use crate::instrument::Grid;
 use crate::measure::accumulate::fresnel_sums::FresnelSums;
 use crate::measure::persist::part::Part;
 use crate::table::rows;
+
+/// Something that the campaign does not need.
+#[derive(Debug, Clone, Serialize)]
+pub struct Saving {
+    /// What is left out.
+    pub what: String,
+    /// Why the answer stays the same.
+    pub why: String,
+    /// What is expected to be saved.
+    pub saves: String,
+}
 
 /// The decisions.
 #[derive(Debug, Clone, Serialize)]

@@ -4,11 +4,11 @@ mod decide;
 mod decisions;
 mod disk;
 mod estimate;
-pub mod savings;
+mod savings;
 mod start_sampler;
 
 pub(crate) use decide::{KEPT_FRACTION, at_once, merged};
 pub use decide::{folded_stops, plan, plan_of, plan_within, resumed, stops};
-pub use decisions::Plan;
+pub use decisions::{Plan, Saving};
 pub use disk::Disk;
 pub use start_sampler::{Apertures, StartSampler};

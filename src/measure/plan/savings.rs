@@ -1,22 +1,9 @@
 //! What a campaign does not need: each with the reason why the answer stays the same, and what it saves.
 
-use serde::Serialize;
-
-use super::decisions::Plan;
+use super::decisions::{Plan, Saving};
 use super::start_sampler::{StartSampler, aperture_fraction};
 use crate::campaign::{Campaign, Optics, SurfaceKind};
 use crate::instrument::GridKind;
-
-/// Something that the campaign does not need.
-#[derive(Debug, Clone, Serialize)]
-pub struct Saving {
-    /// What is left out.
-    pub what: String,
-    /// Why the answer stays the same.
-    pub why: String,
-    /// What is expected to be saved.
-    pub saves: String,
-}
 
 /// The list of what is skipped. `tests/it/measure/skips.rs` holds each to its reason.
 pub(crate) fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Saving> {

@@ -1,99 +1,41 @@
-//! Results of a measurement on disk and on the screen: tables, summaries, pages and cards, each with what it shows.
+//! What `measure` and `merge` print of a table: albedos, verdict, lobes, files and costs.
 
-use std::ops::Range;
 use std::path::Path;
 
-use super::table_output::TableOutput;
-use super::targets::TablePaths;
-use super::text::lobes;
-use super::text::optics;
-use super::text::output;
-use super::text::output::{Output, duration, grouped, with_error};
-use crate::campaign::Campaign;
-use crate::error::{Error, Result};
+use super::output::{self, Output, duration, grouped, with_error};
+use super::{lobes, optics};
+use crate::error::Result;
 use crate::instrument::StopAngles;
-use crate::measure::{Cost, Disk, Measured, Plan, StopResult, StoppedBy};
+use crate::job::{TablePaths, WrittenTable};
+use crate::measure::{Cost, Measured, Plan, StopResult, StoppedBy};
 use crate::report::Scene;
-use crate::report::html::specimen::ShownSpecimen;
-use crate::table::BrdfTable;
 use crate::table::realisations::{self, StoredRealisations};
-use crate::validate::{self, Prediction, Verdict};
+use crate::validate::expect;
 
-/// What all tables of a run have in common.
-pub struct Results<'a> {
-    pub plan: &'a Plan,
-    /// The tables that are written.
-    pub open: &'a [&'a TablePaths],
-    /// Whether stdout is for a JSON document alone.
-    pub json: bool,
-    /// Bytes that may be used.
-    pub memory: u64,
-    /// Bytes that a file of realisations may take.
-    pub realisations_limit: u64,
-}
-
-/// Refuses realisations that would not fit the memory: they are held three times while their file is made.
-pub fn realisations_fit(disk: Disk, memory: u64) -> Result<()> {
-    let needed = disk.realisations_bytes.saturating_mul(3);
-    if disk.realisations_bytes <= realisations::SIZE_LIMIT || needed <= memory {
-        return Ok(());
-    }
-    Err(Error::Refused(format!(
-        "--keep-realisations: they take {} MiB of memory, {} MiB may be used; give --memory-mb more, or leave it out",
-        needed >> 20,
-        memory >> 20
-    )))
-}
-
-impl Results<'_> {
-    /// Writes the open tables, each with its summary, data first. `band` gives the tables of some stops, and what these
-    /// have cost: of all stops, or of one band after the other. `specimen` shows a patch under a table's campaign.
-    pub fn write_all(
-        &self,
-        mut band: impl FnMut(Range<usize>) -> Result<(Vec<Measured>, Cost)>,
-        specimen: impl Fn(&Measured) -> Result<ShownSpecimen>,
-        out: &mut Output,
-    ) -> Result<()> {
-        let mut sheets: Vec<Option<TableOutput>> = self.open.iter().map(|_| None).collect();
-        let mut cost = Cost::default();
-        for stops in self.plan.bands() {
-            let (first, is_last) = (stops.start, stops.end == self.plan.stops);
-            let (results, next) = band(stops)?;
-            cost = cost.plus(next);
-            for measured in results {
-                // A table that was finished before may be among the results.
-                let Some(at) = self.open.iter().position(|target| target.is_of(&measured.table)) else {
-                    continue;
-                };
-                let mut output = match sheets[at].take() {
-                    Some(output) => output,
-                    None => TableOutput::new(self.open[at], &measured, self.plan, self.realisations_limit)?,
-                };
-                output.take(measured, first)?;
-                if is_last {
-                    output.finish(self, &cost, &specimen, out)?;
-                } else {
-                    sheets[at] = Some(output);
-                }
-            }
-        }
-        if self.json { Ok(()) } else { out.lines(cost_lines(&cost)) }
-    }
+/// All of it but the costs.
+pub fn print(written: &WrittenTable, out: &mut Output) -> Result<()> {
+    report(out, written)?;
+    out.lines(written.schlick.iter().flat_map(optics::schlick_lines))?;
+    out.lines(lobes(written))?;
+    out.lines(files_written(written.paths, written.kept))
 }
 
 /// The lobe in the plane of incidence, for the eye.
-pub fn lobes(campaign: &Campaign, table: &BrdfTable, prediction: Option<&Prediction>) -> Vec<String> {
+fn lobes(written: &WrittenTable) -> Vec<String> {
+    let campaign = &written.measured.campaign;
     let realisations = campaign.surface.realisations as usize;
-    let scene = Scene { table, prediction, realisations };
+    let prediction = written.prediction.as_ref();
+    let scene = Scene { table: &written.table, prediction, realisations };
     let masking = prediction.and_then(|prediction| {
-        prediction.model.maskings().iter().position(|name| *name == validate::expect::masking(campaign))
+        prediction.model.maskings().iter().position(|name| *name == expect::masking(campaign))
     });
     let lines = lobes::lobes(&scene, masking.unwrap_or(0));
     if lines.is_empty() { lines } else { [vec![String::new()], lines].concat() }
 }
 
 /// Albedos of every stop, and the verdict.
-pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verdict) -> Result<()> {
+fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
+    let WrittenTable { measured, plan, verdict, .. } = written;
     let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
     let mut headers = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
     let beyond = measured.stops.iter().any(|stop| stop.beyond_order_1().0.is_some());
@@ -182,31 +124,31 @@ fn albedo((mean, se): (Option<f64>, Option<f64>)) -> String {
 }
 
 /// Which files a table has.
-pub fn files_written(target: &TablePaths, kept: StoredRealisations) -> Vec<String> {
+fn files_written(paths: &TablePaths, kept: StoredRealisations) -> Vec<String> {
     let size = |path: &Path| path.metadata().map_or(String::new(), |meta| output::bytes(meta.len()));
     let line = |what: &str, path: &Path| format!("{what:<14}{} ({})", path.display(), size(path));
     let limit = realisations::SIZE_LIMIT / 1_000_000;
     let realisations = match kept {
-        StoredRealisations::All => line("realisations", &target.realisations),
+        StoredRealisations::All => line("realisations", &paths.realisations),
         StoredRealisations::Groups => {
             let groups = realisations::GROUPS;
             format!(
                 "{}, in {groups} groups: all would exceed {limit} MB (--keep-realisations)",
-                line("realisations", &target.realisations)
+                line("realisations", &paths.realisations)
             )
         }
         StoredRealisations::Nothing => {
             format!("{:<14}left out: they would exceed {limit} MB (--keep-realisations)", "realisations")
         }
     };
-    let summary = line("summary", &target.summary);
+    let summary = line("summary", &paths.summary);
     vec![
         String::new(),
-        line("table", &target.table),
+        line("table", &paths.table),
         realisations,
         summary,
-        line("report", &target.page),
-        line("card", &target.card),
+        line("report", &paths.page),
+        line("card", &paths.card),
     ]
 }
 

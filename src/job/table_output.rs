@@ -2,26 +2,21 @@
 
 use serde_json::Value;
 
-use super::report::{Sources, page_of};
-use super::results::{Results, files_written, lobes, report};
-use super::targets::TablePaths;
-use super::text::optics;
-use super::text::output;
-use super::text::output::{Output, json_text, warn};
-use crate::error::Result;
+use super::paths::TablePaths;
+use crate::error::{Error, Result};
 use crate::files::{self, NewFile};
 use crate::measure::{Cost, Measured, Plan};
 use crate::report::html::specimen::ShownSpecimen;
 use crate::report::summary::summary;
-use crate::report::{self as pages, Facts};
+use crate::report::{self as pages, Facts, Page, Scene};
 use crate::table::realisations::{self, GROUPS, StoredRealisations};
 use crate::table::{BrdfTable, Realisations, TableRows, TableWriter};
 use crate::validate::prediction::schlick_error::SchlickError;
-use crate::validate::{Examination, Parts, Prediction, Verdict};
+use crate::validate::{Examination, Parts, Prediction, Verdict, expect};
 
 /// A table under way.
 pub struct TableOutput<'a> {
-    target: &'a TablePaths,
+    paths: &'a TablePaths,
     plan: &'a Plan,
     writer: TableWriter<NewFile>,
     examination: Examination,
@@ -35,14 +30,14 @@ pub struct TableOutput<'a> {
 }
 
 impl<'a> TableOutput<'a> {
-    /// Begins the files of `target` with a first band of it, not taken yet; realisations may take `limit` bytes.
-    pub fn new(target: &'a TablePaths, first: &Measured, plan: &'a Plan, limit: u64) -> Result<Self> {
+    /// Begins the files of `paths` with a first band of it, not taken yet; realisations may take `limit` bytes.
+    pub fn new(paths: &'a TablePaths, first: &Measured, plan: &'a Plan, limit: u64) -> Result<Self> {
         let Measured { table, campaign, .. } = first;
         let count = first.realisations.parts.len();
         Ok(TableOutput {
-            target,
+            paths,
             plan,
-            writer: TableWriter::create(&target.table, table, &plan.grid)?,
+            writer: TableWriter::create(&paths.table, table, &plan.grid)?,
             examination: Examination::new(Some(campaign), &plan.grid),
             facts: Facts::new(&plan.grid, table.colours.len()),
             schlick: None,
@@ -89,50 +84,59 @@ impl<'a> TableOutput<'a> {
         Ok(())
     }
 
-    /// Puts the files in their places, and prints what they show. `specimen` is the first patch under this campaign.
+    /// Puts the files in their places. `specimen` shows the first patch under this campaign.
     pub fn finish(
         self,
-        job: &Results,
+        memory: u64,
         cost: &Cost,
         specimen: impl Fn(&Measured) -> Result<ShownSpecimen>,
-        out: &mut Output,
-    ) -> Result<()> {
-        let TableOutput { target, plan, writer, examination, facts, schlick, kept, measured, whole } = self;
+    ) -> Result<WrittenTable<'a>> {
+        let TableOutput { paths, plan, writer, examination, facts, schlick, kept, measured, whole } = self;
         let verdict = examination.verdict();
         let mut document = summary(&measured, plan, cost, &verdict);
-        document["fresnel"] = output::to_json(&schlick)?;
+        document["fresnel"] = to_json(&schlick)?;
         let (file, digest) = writer.finish()?;
         document["table_digest"] = digest.clone().into();
         let file = file.on_disk()?;
         let shown = match whole {
             Some((table, prediction)) => ShownTable { table, prediction, document: document.clone() },
-            None => ShownTable::of_rows(&file, &measured, &document, job.memory)?,
+            None => ShownTable::of_rows(&file, &measured, &document, memory)?,
         };
-        let ShownTable { table, prediction, .. } = &shown;
-        let specimen = specimen(&measured)?;
-        let (campaign, predicted) = (Some(&measured.campaign), prediction.as_ref());
-        let page =
-            page_of(Sources { table, campaign, prediction: predicted, specimen }, &shown.document, None);
+        let page = shown.page(&measured, specimen(&measured)?);
+        let card = pages::card_of(&measured.table, &digest, facts, &document);
         let staged = Staged {
             table: file,
-            realisations: staged_realisations(&measured, target, &digest, (kept, plan))?,
+            realisations: staged_realisations(&measured, paths, &digest, (kept, plan))?,
             others: [
-                NewFile::with(&target.page, page.as_bytes())?,
-                NewFile::with(
-                    &target.card,
-                    pages::card_of(&measured.table, &digest, facts, &document).as_bytes(),
-                )?,
-                NewFile::with(&target.summary, format!("{}\n", json_text(&document)?).as_bytes())?,
+                NewFile::with(&paths.page, page.as_bytes())?,
+                NewFile::with(&paths.card, card.as_bytes())?,
+                NewFile::with(&paths.summary, format!("{}\n", json_text(&document)?).as_bytes())?,
             ],
         };
-        staged.commit(target)?;
-        verdict.failures.iter().for_each(warn);
-        if job.json {
-            return Ok(());
-        }
-        said(&measured, (plan, &verdict), &shown, schlick.as_ref(), out)?;
-        out.lines(files_written(target, kept))
+        staged.commit(paths)?;
+        let ShownTable { table, prediction, .. } = shown;
+        Ok(WrittenTable { paths, plan, measured, verdict, schlick, kept, table, prediction })
     }
+}
+
+/// A table whose files are in their places, and what there is to say of it.
+pub struct WrittenTable<'a> {
+    /// Its files.
+    pub paths: &'a TablePaths,
+    /// How it was measured.
+    pub plan: &'a Plan,
+    /// The table without its values, and the results of each incidence.
+    pub measured: Measured,
+    /// How it stands against laws and models.
+    pub verdict: Verdict,
+    /// What Schlick's formula costs for its material.
+    pub schlick: Option<SchlickError>,
+    /// Which realisations its file has.
+    pub kept: StoredRealisations,
+    /// The table, or some incidences of one that does not fit the memory.
+    pub table: BrdfTable,
+    /// What theory says of these.
+    pub prediction: Option<Prediction>,
 }
 
 /// What the page and the terminal show: the whole table, or some stops of one that does not fit the memory.
@@ -149,18 +153,19 @@ impl ShownTable {
         let prediction = Prediction::of(&measured.campaign, &table.grid);
         Ok(ShownTable { table, prediction, document: pages::thinned_summary(document, &stops) })
     }
-}
 
-fn said(
-    measured: &Measured,
-    (plan, verdict): (&Plan, &Verdict),
-    shown: &ShownTable,
-    schlick: Option<&SchlickError>,
-    out: &mut Output,
-) -> Result<()> {
-    report(out, measured, plan, verdict)?;
-    out.lines(schlick.into_iter().flat_map(optics::schlick_lines))?;
-    out.lines(lobes(&measured.campaign, &shown.table, shown.prediction.as_ref()))
+    fn page(&self, measured: &Measured, specimen: ShownSpecimen) -> String {
+        let campaign = &measured.campaign;
+        let (prediction, realisations) = (self.prediction.as_ref(), campaign.surface.realisations as usize);
+        pages::page(&Page {
+            scene: Scene { table: &self.table, prediction, realisations },
+            campaign: Some(campaign),
+            masking: Some(expect::masking(campaign)),
+            summary: &self.document,
+            specimen,
+            bench: None,
+        })
+    }
 }
 
 /// All files of a table on the disk, none in its place yet: for want of room nothing is replaced.
@@ -172,18 +177,18 @@ struct Staged {
 }
 
 impl Staged {
-    /// Without its summary a table counts as resumable, whatever happens from the first line on; it comes last.
-    fn commit(self, target: &TablePaths) -> Result<()> {
-        files::remove(&target.summary)?;
+    /// Without its summary a table counts as unfinished, whatever happens from the first line on; it comes last.
+    fn commit(self, paths: &TablePaths) -> Result<()> {
+        files::remove(&paths.summary)?;
         self.table.commit()?;
-        self.realisations.map_or_else(|| files::remove(&target.realisations), NewFile::commit)?;
+        self.realisations.map_or_else(|| files::remove(&paths.realisations), NewFile::commit)?;
         self.others.into_iter().try_for_each(NewFile::commit)
     }
 }
 
 fn staged_realisations(
     measured: &Measured,
-    target: &TablePaths,
+    paths: &TablePaths,
     digest: &str,
     (kept, plan): (StoredRealisations, &Plan),
 ) -> Result<Option<NewFile>> {
@@ -194,5 +199,13 @@ fn staged_realisations(
     };
     // Names and axes are those of the table; its values are not needed.
     let bytes = realisations::encode_of(&measured.realisations, &measured.table, digest, group_size)?;
-    NewFile::with(&target.realisations, &bytes).map(Some)
+    NewFile::with(&paths.realisations, &bytes).map(Some)
+}
+
+fn to_json(value: &impl serde::Serialize) -> Result<Value> {
+    serde_json::to_value(value).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
+}
+
+fn json_text(document: &Value) -> Result<String> {
+    serde_json::to_string_pretty(document).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
 }

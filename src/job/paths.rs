@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::text::output::warn;
+use super::watcher::Watcher;
 use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files::{self, Claim};
@@ -16,9 +16,14 @@ use crate::table::{BrdfTable, TableRows, realisations};
 /// Bytes within which a file says what it is.
 const HEAD: u64 = 1 << 16;
 
-/// The output folder, ready to take files: `wanted`, or `out/<name>`; and the claim under which they are written.
+/// The output folder: `wanted`, or `out/<name>`.
+pub fn folder_of(wanted: Option<&Path>, campaign: &Campaign) -> PathBuf {
+    wanted.map_or_else(|| Path::new("out").join(&campaign.name), Path::to_path_buf)
+}
+
+/// The output folder, ready to take files, and the claim under which they are written.
 pub fn open_folder(wanted: Option<&Path>, campaign: &Campaign) -> Result<(PathBuf, Arc<Claim>)> {
-    let folder = wanted.map_or_else(|| Path::new("out").join(&campaign.name), Path::to_path_buf);
+    let folder = folder_of(wanted, campaign);
     let claim = files::create_folder(&folder)?;
     Ok((folder, claim))
 }
@@ -68,7 +73,7 @@ impl TablePaths {
     pub fn of(campaign: &Campaign, folder: &Path) -> Vec<TablePaths> {
         let (alphas, materials) = (campaign.alphas(), campaign.optics.each());
         let (several_alphas, several_materials) = (alphas.len() > 1, materials.len() > 1);
-        let target = |(alpha, optics): (Option<Alpha>, &Optics)| {
+        let paths = |(alpha, optics): (Option<Alpha>, &Optics)| {
             let one = alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
             let one = one.with_optics(optics);
             let mut stem = campaign.name.clone();
@@ -90,7 +95,7 @@ impl TablePaths {
             }
         };
         let pairs = alphas.into_iter().flat_map(|alpha| materials.iter().map(move |&optics| (alpha, optics)));
-        pairs.map(target).collect()
+        pairs.map(paths).collect()
     }
 
     /// Whether this is the table of `measured`.
@@ -100,24 +105,24 @@ impl TablePaths {
 
     /// Whether the table is there and finished. A table of another campaign, or a file that is no table, is an
     /// error; one of this campaign without its summary is of a run that was ended, and is made again.
-    pub fn is_finished(&self) -> Result<bool> {
+    pub fn is_finished(&self, watcher: &dyn Watcher) -> Result<bool> {
         let finished = self.summary.exists();
         if !files::is_there(&self.table) {
             let stray = [&self.summary, &self.realisations].into_iter().find(|path| files::is_there(path));
             if let Some(path) = stray {
-                return Err(in_the_way(path, "is there without its table"));
+                return Err(already_exists(path, "is there without its table"));
             }
             return self.spare_others().map(|()| false);
         }
         let mut rows = TableRows::open(&self.table)
-            .map_err(|e| in_the_way(&self.table, &format!("is no table ({e})")))?;
-        rows.verify().map_err(|e| in_the_way(&self.table, &format!("is no table ({e})")))?;
+            .map_err(|e| already_exists(&self.table, &format!("is no table ({e})")))?;
+        rows.verify().map_err(|e| already_exists(&self.table, &format!("is no table ({e})")))?;
         let header = rows.header();
         if header.campaign != self.campaign {
-            return Err(in_the_way(&self.table, "was measured by another campaign or seed"));
+            return Err(already_exists(&self.table, "was measured by another campaign or seed"));
         }
         if finished && header.version != env!("CARGO_PKG_VERSION") {
-            warn(format_args!("{} was measured by version {}", self.table.display(), header.version));
+            watcher.warn(&format!("{} was measured by version {}", self.table.display(), header.version));
         }
         if !finished {
             self.spare_others()?;
@@ -146,10 +151,10 @@ pub fn spare_foreign(path: &Path, mark: &str, what: &str) -> Result<()> {
     let mut head = Vec::new();
     files::open(path)?.take(HEAD).read_to_end(&mut head).map_err(|e| Error::io(path, e))?;
     let is_own = head.windows(mark.len()).any(|bytes| bytes == mark.as_bytes());
-    if is_own { Ok(()) } else { Err(in_the_way(path, &format!("is no {what} of this program"))) }
+    if is_own { Ok(()) } else { Err(already_exists(path, &format!("is no {what} of this program"))) }
 }
 
 /// The refusal to replace a file.
-pub fn in_the_way(path: &Path, what: &str) -> Error {
+pub fn already_exists(path: &Path, what: &str) -> Error {
     Error::format(path, format!("{what}; --force replaces it, -o DIR writes elsewhere"))
 }
