@@ -5,17 +5,13 @@
 //! ends the process. A file is whole or not there at any time, and what a run has measured in more than a second is kept
 //! before anything else is begun. The second signal ends the process at once.
 
-use std::io::{self, Read, Write};
-use std::os::unix::net::UnixStream;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::io;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-use signal_hook::low_level::{self, pipe};
-use signal_hook::{SigId, flag};
-
+use super::signals;
 use super::text::output;
 use crate::error::{Error, Result};
 use crate::files;
@@ -63,29 +59,14 @@ pub fn listen() -> Result<()> {
 }
 
 fn start() -> io::Result<()> {
-    let (asked, tell) = UnixStream::pair()?;
-    thread::Builder::new().name("signals".into()).stack_size(STACK_BYTES).spawn(|| wait(asked))?;
-    let hang_up = (!is_hang_up_ignored()).then_some(SIGHUP);
-    for signal in [SIGINT, SIGTERM].into_iter().chain(hang_up) {
-        register(signal, &tell)?;
-    }
-    // A signal between a flag and its pipe has told nobody.
-    if ASKED.load(Ordering::Relaxed) { (&tell).write_all(&[0]) } else { Ok(()) }
+    let signal = signals::register(&ASKED, INTERRUPTED)?;
+    thread::Builder::new().name("signals".into()).stack_size(STACK_BYTES).spawn(|| wait(signal))?;
+    Ok(())
 }
 
-fn register(signal: i32, tell: &UnixStream) -> io::Result<SigId> {
-    // In this order: the flag is not set yet when the first signal is looked at.
-    flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&ASKED))?;
-    flag::register(signal, Arc::clone(&ASKED))?;
-    pipe::register(signal, tell.try_clone()?)
-}
-
-/// By the mask of ignored signals, where the system shows it.
-fn is_hang_up_ignored() -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
-    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    mask.is_some_and(|mask| mask >> (SIGHUP - 1) & 1 == 1)
+/// A limit of the system on files or memory ends a command with its reason.
+pub fn survive_limits() {
+    signals::on_limits(i32::from(Error::Refused(String::new()).exit_code()));
 }
 
 /// The flag that the first signal sets.
@@ -105,10 +86,8 @@ pub fn done() {
 }
 
 /// Waits for a signal and ends the process, unless it ends by itself in a while.
-fn wait(mut asked: UnixStream) {
-    if asked.read_exact(&mut [0]).is_err() {
-        return;
-    }
+fn wait(signal: signals::Signal) {
+    signal.wait();
     loop {
         thread::sleep(GRACE);
         let mut held = locked(&HELD);
@@ -130,7 +109,7 @@ fn leave(error: &Error) {
     if !*over {
         files::abandon();
         output::print_error(error);
-        low_level::exit(i32::from(error.exit_code()));
+        signals::exit(i32::from(error.exit_code()));
     }
 }
 

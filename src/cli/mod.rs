@@ -4,8 +4,7 @@
 
 use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
-use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 use clap::{ColorChoice, Parser, Subcommand};
 
@@ -24,6 +23,7 @@ mod measure;
 mod merge;
 mod recolour;
 mod report;
+mod signals;
 mod study;
 mod surface;
 mod table_file;
@@ -98,13 +98,7 @@ impl Verb {
 /// A panic, also one inside a worker, is returned as [`Error::Internal`]; the process's panic hook is replaced.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
     panic::set_hook(Box::new(|panic| remember(&panic.to_string())));
-    // A file beyond the system's limit is an error of its write, which is told, instead of the end of the process.
-    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default()).ok();
-    // An allocation that fails ends in an abort, after a line of the standard library that says how many bytes it was:
-    // memory that was free when a reader asked for it has gone since. That is a refusal, no crash.
-    let exit_code = i32::from(Error::Refused(String::new()).exit_code());
-    let always = Arc::new(AtomicBool::new(true));
-    signal_hook::flag::register_conditional_shutdown(signal_hook::consts::SIGABRT, exit_code, always).ok();
+    ending::survive_limits();
     let ended = guarded(|| {
         let arguments = match Arguments::try_parse_from(words) {
             Ok(arguments) => arguments,

@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use rustix::time::{ClockId, clock_gettime};
 use serde::{Deserialize, Serialize};
 
 /// What a run cost.
@@ -105,9 +104,17 @@ impl Clocks {
 }
 
 /// Processor time of the process so far, all threads.
+#[cfg(unix)]
 pub fn cpu_seconds() -> f64 {
-    let time = clock_gettime(ClockId::ProcessCPUTime);
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// Time since the first call: processor time is not known here.
+#[cfg(not(unix))]
+pub fn cpu_seconds() -> f64 {
+    static BEGIN: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    BEGIN.elapsed().as_secs_f64()
 }
 
 /// Largest resident memory so far; 0 where the system does not tell.

@@ -8,6 +8,7 @@ mod support;
 
 mod bench;
 mod cli;
+mod examples;
 mod fit;
 mod fit_errors;
 mod foreign_files;
