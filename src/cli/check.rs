@@ -14,7 +14,7 @@ use crate::surface::io::import;
 use crate::table::realisations::SIZE_LIMIT;
 use crate::validate::prediction::aperture::worst;
 
-/// List all faults of a campaign, or show the plan: stops, bins, samples, memory, time
+/// List all faults of a campaign, or show the plan: incidences, bins, samples, memory, time
 #[derive(Args)]
 #[command(after_help = "Example: gonio check configs/quickstart.toml")]
 pub struct Arguments {
@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     Ok(0)
 }
 
-/// What a height map that is there has to say, or why it cannot be measured.
+/// What a height map that is there says, or why it cannot be measured.
 fn map_notes(campaign: &Campaign, notes: &mut Vec<String>) -> Result<()> {
     if let SurfaceKind::File(map) = &campaign.surface.kind
         && map.resolved_path.is_file()

@@ -1,6 +1,6 @@
-//! How a process ends that SIGINT, SIGTERM or SIGHUP asks to.
+//! How a command ends after a signal (exit code 130).
 //!
-//! A run that measures looks at a flag between its blocks, keeps what is finished and says how to go on. All other work
+//! A run that measures looks at a flag between its blocks, keeps what is finished and says how to resume. All other work
 //! looks at nothing: patches that are made, maps that are read, theory that is integrated. For that a thread of its own
 //! ends the process. A file is whole or not there at any time, and what a run has measured in more than a second is kept
 //! before anything else is begun. The second signal ends the process at once.

@@ -139,7 +139,7 @@ fn lines(format: Format, output: &Path, export: &Export) -> Vec<String> {
     lines
 }
 
-/// The albedo curve of the file beside the table's.
+/// The albedo curve of the file next to the table's.
 fn albedo(curve: &AlbedoCurve) -> String {
     let at = &curve.points[curve.worst_point];
     let mut text = format!(

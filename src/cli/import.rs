@@ -34,7 +34,7 @@ pub struct Arguments {
     /// The table (maps: the folder) to write
     #[arg(short, long, value_name = "TABLE.exr")]
     output: PathBuf,
-    /// Average over this table's stops and bins
+    /// Average over this table's incidences and bins
     #[arg(long, value_name = "TABLE.exr")]
     like: Option<PathBuf>,
     /// The single azimuth of the light stands for all

@@ -1,4 +1,4 @@
-//! What a verb reads of a stored table: the table, its campaign, and its realisations beside it.
+//! What a verb reads of a stored table: the table, its campaign, and its realisations next to it.
 
 use std::path::{Path, PathBuf};
 
@@ -10,12 +10,12 @@ use crate::interchange::half_difference;
 use crate::measure::memory_limit;
 use crate::table::{BrdfTable, Realisations, TableRows, realisations, store};
 
-/// The table in a file; what is odd about it goes to stderr. One of half/difference angles comes as stops and bins.
+/// The table in a file; what is odd about it goes to stderr. One of half/difference angles comes as incidences and bins.
 pub fn load(path: &Path) -> Result<BrdfTable> {
     arms(path, load_as_stored(path)?, None)
 }
 
-/// A table with stops and bins: those of `grid`, or the usual ones, where it has half/difference angles.
+/// A table with incidences and bins: those of `grid`, or the usual ones, where it has half/difference angles.
 pub fn arms(path: &Path, table: BrdfTable, grid: Option<&Grid>) -> Result<BrdfTable> {
     let arms = half_difference::as_arms(&table, grid).map_err(|why| Error::format(path, why))?;
     if let Some(arms) = &arms {
@@ -42,11 +42,11 @@ pub fn load_as_stored(path: &Path) -> Result<BrdfTable> {
 pub enum Opened {
     /// In memory.
     Whole(Box<BrdfTable>),
-    /// Too large for that: a band of stops at a time.
+    /// Too large for that: a band of incidences at a time.
     Rows(Box<TableRows>),
 }
 
-/// Opens a table: whole where memory holds as many bytes for every stop as `row_bytes` says.
+/// Opens a table: whole where memory holds as many bytes for every incidence as `row_bytes` says.
 pub fn open_as_stored(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<Opened> {
     let rows = TableRows::open(path)?;
     for warning in rows.warnings() {
@@ -59,7 +59,7 @@ pub fn open_as_stored(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<O
     Ok(Opened::Whole(Box::new(store::load(path)?.table)))
 }
 
-/// As [`open_as_stored`]; half/difference angles come as stops and bins, whole.
+/// As [`open_as_stored`]; half/difference angles come as incidences and bins, whole.
 pub fn open(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<Opened> {
     match open_as_stored(path, row_bytes)? {
         Opened::Whole(table) => arms(path, *table, None).map(Box::new).map(Opened::Whole),
@@ -81,7 +81,7 @@ pub fn too_large(rows: &TableRows) -> Error {
     ))
 }
 
-/// What a band of stops may take, with what is made of it.
+/// What a band of incidences may take, with what is made of it.
 pub fn band_bytes() -> u64 {
     memory_limit() / 4
 }
@@ -110,7 +110,7 @@ pub fn realisations_path(table: &Path) -> PathBuf {
     table.with_file_name(format!("{stem}.realisations.exr"))
 }
 
-/// The table's realisations, where they lie beside it.
+/// The table's realisations, where they lie next to it.
 pub fn realisations_beside(path: &Path, table: &BrdfTable) -> Result<Option<Realisations>> {
     beside_of(path, || store::digest(table))
 }

@@ -1,4 +1,4 @@
-//! A table from its first band of stops to its files in their places: taken band by band, or all at once.
+//! A table from its first band of incidences to its files in their places: taken band by band, or all at once.
 
 use serde_json::Value;
 
@@ -23,7 +23,7 @@ pub struct TableOutput<'a> {
     facts: Facts,
     schlick: Option<SchlickError>,
     kept: StoredRealisations,
-    /// The table without its values, the stops' results, and the realisations that are to be kept.
+    /// The table without its values, the incidences' results, and the realisations that are to be kept.
     measured: Measured,
     /// The table and what theory says of it, where one band is all of it.
     whole: Option<(BrdfTable, Option<Prediction>)>,
@@ -139,11 +139,11 @@ pub struct WrittenTable<'a> {
     pub prediction: Option<Prediction>,
 }
 
-/// What the page and the terminal show: the whole table, or some stops of one that does not fit the memory.
+/// What the page and the terminal show: the whole table, or some incidences of one that does not fit the memory.
 struct ShownTable {
     table: BrdfTable,
     prediction: Option<Prediction>,
-    /// The summary of these stops.
+    /// The summary of these incidences.
     document: Value,
 }
 

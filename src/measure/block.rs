@@ -128,7 +128,7 @@ impl Context<'_> {
     }
 }
 
-/// Follows the starts that `each` visits, each under one of `views`, through the lanes where they serve.
+/// Follows the samples that `each` visits, each under one of `views`, through the lanes where they serve.
 fn follow_all(
     blocks: &mut BlockTracer,
     heights: &Heights,

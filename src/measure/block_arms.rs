@@ -22,9 +22,9 @@ const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
 pub struct BlockArms {
     /// To the light, sample's frame.
     pub wi: DVec3,
-    /// Horizontally towards it: stops of one azimuth have the same, whatever their polar angle.
+    /// Horizontally towards it: incidences of one azimuth have the same, whatever their polar angle.
     pub header: DVec3,
-    /// Which mirror image of the patch lies on the stage.
+    /// Which mirror image of the patch lies in the instrument.
     pub image: PatchSymmetry,
     /// (sin, cos) of the turn from the sample's frame to the frame that the bins' azimuth counts in.
     pub to_bins: (f64, f64),
@@ -81,8 +81,8 @@ impl BlockArms {
     }
 }
 
-/// The stream of a block's start points. The stop enters by its angles in the sample's frame: a turned sample under
-/// turned arms draws the same numbers, and a further stop leaves the others as they were.
+/// The stream of a block's start points. The incidence enters by its angles in the sample's frame: a turned sample under
+/// turned arms draws the same numbers, and a further incidence leaves the others as they were.
 pub fn starts_stream(
     campaign: &Campaign,
     plan: &Plan,

@@ -1,5 +1,5 @@
-//! Followed of starts of one stop: followed one by one or in waves through the lanes, and tallied in the order of the
-//! starts.
+//! Traces the surface samples of blocks of one incidence, one by one or in waves through the lanes, and tallies them in
+//! their order.
 
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use super::optics::BounceRecorder;
 use crate::campaign::Campaign;
 use crate::trace::{PathEnd, PathWaves, SimdTraversal, SurfacePoint, TracedPatch, View, Wave};
 
-/// Starts that are followed together: their rays fit the cache of a core.
+/// Samples that are followed together: their rays fit the cache of a core.
 const WAVE: usize = 4096;
 /// Blocks that have taken longer than this when the run is asked to end are not waited for.
 const GRACE: Duration = Duration::from_millis(200);
@@ -23,7 +23,7 @@ thread_local! {
     static WAVES: RefCell<Vec<WaveMemory>> = RefCell::default();
 }
 
-/// Calls `work` with the thread's memory for the waves of `count` stops at once.
+/// Calls `work` with the thread's memory for the waves of `count` incidences at once.
 pub(super) fn with_waves<T>(count: usize, work: impl FnOnce(&mut [WaveMemory]) -> T) -> T {
     WAVES.with_borrow_mut(|waves| {
         if waves.len() < count {
@@ -37,18 +37,18 @@ pub(super) fn with_waves<T>(count: usize, work: impl FnOnce(&mut [WaveMemory]) -
 #[derive(Default)]
 pub(super) struct WaveMemory {
     starts: Vec<SurfacePoint>,
-    /// Which turn each start belongs to.
+    /// Which turn each surface sample belongs to.
     turns: Vec<u16>,
     paths: PathWaves,
     lights: Vec<BounceRecorder>,
     endings: Vec<PathEnd>,
 }
 
-/// One block among those that are followed together. All of its starts carry the same flux.
+/// One block among those that are followed together. All of its samples carry the same flux.
 #[derive(Clone, Copy)]
 pub(super) struct Turn {
     arms: BlockArms,
-    /// Flux of a path, as a share of the incident flux.
+    /// Flux of a path, as a fraction of the incident flux.
     flux: f64,
     /// The same in the tally's units.
     units: u128,
@@ -59,7 +59,7 @@ pub(super) struct Turn {
     along: Option<DVec2>,
 }
 
-/// What the paths of some blocks of a stop add to.
+/// What the paths of some blocks of an incidence add to.
 pub(super) struct BlockTracer<'a> {
     context: &'a Context<'a>,
     stop: usize,
@@ -67,7 +67,7 @@ pub(super) struct BlockTracer<'a> {
     turns: Vec<Turn>,
     /// The turn of the path at hand.
     at: usize,
-    /// Starts that were counted.
+    /// Samples that were counted.
     counted: u64,
     /// When the blocks began.
     begin: Instant,
@@ -117,7 +117,7 @@ impl<'a> BlockTracer<'a> {
         self.given_up
     }
 
-    /// Follows every start by itself.
+    /// Follows every surface sample by itself.
     pub fn follow(&mut self, sample: &TracedPatch, turn: usize, start: SurfacePoint) {
         if self.is_given_up() {
             return;
@@ -137,7 +137,7 @@ impl<'a> BlockTracer<'a> {
         self.end(ending, &light);
     }
 
-    /// Takes a start of a turn for the next wave, which is followed through the lanes when it is full; paths end in
+    /// Takes a surface sample of a turn for the next wave, which is followed through the lanes when it is full; paths end in
     /// the order in which they start. `views` has one for each turn.
     pub fn follow_later(
         &mut self,
@@ -157,7 +157,7 @@ impl<'a> BlockTracer<'a> {
         }
     }
 
-    /// Follows the starts that `memory` holds.
+    /// Follows the samples that `memory` holds.
     pub fn follow_wave(&mut self, views: &[View], over: &SimdTraversal, memory: &mut WaveMemory) {
         let WaveMemory { starts, turns, paths, lights, endings } = memory;
         if self.is_given_up() {
@@ -213,14 +213,14 @@ impl<'a> BlockTracer<'a> {
         !seen
     }
 
-    /// Counts starts that send light into no aperture: they need no ray.
+    /// Counts samples that send light into no aperture: they need no ray.
     fn leave_out(&mut self, starts: u64) {
         self.counted += starts;
         self.tally.outside.add_many(starts, self.turn().units);
         self.rays.skipped += 2 * starts;
     }
 
-    /// Counts all starts of a block none of whose facets is turned to the light: they carry nothing.
+    /// Counts all samples of a block none of whose facets is facing the light: they carry nothing.
     pub fn all_turned_away(&mut self, starts: u64) {
         self.counted += starts;
         self.tally.hidden.add_many(starts, 0);
@@ -256,7 +256,7 @@ impl<'a> BlockTracer<'a> {
         }
     }
 
-    /// A path that leaves: into its order, and into its bins, mirrored ones too where the stop is folded. One that
+    /// A path that leaves: into its order, and into its bins, mirrored ones too where the incidence is folded. One that
     /// left an open map on its way goes into the sums of those.
     fn arrive(&mut self, wo: DVec3, order: u32, light: &BounceRecorder, left_map: bool) {
         let (context, weights) = (self.context, &mut self.weights);

@@ -19,7 +19,7 @@ pub struct Cost {
     pub tracing_cpu_s: f64,
     /// Threads.
     pub threads: usize,
-    /// Starts.
+    /// Samples.
     pub samples: u64,
     /// Rays followed.
     pub rays_traced: u64,
@@ -30,7 +30,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// This and a run after it, or beside it on another machine.
+    /// This and a run after it, or next to it on another machine.
     pub fn plus(self, next: Cost) -> Cost {
         Cost {
             wall_s: self.wall_s + next.wall_s,
@@ -47,7 +47,7 @@ impl Cost {
     }
 }
 
-/// The clocks of a run, which goes on from what an earlier part of it has cost.
+/// The clocks of a run, which may continue an earlier part of it.
 pub(super) struct Clocks {
     begin: Instant,
     cpu: f64,

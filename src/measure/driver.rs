@@ -1,4 +1,4 @@
-//! The measurement itself: realisations, stops and blocks in parallel, integer sums in any order, round by round.
+//! The measurement itself: realisations, incidences and blocks in parallel, integer sums in any order, round by round.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -21,7 +21,7 @@ use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
 
-/// Measures a campaign: one result for each roughness and material. `progress` is called with the starts of every finished block.
+/// Measures a campaign: one result for each roughness and material. `progress` is called with the samples of every finished block.
 ///
 /// Errors: those of loading patches; `Internal` if a ray is lost.
 pub fn measure(
@@ -38,7 +38,7 @@ pub fn measure(
 /// Measures what is missing in `run_state`, and keeps what is finished as the session asks.
 ///
 /// Errors: as [`measure`]; `Interrupted`; `Io` where the last checkpoint could not be written; `Format` where a patch
-/// is not the one that the run_state's sums are of.
+/// is not the one of the sums in `run_state`.
 pub fn measure_missing(
     campaign: &Campaign,
     plan: &Plan,
@@ -68,7 +68,7 @@ pub fn measure_missing(
         kept?;
         return Err(interrupted(&run_state, plan));
     }
-    // Whoever writes the tables next has the same full disk before him, and says so.
+    // A last checkpoint that failed is not an error here: the tables are written next, to the same disk.
     Ok(run_state)
 }
 
@@ -124,7 +124,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The blocks of one round, for all open stops of all realisations.
+    /// The blocks of one round, for all open incidences of all realisations.
     fn round(&mut self, blocks: &Range<u64>) -> Result<()> {
         let Context { plan, session, run_state, .. } = self.context;
         let wanted: Vec<u64> = {

@@ -49,7 +49,7 @@ pub struct BounceRecorder {
 }
 
 impl BounceRecorder {
-    /// The light at a start; angles are kept where `weighed`.
+    /// The light at a surface sample; angles are kept where `weighed`.
     pub fn new(weighed: bool) -> Self {
         BounceRecorder { weighed, angles: SmallVec::new() }
     }

@@ -47,7 +47,7 @@ pub enum Patches {
         /// Whether a path leaves from a height drawn anew.
         independent_heights: bool,
     },
-    /// One measured map; realisations are its start regions.
+    /// One measured map; realisations are its sample regions.
     Map {
         /// The map.
         map: Box<ImportedMap>,
@@ -58,7 +58,7 @@ pub enum Patches {
     },
 }
 
-/// What lies on the stage for one realisation.
+/// What lies in the instrument for one realisation.
 #[derive(Debug, Clone)]
 pub enum Specimen {
     /// Heights.
@@ -158,7 +158,7 @@ impl Patches {
     /// heights, so the same tables. Every file must be there; each is read when its realisation is measured.
     ///
     /// Errors: `Usage` where the surface is not random; `Io` for the first file that is missing.
-    /// Held by: `patches_from_a_folder_give_the_same_bytes` in `tests/it/cli.rs`.
+    // Tested by `patches_from_a_folder_give_the_same_bytes` in `tests/it/cli.rs`.
     pub fn from_folder(campaign: &Campaign, folder: &Path) -> Result<Self> {
         let surface = &campaign.surface;
         if !surface.kind.is_random_heights() {
@@ -172,7 +172,7 @@ impl Patches {
         Ok(Patches::Files { folder: folder.into(), cells: surface.cells as usize })
     }
 
-    /// What lies on the stage for one realisation.
+    /// What lies in the instrument for one realisation.
     pub fn realisation(&self, realisation: u64) -> Result<Specimen> {
         let patch = match self {
             Patches::Statistical { law, independent_heights } => {

@@ -1,4 +1,4 @@
-//! A patch on the stage: what its roughnesses, incidences and blocks share, and how surface samples are chosen on it.
+//! A patch in the instrument: what its roughnesses, incidences and blocks share, and how surface samples are chosen on it.
 
 use glam::DVec2;
 
@@ -114,7 +114,7 @@ impl PatchSampler<'_> {
 }
 
 impl Heights<'_> {
-    /// The patch as it lies on the stage for a block.
+    /// The patch as it lies in the instrument for a block.
     pub fn sample(&self, arms: &BlockArms) -> TracedPatch<'_> {
         TracedPatch { traversal: self.traversal, alpha: self.alpha, image: arms.image }
     }

@@ -1,4 +1,4 @@
-//! The tables under way: what every stop has so far, and which stops go on.
+//! The tables under way: what every incidence has so far, and which are still measured.
 
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ pub(crate) struct Tables {
     tables: Vec<TableRun>,
     /// Blocks of every realisation after the last round that is over.
     judged: u64,
-    /// Finished blocks of all stops, realisations and tables.
+    /// Finished blocks of all incidences, realisations and tables.
     #[serde(skip)]
     done: u64,
 }
@@ -29,12 +29,12 @@ pub(crate) struct TableRun {
     /// Known from the campaign.
     #[serde(skip)]
     pub alpha: Option<Alpha>,
-    /// [realisation][stop].
+    /// [realisation][incidence].
     sums: Vec<Vec<Sum>>,
     stops: Vec<StopProgress>,
 }
 
-/// What one stop and realisation has.
+/// What one incidence and realisation has.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct Sum {
     done: FinishedBlocks,
@@ -45,7 +45,7 @@ struct Sum {
 /// A table that goes no further.
 pub(crate) struct FinishedTable {
     pub alpha: Option<Alpha>,
-    /// [realisation][stop].
+    /// [realisation][incidence].
     sums: Vec<Vec<Sum>>,
     /// What ended each stop.
     pub stops: Vec<StopProgress>,
@@ -71,9 +71,9 @@ impl Tables {
         self.tables.len()
     }
 
-    /// Adds finished blocks of some stops, integers in any order.
+    /// Adds finished blocks of some incidences, integers in any order.
     ///
-    /// Errors: `Internal` where a start is lost or missing.
+    /// Errors: `Internal` where a surface sample is lost or missing.
     pub fn add(
         &mut self,
         (table, realisation): (usize, u64),
@@ -100,7 +100,7 @@ impl Tables {
         Ok(())
     }
 
-    /// Whether a realisation misses any of these blocks at a stop that goes on.
+    /// Whether a realisation misses any of these blocks at an incidence that is still measured.
     pub fn misses(&self, realisation: u64, blocks: &Range<u64>) -> bool {
         let misses = |table: &TableRun| {
             table.open_stops().any(|stop| !table.missing(realisation, stop, blocks).is_empty())
@@ -113,7 +113,7 @@ impl Tables {
         blocks <= self.judged
     }
 
-    /// After all realisations have `blocks` blocks: which stops have enough.
+    /// After all realisations have `blocks` blocks: which incidences have enough.
     pub fn judge(&mut self, campaign: &Campaign, plan: &Plan, blocks: u64) {
         let wanted = campaign.stop.relative_error;
         let looked_at = stopping::is_looked_at(blocks, plan.blocks);
@@ -147,12 +147,12 @@ impl Tables {
         self.tables.iter().all(|table| table.open_stops().next().is_none())
     }
 
-    /// Starts so far, of all tables, stops and realisations.
+    /// Samples so far, of all tables, incidences and realisations.
     pub fn starts(&self, plan: &Plan) -> u64 {
         self.done * plan.block_starts
     }
 
-    /// Goes on from a run of `planned` blocks, or of fewer realisations, towards the whole plan: as if every stop had
+    /// Continues a run of `planned` blocks, or of fewer realisations, towards the whole plan: as if every incidence had
     /// only been looked at where this plan looks.
     ///
     // Tested by `more_samples_give_the_bytes_of_a_fresh_run` in `tests/process/kills_and_resume.rs`.
@@ -216,7 +216,7 @@ impl Tables {
         }
     }
 
-    /// Takes over stops of other tables of the same campaign (`places`: theirs, here), which must be at their end, or
+    /// Takes over incidences of other tables of the same campaign (`places`: theirs, here), which must be at their end, or
     /// says what is wrong.
     pub fn take(&mut self, other: Tables, places: &[(usize, usize)]) -> Result<(), String> {
         for (mine, mut theirs) in self.tables.iter_mut().zip(other.tables) {
@@ -250,7 +250,7 @@ impl Tables {
 }
 
 impl FinishedTable {
-    /// The flux of every realisation and stop: \[realisation\]\[stop\].
+    /// The flux of every realisation and incidence: \[realisation\]\[incidence\].
     pub fn flux(&self) -> Vec<Vec<TallyFlux<'_>>> {
         self.sums.iter().map(|sums| sums.iter().filter_map(Sum::flux).collect()).collect()
     }
@@ -262,7 +262,8 @@ impl Sum {
         self.tally.as_ref().map(|tally| TallyFlux::new(tally, self.done.count()))
     }
 
-    /// Whether this may have come about: every start of the finished blocks has its fate, and no sum is near its end.
+    /// Whether a run can have these sums: every surface sample of the finished blocks is counted once, and no sum is near
+    /// overflow.
     fn is_sound(&self, shape: &Tally, plan: &Plan, planned: u64) -> bool {
         let starts = self.done.is_sound(planned).then(|| self.done.count() * plan.block_starts);
         match (&self.tally, starts) {
@@ -274,12 +275,12 @@ impl Sum {
 }
 
 impl TableRun {
-    /// The stops that go on.
+    /// The incidences that are still measured.
     pub fn open_stops(&self) -> impl Iterator<Item = usize> {
         (0..self.stops.len()).filter(|&stop| self.stops[stop].by.is_none())
     }
 
-    /// What a stop of a realisation misses of `blocks`.
+    /// What an incidence of a realisation misses of `blocks`.
     pub fn missing(&self, realisation: u64, stop: usize, blocks: &Range<u64>) -> Vec<Range<u64>> {
         self.sums[realisation as usize][stop].done.missing(blocks)
     }

@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 
 /// Time after which a checkpoint is due in any case, where there is something new.
 const LONGEST: Duration = Duration::from_secs(60);
-/// In between, one is due after this share of the work, and when this many times as long as the last took has gone by.
+/// In between, one is due after this fraction of the work, and when this many times as long as the last took has gone by.
 const WORK_PARTS: u64 = 100;
 const REST: u32 = 100;
 /// How long the work may take to end itself, once it is asked to: blocks are given up after less, patches take longer.
@@ -65,7 +65,7 @@ pub trait ProcessEnd: Sync {
 
 /// What surrounds a run.
 pub struct Session<'a> {
-    /// Called with the starts of every finished block.
+    /// Called with the samples of every finished block.
     pub progress: &'a (dyn Fn(u64) + Sync),
     /// Called with what the user should know.
     pub note: &'a (dyn Fn(String) + Sync),
@@ -83,7 +83,7 @@ pub struct Session<'a> {
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl<'a> Session<'a> {
-    /// A run that is not kept and goes on to its end.
+    /// A run that is not kept and continues to its end.
     pub fn plain(progress: &'a (dyn Fn(u64) + Sync)) -> Self {
         Session {
             progress,

@@ -1,4 +1,4 @@
-//! When a stop has enough: all its samples, the error that was asked for, as much as its patches can give, or the time.
+//! When an incidence has enough: all its samples, the error that was asked for, as much as its patches can give, or the time.
 //!
 //! With `stop.relative_error` all realisations are looked at together after 1, 2, 4, 8, ... blocks: never a thread or
 //! a shard by itself, so that neither changes where a run ends. The squared error is a/n + p^2: a the noise of n
@@ -13,10 +13,10 @@ use super::accumulate::tally_flux::TallyFlux;
 use crate::campaign::Stop;
 use crate::stats;
 
-/// Bins below this share of the stop's peak do not count.
+/// Bins below this fraction of the incidence's peak do not count.
 const COUNTED_ABOVE: f64 = 0.01;
 
-/// What ended a stop, or a run.
+/// What ended an incidence, or a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StoppedBy {
@@ -32,7 +32,7 @@ pub enum StoppedBy {
 
 /// The blocks between one look at the errors, or at the clock, and the next.
 ///
-/// Held by: `rounds_end_after_1_2_4_8_blocks`.
+// Tested by `rounds_end_after_1_2_4_8_blocks`.
 pub fn rounds(stop: &Stop, blocks: u64) -> impl Iterator<Item = Range<u64>> + use<> {
     let (by_block, by_doubling) = (stop.seconds.is_some(), stop.relative_error.is_some());
     let end_after = move |start: u64| match start {
@@ -54,7 +54,7 @@ pub fn is_looked_at(blocks: u64, planned: u64) -> bool {
 ///
 /// `sizes` are the bins' projected solid angles. Several materials count together: the pass ends when all have enough
 /// light.
-/// Held by: `the_relative_error_is_that_of_the_bright_bins`.
+// Tested by `the_relative_error_is_that_of_the_bright_bins`.
 pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], sums: &FresnelSums) -> Option<f64> {
     let mut errors = Vec::new();
     for colour in sums.all_colours() {
@@ -72,7 +72,7 @@ pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], sums: &FresnelS
     (!errors.is_empty()).then(|| errors[errors.len() / 2])
 }
 
-/// One stop on its way to the end.
+/// One incidence on its way to the end.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StopProgress {
     /// Blocks measured in each realisation.
@@ -89,7 +89,7 @@ pub struct StopProgress {
     looked_at: u64,
 }
 
-/// One look at a stop's error.
+/// One look at an incidence's error.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Look {
     /// Blocks in each realisation.
@@ -101,9 +101,9 @@ pub struct Look {
 impl StopProgress {
     /// After `blocks` blocks of `realisations` patches the relative error is `error`, `wanted` was asked for.
     ///
-    /// The stop ends where it is small enough, and at the knee: where halving the noise again would gain less than
+    /// The incidence ends where it is small enough, and at the knee: where halving the noise again would gain less than
     /// the patches' own spread, and that spread alone is too large.
-    /// Held by: `a_stop_ends_at_its_error_or_at_the_knee`.
+    // Tested by `a_stop_ends_at_its_error_or_at_the_knee`.
     pub fn judge(&mut self, blocks: u64, error: Option<f64>, wanted: f64, realisations: u32) {
         let before = self.relative_error.map(|before| (self.looked_at, before));
         (self.looked_at, self.relative_error) = (blocks, error);
@@ -135,7 +135,7 @@ impl StopProgress {
     }
 }
 
-/// What ended a run, from what ended its stops: the limit that the user can do something about comes first.
+/// What ended a run, from what ended its incidences: the limit that the user can do something about comes first.
 pub fn of_run(stops: impl Iterator<Item = StoppedBy> + Clone) -> StoppedBy {
     let order = [StoppedBy::Seconds, StoppedBy::PatchLimited, StoppedBy::Samples];
     order.into_iter().find(|&by| stops.clone().any(|stop| stop == by)).unwrap_or(StoppedBy::RelativeError)
@@ -179,7 +179,7 @@ mod tests {
         assert_eq!(relative_error(&flux[..1], &[1.0; 3], &sums), None);
     }
 
-    /// Looks at a stop of 16 patches after 1, 2, 4, ... blocks whose squared error is a/n + p2.
+    /// Looks at an incidence of 16 patches after 1, 2, 4, ... blocks whose squared error is a/n + p2.
     fn looked_at(a: f64, p2: f64, wanted: f64, looks: u32) -> StopProgress {
         let mut stop = StopProgress::default();
         for blocks in (0..looks).map(|k| 1u64 << k) {

@@ -15,10 +15,10 @@ use crate::stats;
 use crate::table::brdf_table::HITS_OF_AN_EMPTY_BIN;
 use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
 
-/// What a stop shows besides its bins.
+/// What an incidence shows besides its bins.
 #[derive(Debug, Clone)]
 pub struct StopResult {
-    /// Share of the incident flux in each order, one value for each realisation: \[order\]\[realisation\], mean of the
+    /// Fraction of the incident flux in each order, one value for each realisation: \[order\]\[realisation\], mean of the
     /// colours. No realisation where only the light towards the apertures is followed.
     pub albedo_by_order: Vec<Vec<f64>>,
     /// All orders and the cut paths with F = 1: \[realisation\]; empty where only the light towards the apertures is
@@ -30,15 +30,15 @@ pub struct StopResult {
     pub orders: Vec<u64>,
     /// Paths beyond the last order.
     pub cut: u64,
-    /// Starts that the light does not see.
+    /// Samples that the light does not see.
     pub hidden: u64,
     /// Paths over the edge of an open map.
     pub left_map: u64,
     /// What they may have added at most to the albedos of order 1 and of all orders, mean of the colours.
     pub lost_light: [f64; 2],
-    /// Starts whose facets send light into no aperture, where only that is followed.
+    /// Samples whose facets send light into no aperture, where only that is followed.
     pub outside: u64,
-    /// Starts in each realisation.
+    /// Samples in each realisation.
     pub samples: u64,
     /// What ended it.
     pub stopped_by: StoppedBy,

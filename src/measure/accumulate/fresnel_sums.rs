@@ -1,6 +1,6 @@
 //! Which sums a measurement keeps of its paths, and how the colours of every table follow from them.
 //!
-//! Every start has the same flux. F = 1 needs nothing but counts. Schlick's reflectance of a path of k bounces is a
+//! Every surface sample has the same flux. F = 1 needs nothing but counts. Schlick's reflectance of a path of k bounces is a
 //! polynomial in F0, whose parts (`optics::parts`) are summed: they serve every colour and every material. Fresnel's
 //! equations, and Schlick's formula beyond `HIGHEST` bounces, are worked out for each colour of each material.
 
@@ -122,7 +122,7 @@ impl FresnelSums {
         self.sums == SumKind::Parts || (self.sums == SumKind::Colours && self.bounces == 1)
     }
 
-    /// Sums of order 1 for each bin, beside the flux with F = 1: (1-c)^5, and traced colours.
+    /// Sums of order 1 for each bin, next to the flux with F = 1: (1-c)^5, and traced colours.
     pub fn first_sums(&self) -> usize {
         match self.sums {
             SumKind::Counts => 0,
@@ -237,7 +237,7 @@ mod tests {
     fn sums_lie_side_by_side_without_a_gap() {
         let gold = "[optics]\nmaterial = \"gold\"";
         let exact = "[optics]\nmaterials = [\"gold\", \"silver\"]\nfresnel = \"exact\"";
-        // (first, multiple): counts need none beside the flux; parts of degree 4 are 5, of 2 to 4 are 3 + 4 + 5.
+        // (first, multiple): counts need none next to the flux; parts of degree 4 are 5, of 2 to 4 are 3 + 4 + 5.
         for (optics, trace, first, multiple) in [
             ("", "bounces = 1", 0, 0),
             ("", "bounces = 4\nby_order = true", 0, 3),

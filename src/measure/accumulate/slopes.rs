@@ -1,20 +1,20 @@
 //! Masking given the normal: how often the light sees facets, by their slope along the light.
 //!
-//! Enters: starts, which lie on the facets in proportion to the area turned to the light. Leaves: in each class of
-//! slopes the share of them that the light sees. Smith's masking (Heitz 2014, section 3.3) is the same for all facets
-//! that are turned to the light; a continuous surface need not keep to it. Counted here, compared in `report`.
+//! Input: starts, which lie on the facets in proportion to the area facing the light. Output: in each class of
+//! slopes the fraction of them that the light sees. Smith's masking (Heitz 2014, section 3.3) is the same for all facets
+//! that are facing the light; a continuous surface need not keep to it. Counted here, compared in `report`.
 
 use serde::{Deserialize, Serialize};
 
 use crate::stats;
 
 /// Edges between the classes, in units of alpha along the light's azimuth; plain slopes of a surface without an alpha. Below 0 a facet is tilted towards the light;
-/// slopes at or above cot(theta_i)/alpha are turned away from it and have no starts.
+/// slopes at or above cot(theta_i)/alpha are facing away from it and have no samples.
 const EDGES: [f64; 17] =
     [-4.0, -3.0, -2.0, -1.5, -1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0];
 const CLASSES: usize = EDGES.len() + 1;
 
-/// Counts of one stop and realisation.
+/// Counts of one incidence and realisation.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct SeenBySlope {
     starts: [u64; CLASSES],
@@ -26,16 +26,16 @@ pub struct SeenBySlope {
 pub struct SlopeClass {
     /// Slopes in [lower, upper) along the light's azimuth, units of alpha where there is one; null: without end.
     pub slope: [Option<f64>; 2],
-    /// Starts in it.
+    /// Samples in it.
     pub starts: u64,
-    /// Share that the light sees: mean over the realisations that have starts in it.
+    /// Fraction that the light sees: mean over the realisations that have starts in it.
     pub share: Option<f64>,
     /// Its standard error over these realisations.
     pub share_se: Option<f64>,
 }
 
 impl SeenBySlope {
-    /// Counts a start on a facet of this slope.
+    /// Counts a surface sample on a facet of this slope.
     pub fn count(&mut self, slope: f64, seen: bool) {
         let class = EDGES.partition_point(|&edge| edge <= slope);
         self.starts[class] += 1;
@@ -48,7 +48,7 @@ impl SeenBySlope {
         self.seen.iter_mut().zip(&other.seen).for_each(|(mine, theirs)| *mine += theirs);
     }
 
-    /// Whether no class has more than so many starts, nor sees more than it has.
+    /// Whether no class has more than so many samples, nor sees more than it has.
     pub fn is_sound(&self, starts: u64) -> bool {
         self.starts.iter().zip(&self.seen).all(|(here, seen)| here <= &starts && seen <= here)
     }

@@ -5,7 +5,7 @@ use super::tally_flux::TallyFlux;
 use crate::measure::plan::Plan;
 use crate::table::{RealisationPart, SchlickSums};
 
-/// What tables are made of: [realisation][stop], and the bins' projected solid angles, [stop][bin].
+/// What tables are made of: [realisation][incidence], and the bins' projected solid angles, [incidence][bin].
 pub(crate) struct TableSource<'a> {
     pub plan: &'a Plan,
     pub flux: &'a [Vec<TallyFlux<'a>>],

@@ -1,6 +1,6 @@
 //! Integer sums: the same bytes in whatever order paths are added.
 //!
-//! Flux is counted in units of 2^-90 of the flux that falls on the patch in one block. A start's share is rounded to a
+//! Flux is counted in units of 2^-90 of the flux that falls on the patch in one block. A surface sample's share is rounded to a
 //! unit once, so that sums of any length, in any order, are exact: blocks may be measured on several machines, or on
 //! several days, and be added up.
 
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::fresnel_sums::FresnelSums;
 use super::slopes::SeenBySlope;
 
-/// One unit of flux is 2^-90: a share of 1e-15 still has 40 bits, and 2^38 blocks still fit.
+/// One unit of flux is 2^-90: a fraction of 1e-15 still has 40 bits, and 2^38 blocks still fit.
 const UNITS: f64 = (1u128 << 90) as f64;
 
 /// Flux in units.
@@ -22,7 +22,7 @@ pub fn from_units(units: u128) -> f64 {
     units as f64 / UNITS
 }
 
-/// The sums of one stop and realisation.
+/// The sums of one incidence and realisation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
     /// Order 1 with F = 1, by bin.
@@ -37,16 +37,16 @@ pub struct Tally {
     pub orders: Vec<Order>,
     /// Paths beyond the last order.
     pub cut: FluxCount,
-    /// Starts that the light does not see.
+    /// Samples that the light does not see.
     pub hidden: FluxCount,
     /// Paths over the edge of an open map.
     pub left_map: FluxCount,
     /// Where those would arrive if nothing lay beyond the edge; in its `cut`, those that may go on from something
     /// there and arrive anywhere. `None` before the first.
     pub left: Option<Box<Tally>>,
-    /// Starts whose facets send light into no aperture.
+    /// Samples whose facets send light into no aperture.
     pub outside: FluxCount,
-    /// What the light sees of the starts, by the slope of their facets.
+    /// What the light sees of the samples, by the slope of their facets.
     pub seen: SeenBySlope,
     /// Faults of the program.
     pub lost: u64,
@@ -134,7 +134,7 @@ impl Tally {
             && self.left.iter().all(|left| left.left.is_none() && left.has_shape_of(other))
     }
 
-    /// Whether these may be the sums of so many starts: each has one fate, and no sum can overflow by what is added.
+    /// Whether these may be the sums of so many samples: each has one fate, and no sum can overflow by what is added.
     pub fn is_sound(&self, starts: u64) -> bool {
         let counts =
             self.fates().into_iter().map(|fate| fate.count).chain(self.orders.iter().map(|o| o.count));

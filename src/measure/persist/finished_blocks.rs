@@ -1,4 +1,4 @@
-//! Which blocks of a stop and realisation are finished.
+//! Which blocks of an incidence and realisation are finished.
 
 use std::ops::Range;
 

@@ -28,11 +28,11 @@ pub struct RunHeader {
     pub number: u64,
     /// Whose incidences are measured.
     pub part: Part,
-    /// Starts that are measured.
+    /// Samples that are measured.
     pub starts: u64,
     /// Whether errors or the clock have been looked at, which depends on how many realisations there are.
     pub(crate) looked: bool,
-    /// Blocks per stop and realisation.
+    /// Blocks per incidence and realisation.
     pub(crate) blocks: u64,
     /// Whether starts go by slope, which follows from how many there are.
     pub(crate) by_slope: bool,
@@ -41,7 +41,7 @@ pub struct RunHeader {
 }
 
 impl RunHeader {
-    /// The header of a file, which is read to its end and held to its checksum, a piece at a time.
+    /// The header of a file, which is read to its end and checked against its checksum, a piece at a time.
     pub(crate) fn read(path: &Path) -> Result<Self> {
         let begin =
             sealed::checked(KIND, &mut files::open(path)?, LONGEST).map_err(|e| Error::io(path, e))?;

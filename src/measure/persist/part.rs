@@ -168,7 +168,7 @@ mod tests {
             let whole = if azimuths >= of as usize { thetas } else { 1 };
             assert!(sizes.clone().max().expect("some") - sizes.min().expect("some") <= whole, "{shards:?}");
         }
-        // Whole azimuths: stop = 7 theta + azimuth.
+        // Whole azimuths: incidence = 7 theta + azimuth.
         assert_eq!(shard(2, 7).stops(&grid(3, 7)), [1, 8, 15]);
         assert!(shard(4, 4).stops(&grid(3, 1)).is_empty());
         assert_eq!(Part::whole(21).stops(&grid(3, 7)).len(), 21);

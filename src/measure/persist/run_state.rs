@@ -22,7 +22,7 @@ pub struct RunState {
     pub(crate) cost: Cost,
 }
 
-/// A run_state read from bytes, not yet held against a campaign.
+/// A run_state read from bytes, not yet checked against a campaign.
 #[derive(Debug, Clone)]
 pub struct StoredRun {
     /// What it is of.
@@ -37,22 +37,22 @@ impl RunState {
         RunState { tables: Tables::new(campaign, plan), digests, cost: Cost::default() }
     }
 
-    /// Share of the planned starts that are measured, in percent: less than 100 also at the end, where stops ended early.
+    /// Fraction of the planned starts that are measured, in percent: less than 100 also at the end, where incidences ended early.
     pub fn percent(&self, plan: &Plan) -> f64 {
         100.0 * self.tables.starts(plan) as f64 / plan.total_samples.max(1) as f64
     }
 
-    /// Starts that are measured.
+    /// Samples that are measured.
     pub fn starts(&self, plan: &Plan) -> u64 {
         self.tables.starts(plan)
     }
 
-    /// Whether every stop has all that it is to have.
+    /// Whether every incidence has all that it is to have.
     pub(crate) fn is_at_its_end(&self) -> bool {
         self.tables.all_ended()
     }
 
-    /// The same, to be gone on with on these patches alone, as far as they are known.
+    /// The same, to be resumed on these patches alone, as far as they are known.
     pub(crate) fn on_patches(mut self, digests: &[Option<[u8; 32]>]) -> Self {
         for (mine, known) in self.digests.iter_mut().zip(digests) {
             *mine = mine.or(*known);
@@ -65,7 +65,7 @@ impl RunState {
         Cost { samples: self.starts(plan), ..self.cost.clone() }
     }
 
-    /// Takes over stops of another run_state (`places`: theirs, here), which must be at their end, or says what is wrong.
+    /// Takes over incidences of another run_state (`places`: theirs, here), which must be at their end, or says what is wrong.
     pub(crate) fn take(&mut self, other: RunState, places: &[(usize, usize)]) -> Result<(), String> {
         self.tables.take(other.tables, places)?;
         for (mine, theirs) in self.digests.iter_mut().zip(other.digests) {

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 /// Shards of one campaign, one of each number at most.
 pub struct Shards(Vec<PartFile>);
 
-/// The file of a shard and what it says of itself; it is read to its end and held to its checksum, a piece at a time.
+/// The file of a shard and what it says of itself; it is read to its end and checked against its checksum, a piece at a time.
 pub fn open(path: &Path) -> Result<PartFile> {
     let header = RunHeader::read(path)?;
     if !header.part.is_shard() {

@@ -26,7 +26,7 @@ pub fn plan(campaign: &Campaign) -> Result<Plan> {
     plan_of(campaign, None, memory_limit())
 }
 
-/// The same with so many bytes of memory. A table that exceeds them is measured in bands of stops.
+/// The same with so many bytes of memory. A table that exceeds them is measured in bands of incidences.
 pub fn plan_within(campaign: &Campaign, limit: u64) -> Result<Plan> {
     plan_of(campaign, None, limit)
 }
@@ -219,7 +219,7 @@ fn checked(campaign: &Campaign, plan: Plan, limit: u64) -> Result<Plan> {
 
 /// Refuses light so near the horizon that the sums of flux would not hold it.
 ///
-/// Starts carry the area that facets turn to the light, slope x tan(theta_i) of what falls on the patch in the mean,
+/// Samples carry the area that facets turn to the light, slope x tan(theta_i) of what falls on the patch in the mean,
 /// lit or not; a sum holds 2^38 times that (`tally`). Slopes in the mean stay below alpha, of a map below the largest
 /// that is let in: a factor of 4 is left.
 fn flux_fits(campaign: &Campaign, plan: &Plan) -> Result<()> {
@@ -243,7 +243,7 @@ fn flux_fits(campaign: &Campaign, plan: &Plan) -> Result<()> {
     )))
 }
 
-/// How many light stops a campaign has.
+/// How many incidences a campaign has.
 pub fn stops(campaign: &Campaign) -> usize {
     grid_of(campaign).stops()
 }
@@ -269,7 +269,7 @@ pub(super) fn saturated(count: u128) -> u64 {
     count.try_into().unwrap_or(u64::MAX)
 }
 
-/// For each stop, whether the surface's law is its own mirror image about the plane of incidence and arrivals are
+/// For each incidence, whether the surface's law is its own mirror image about the plane of incidence and arrivals are
 /// therefore counted on both sides.
 pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
     let symmetric = campaign.surface.kind.alphas().is_some();

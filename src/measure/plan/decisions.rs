@@ -25,10 +25,10 @@ pub struct Saving {
 /// The decisions.
 #[derive(Debug, Clone, Serialize)]
 pub struct Plan {
-    /// Stops and bins.
+    /// Incidences and bins.
     #[serde(skip)]
     pub grid: Grid,
-    /// Light stops.
+    /// incidences.
     pub stops: usize,
     /// The part of the campaign that they are.
     #[serde(skip)]
@@ -43,16 +43,16 @@ pub struct Plan {
     pub bins: usize,
     /// Tables (one for each roughness and material).
     pub tables: usize,
-    /// Groups that error bars come from: patches, or start regions of a measured map.
+    /// Groups that error bars come from: patches, or sample regions of a measured map.
     pub realisations: u32,
-    /// Blocks per stop and realisation.
+    /// Blocks per incidence and realisation.
     pub blocks: u64,
-    /// Starts in a block: `BLOCK`; only `bench` lowers it.
+    /// Samples in a block: `BLOCK`; only `bench` lowers it.
     #[serde(skip)]
     pub block_starts: u64,
-    /// Starts per stop and realisation: whole blocks.
+    /// Samples per incidence and realisation: whole blocks.
     pub samples: u64,
-    /// Starts of the whole run.
+    /// Samples of the whole run.
     pub total_samples: u64,
     /// Whether every block has an azimuth of its own.
     pub averages_azimuth: bool,
@@ -63,7 +63,7 @@ pub struct Plan {
     pub start_sampler: StartSampler,
     /// Mirror images of each patch that serve as further samples (1: none).
     pub images: u64,
-    /// For each stop, whether mirrored arrivals count as well.
+    /// For each incidence, whether mirrored arrivals count as well.
     pub folded: Vec<bool>,
     /// Colours of all tables of a roughness.
     pub colours: usize,
@@ -72,7 +72,7 @@ pub struct Plan {
     pub sums: FresnelSums,
     /// What is left out, and why.
     pub skipped: Vec<Saving>,
-    /// Stops that are measured and written at a time: all, or as many as fit the memory.
+    /// Incidences that are measured and written at a time: all, or as many as fit the memory.
     pub band_stops: usize,
     /// Estimated peak memory.
     pub memory_bytes: u64,

@@ -11,14 +11,14 @@ use crate::table::realisations::{GROUPS, StoredRealisations};
 /// A sum of 2^-90 in a file, at most 19 digits of base 128 and mostly 12 to 14; a count of a bin, mostly 1 to 3.
 const BYTES_PER_SUM: u128 = 14;
 const BYTES_PER_COUNT: u128 = 4;
-/// Sums of orders and slopes of a stop and patch.
+/// Sums of orders and slopes of an incidence and patch.
 const BYTES_PER_TALLY: u128 = 512;
 /// What a file says before its sums: the campaign, and for each patch a digest.
 const BYTES_PER_HEADING: u128 = 4 << 10;
 const BYTES_PER_DIGEST: u128 = 34;
 /// Two checkpoints, and the third that is to replace one of them.
 const CHECKPOINTS: u128 = 3;
-/// Summary of a stop; page without pictures and values; a value in it; the largest page.
+/// Summary of an incidence; page without pictures and values; a value in it; the largest page.
 const BYTES_PER_STOP: u128 = 3 << 10;
 const BYTES_PER_PAGE: u128 = 300 << 10;
 const BYTES_PER_SHOWN_VALUE: u128 = 4;
@@ -39,8 +39,8 @@ impl Disk {
     /// What a campaign takes under this plan; a shard's result are its sums. Realisations are kept up to `limit` bytes a
     /// file (`SIZE_LIMIT` unasked).
     ///
-    /// Values count as if they did not compress. Held by: `what_a_run_takes_on_the_disk_is_said_before`
-    /// (tests/process/full_disk.rs).
+    /// Values count as if they did not compress.
+    // Tested by `what_a_run_takes_on_the_disk_is_said_before` (tests/process/full_disk.rs).
     pub fn of(campaign: &Campaign, plan: &Plan, limit: u64) -> Self {
         let sums = &plan.sums;
         let sums = (sums.first_sums() + sums.multiple_sums()) as u128;

@@ -14,22 +14,22 @@ const NS_PER_SYNTHESISED_CELL: f64 = 1600.0;
 const NS_PER_RAY: f64 = 45.0;
 const NS_PER_CROSSED_CELL: f64 = 0.3;
 /// Cells that a ray towards the light crosses in the mean at most, for each of the range of heights: at grazing light
-/// those few starts that are lit, a share of 2/(alpha tan theta), send rays of range x alpha tan theta cells, the others
+/// those few samples that are lit, a fraction of 2/(alpha tan theta), send rays of range x alpha tan theta cells, the others
 /// are blocked close by.
 const MOST_CROSSED: f64 = 4.0;
 /// A ray over a measured map: each cell that it is followed through one by one, at most so many of them; then each
-/// crossing of the map, at most so many before something is in the way.
+/// crossing of the map, at most so many before it hits something.
 const NS_PER_MAP_CELL: f64 = 5.0;
 const MAP_CELLS: f64 = 64.0;
 const NS_PER_MAP_CROSSING: f64 = 200.0;
 const MAP_CROSSINGS: f64 = 64.0;
-/// Reflection, bin and tally of a start.
+/// Reflection, bin and tally of a surface sample.
 const NS_PER_START: f64 = 60.0;
-/// The search for the starts.
+/// The search for the samples.
 const NS_PER_FACET: f64 = 2.5;
 /// Lanes' copy and digest of a patch.
 const NS_PER_MOUNTED_CELL: f64 = 30.0;
-/// The index of the facets; a start on a wanted facet, its rays included; the choice of a start by slope.
+/// The index of the facets; a surface sample on a wanted facet, its rays included; the choice of a surface sample by slope.
 const NS_PER_INDEXED_CELL: f64 = 25.0;
 const NS_PER_WANTED_START: f64 = 260.0;
 const NS_PER_START_BY_SLOPE: f64 = 40.0;
@@ -45,7 +45,7 @@ const LANES: u128 = 12;
 const INDEX: u128 = 12;
 /// Sums of turned areas, of a thread.
 const SUMS: u128 = 2;
-/// Starts that a thread follows together.
+/// Samples that a thread follows together.
 const STARTS: u128 = BatchedStarts::BYTES as u128 / CELLS_PER_START as u128;
 
 /// What a run takes, bytes.
@@ -54,12 +54,12 @@ pub(crate) struct Memory {
     pub shared: u128,
     /// Records and tables of each stop.
     pub stop: u128,
-    /// What is made of each stop when the table is written: directions and predictions.
+    /// What is made of each incidence when the table is written: directions and predictions.
     pub written: u128,
 }
 
 impl Memory {
-    /// All stops at once.
+    /// All incidences at once.
     pub fn whole(&self, plan: &Plan) -> u128 {
         self.shared.saturating_add(self.stop.saturating_mul(plan.stops as u128))
     }
@@ -69,7 +69,7 @@ impl Memory {
         usize::try_from(room / (self.stop + self.written).max(1)).unwrap_or(usize::MAX)
     }
 
-    /// A band of stops at a time.
+    /// A band of incidences at a time.
     pub fn banded(&self, stops: usize) -> u128 {
         self.shared.saturating_add((self.stop + self.written).saturating_mul(stops as u128))
     }
@@ -150,14 +150,14 @@ pub(crate) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
     0.5e-9 * f64::from(plan.realisations) * (tracing + patch * cells)
 }
 
-/// All blocks of all stops on one patch, ns.
+/// All blocks of all incidences on one patch, ns.
 fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
     let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
     let block = |stop: usize| block(campaign, plan, stop, alpha);
     plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
 }
 
-/// One block of a stop, ns.
+/// One block of an incidence, ns.
 fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2) -> f64 {
     let (cells, starts) = (plan.cells, BLOCK as f64);
     let further = 0.4 * f64::from(campaign.trace.bounces - 1).min(3.0);

@@ -5,7 +5,7 @@ use super::start_sampler::{StartSampler, aperture_fraction};
 use crate::campaign::{Campaign, Optics, SurfaceKind};
 use crate::instrument::GridKind;
 
-/// The list of what is skipped. `tests/it/measure/skips.rs` holds each to its reason.
+/// The list of what is skipped. `tests/it/measure/skips.rs` tests each against its reason.
 pub(crate) fn skips(campaign: &Campaign, plan: &Plan) -> Vec<Saving> {
     let mut skipped = Vec::new();
     let mut skip = |what: &str, why: &str, saves: String| {

@@ -92,7 +92,7 @@ impl Apertures {
 /// cover little enough of the hemisphere.
 ///
 /// Estimated break-even: see `MOST_OF_HEMISPHERE` (`cargo bench --bench index`).
-/// Held by: `the_facet_index_changes_nothing_but_noise`.
+// Tested by `the_facet_index_changes_nothing_but_noise`.
 fn are_few(grid: &Grid, folded: &[bool]) -> bool {
     folded.iter().enumerate().all(|(stop, &folded)| {
         let fraction = aperture_fraction(&grid.regions(stop));
@@ -115,7 +115,7 @@ pub(crate) fn aperture_fraction(regions: &[Region]) -> f64 {
 /// The sort takes 25 ns a cell. At alpha 0.2, six incidences from 0 to 75 degrees, samples row by row take 5.1 times the
 /// 0.39 us of one by slope for the same error (`gonio bench configs/ggx_isotropic.toml --against rays`): 1.6 us are saved
 /// for each, which pays for the sort from a 64th of a sample a cell on.
-/// Held by: `starts_by_slope_change_nothing_but_noise`.
+// Tested by `starts_by_slope_change_nothing_but_noise`.
 fn pays_by_slope(campaign: &Campaign, samples: u64) -> bool {
     samples as f64 >= FEWEST_SAMPLES_PER_CELL * f64::from(campaign.surface.cells).powi(2)
 }
