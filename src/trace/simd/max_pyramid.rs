@@ -5,9 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::batch::RayBatch;
-use super::kernel::{HitBuffer, LaneHit};
-use super::lanes::Kernel;
+use super::hit_buffer::LaneHit;
 use super::vector::Gathered;
 use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
@@ -84,20 +82,6 @@ impl MaxPyramid {
     pub(crate) fn level_of_lanes(&self) -> usize {
         let side = self.cells_x.min(self.cells_y) / LARGEST_SHARE;
         (side.checked_ilog2().unwrap_or(0) as usize / 2).max(2)
-    }
-
-    /// Whether anything stops each ray.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
-    pub fn any_hit(&self, kernel: Kernel, rays: &RayBatch, hits: &mut HitBuffer) {
-        kernel.run::<false>(self, rays, hits);
-    }
-
-    /// What each ray meets first.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
-    pub fn closest_hit(&self, kernel: Kernel, rays: &RayBatch, hits: &mut HitBuffer) {
-        kernel.run::<true>(self, rays, hits);
     }
 }
 

@@ -4,8 +4,9 @@
 
 use super::batch::{BatchPart, LANES, RayBatch};
 use super::cell::CellCrossing;
-use super::kernel::{HitBuffer, LONGEST, RayLanes, RayOutcome};
+use super::hit_buffer::{HitBuffer, LONGEST, RayOutcome};
 use super::max_pyramid::MaxPyramid;
+use super::ray_lanes::RayLanes;
 use super::vector::Lanes;
 
 /// Room of the queue: what may be left, what is added, and what a vector writes beyond.

@@ -6,8 +6,8 @@
 use glam::DVec3;
 
 use super::batch::RayBatch;
-use super::kernel::{HitBuffer, LONGEST, LaneHit, RayOutcome};
-use super::lanes::Kernel;
+use super::dispatch::Kernel;
+use super::hit_buffer::{HitBuffer, LONGEST, LaneHit, RayOutcome};
 use super::max_pyramid::MaxPyramid;
 use crate::surface::heightfield::Corners;
 use crate::trace::ray::grid_traversal::{Facet, GridTraversal, Outcome, SurfacePoint};
@@ -121,7 +121,7 @@ impl Waves {
         ray: impl Fn(usize) -> (&'p SurfacePoint, DVec3),
     ) -> &[RayOutcome] {
         self.load(count, &ray);
-        over.lanes.any_hit(over.kernel, &self.rays, &mut self.hits);
+        over.kernel.any_hit(over.lanes, &self.rays, &mut self.hits);
         self.go_on(over, &ray);
         &self.hits.fates
     }
@@ -146,7 +146,7 @@ impl Waves {
                 let (start, d) = ray(index);
                 rays.push(&over.further(start, d, f64::from(number) * LEG), d);
             }
-            over.lanes.any_hit(over.kernel, rays, leg);
+            over.kernel.any_hit(over.lanes, rays, leg);
             for (&index, &fate) in under_way.iter().zip(&leg.fates) {
                 fates[index] = fate;
             }
@@ -173,7 +173,7 @@ impl Waves {
         mut visit: impl FnMut(usize, Outcome),
     ) {
         self.load(count, &ray);
-        over.lanes.closest_hit(over.kernel, &self.rays, &mut self.hits);
+        over.kernel.closest_hit(over.lanes, &self.rays, &mut self.hits);
         for (index, (fate, hit)) in self.hits.fates.iter().zip(&self.hits.hits).enumerate() {
             let outcome = match fate {
                 RayOutcome::Escaped => Outcome::Escaped,

@@ -64,8 +64,8 @@ fn every_kernel_gives_the_same_bits() {
             rays.iter().for_each(|(place, d)| batch.push(place, *d));
             let of = |kernel: Kernel| {
                 let (mut any, mut closest) = (HitBuffer::default(), HitBuffer::default());
-                lanes.any_hit(kernel, &batch, &mut any);
-                lanes.closest_hit(kernel, &batch, &mut closest);
+                kernel.any_hit(&lanes, &batch, &mut any);
+                kernel.closest_hit(&lanes, &batch, &mut closest);
                 assert_eq!(any.fates, closest.fates);
                 closest
             };
@@ -276,7 +276,7 @@ fn rays_of_many_legs_end_as_in_one_walk() {
         let rays: Vec<(SurfacePoint, DVec3)> = std::iter::repeat_with(|| ray(&mut rng)).take(count).collect();
         let mut batch = RayBatch::default();
         rays.iter().for_each(|(place, d)| batch.push(place, *d));
-        lanes.any_hit(Kernel::widest(), &batch, &mut first);
+        Kernel::widest().any_hit(&lanes, &batch, &mut first);
         let fates = waves.any_hit(&over, count, |k| (&rays[k].0, rays[k].1));
         let long = (0..count).filter(|&k| first.fates[k] == RayOutcome::Beyond);
         let (mut long, mut differ): (Vec<usize>, usize) = (long.collect(), 0);
@@ -310,7 +310,7 @@ fn very_long_rays_are_left_to_the_f64_walk() {
     batch.push(&place, DVec3::new(1e-30, 0.0, 1.0));
     for kernel in Kernel::ALL.into_iter().filter(|kernel| kernel.available()) {
         let mut hits = HitBuffer::default();
-        lanes.any_hit(kernel, &batch, &mut hits);
+        kernel.any_hit(&lanes, &batch, &mut hits);
         assert_eq!(hits.fates, [RayOutcome::Beyond, RayOutcome::Escaped, RayOutcome::Escaped], "{kernel:?}");
         let over = SimdTraversal::new(traversal, &lanes, kernel);
         assert_eq!(Waves::default().any_hit(&over, 1, |_| (&place, d)), [RayOutcome::Escaped]);
