@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::trace::ray::grid_traversal::{GridTraversal, Outcome, SurfacePoint};
+use crate::trace::ray::grid_traversal::GridTraversal;
+use crate::trace::ray::surface_point::{Outcome, SurfacePoint};
 use crate::trace::symmetry::PatchSymmetry;
 
 /// A patch as it lies on the stage: the field, its slope scales and which image of it. World directions are in the

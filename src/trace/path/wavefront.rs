@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::single::{Bounce, PathEnd, TracedPatch, left_map};
-use crate::trace::ray::grid_traversal::{Outcome, SurfacePoint};
+use crate::trace::ray::surface_point::{Outcome, SurfacePoint};
 use crate::trace::simd::hit_buffer::RayOutcome;
 use crate::trace::simd::traversal::{SimdTraversal, Waves};
 

@@ -6,7 +6,8 @@
 
 use glam::DVec3;
 
-use super::grid_traversal::{Facet, GridTraversal, Outcome, SurfacePoint};
+use super::field_range::FieldRange;
+use super::surface_point::{Facet, Outcome, SurfacePoint};
 use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
 
@@ -114,14 +115,14 @@ pub(crate) struct RayState<'a> {
 }
 
 impl<'a> RayState<'a> {
-    pub fn new(traversal: &GridTraversal, start: &'a SurfacePoint, d: DVec3) -> Self {
+    pub fn new(over: &FieldRange, start: &'a SurfacePoint, d: DVec3) -> Self {
         RayState {
             start,
             d,
             cell: (start.facet.x, start.facet.y),
             x: AxisSteps::new(d.x, start.u),
             y: AxisSteps::new(d.y, start.v),
-            clear_at: traversal.clear_at(start.z, d.z),
+            clear_at: over.clear_at(start.z, d.z),
             // The clearance over the start's own facet is never negative, whatever rounding says.
             entry: Crossing { t: 0.0, clearance: 0.0 },
             upper: start.facet.upper,

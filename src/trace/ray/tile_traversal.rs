@@ -8,8 +8,9 @@
 use glam::DVec3;
 
 use super::corridor::Corridors;
-use super::grid_traversal::{GridTraversal, Outcome, SurfacePoint};
+use super::field_range::FieldRange;
 use super::ray_state::{AxisSteps, RayState};
+use super::surface_point::{Outcome, SurfacePoint};
 use super::tile_peaks::Tiles;
 use crate::surface::Heightfield;
 
@@ -25,30 +26,25 @@ struct TileExit {
 /// Follows the ray from `start` along `d` to its end: bit for bit `GridTraversal::walk`, of whose field `tiles` are.
 ///
 /// Held by: `tests/it/trace/long_rays.rs`, ray by ray against `GridTraversal::walk`.
-pub(crate) fn traverse(
-    traversal: &GridTraversal,
-    tiles: &impl Tiles,
-    start: &SurfacePoint,
-    d: DVec3,
-) -> Outcome {
-    let mut way = RayState::new(traversal, start, d);
+pub(crate) fn traverse(over: &FieldRange, tiles: &impl Tiles, start: &SurfacePoint, d: DVec3) -> Outcome {
+    let mut way = RayState::new(over, start, d);
     // The start's cell is left by the walk itself: the facet under the start is not tested.
-    if let Some(outcome) = way.cross(traversal.field()) {
+    if let Some(outcome) = way.cross(over.field) {
         return outcome;
     }
-    go_on(traversal, tiles, start, way)
+    go_on(over, tiles, start, way)
 }
 
 /// Follows a ray that has left its start's cell to its end.
 pub(crate) fn go_on(
-    traversal: &GridTraversal,
+    over: &FieldRange,
     tiles: &impl Tiles,
     start: &SurfacePoint,
     mut way: RayState,
 ) -> Outcome {
-    let (field, d) = (traversal.field(), way.d);
-    let limit = traversal.step_limit(start.z, d) as f64;
-    let (lowest, highest) = traversal.range();
+    let (field, d) = (over.field, way.d);
+    let limit = over.step_limit(start.z, d) as f64;
+    let FieldRange { lowest, highest, .. } = *over;
     // Where the walk compares heights: 3 roundings of numbers up to the largest height, and a place on an edge that
     // is off by 3 roundings of the edges crossed, times the steepest slope. 2^-53 each; 2^-49 leaves room.
     let unit = 2f64.powi(-49) * (highest - lowest + highest.abs().max(lowest.abs()).max(start.z.abs()));

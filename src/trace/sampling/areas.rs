@@ -9,7 +9,7 @@ use rand_pcg::Pcg64Dxsm;
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::surface::Heightfield;
-use crate::trace::ray::grid_traversal::{Facet, SurfacePoint};
+use crate::trace::ray::surface_point::{Facet, SurfacePoint};
 
 /// Starts in a block.
 pub const BLOCK: u64 = 65_536;

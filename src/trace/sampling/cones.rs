@@ -13,7 +13,7 @@ use super::slope_index::{SlopeIndex, Slopes};
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::trace::path::single::TracedPatch;
-use crate::trace::ray::grid_traversal::{Facet, SurfacePoint};
+use crate::trace::ray::surface_point::{Facet, SurfacePoint};
 
 /// Facets that are looked at together.
 const TOGETHER: usize = 64;

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 
 use super::areas::copy_heights;
 use crate::surface::Heightfield;
-use crate::trace::ray::grid_traversal::Facet;
+use crate::trace::ray::surface_point::Facet;
 
 /// Bins along an axis of the grid: a bin's number has 16 bits.
 const SIDE: usize = 256;

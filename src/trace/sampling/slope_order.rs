@@ -13,7 +13,7 @@ use super::slope_index::{SlopeIndex, Slopes};
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::surface::Heightfield;
-use crate::trace::ray::grid_traversal::{Facet, SurfacePoint};
+use crate::trace::ray::surface_point::{Facet, SurfacePoint};
 
 /// The facets of a field, sorted by slope, under one light.
 pub struct SlopeSampler<'a> {

@@ -10,7 +10,8 @@ use super::dispatch::Kernel;
 use super::hit_buffer::{HitBuffer, LONGEST, LaneHit, RayOutcome};
 use super::max_pyramid::MaxPyramid;
 use crate::surface::heightfield::Corners;
-use crate::trace::ray::grid_traversal::{Facet, GridTraversal, Outcome, SurfacePoint};
+use crate::trace::ray::grid_traversal::GridTraversal;
+use crate::trace::ray::surface_point::{Facet, Outcome, SurfacePoint};
 use crate::trace::ray::tile_traversal;
 
 /// A field that both the lanes and the f64 walk know.
@@ -36,12 +37,12 @@ impl<'a> SimdTraversal<'a> {
     ///
     /// Held by: `tests/it/trace/long_rays.rs`.
     pub fn traverse_long(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
-        tile_traversal::traverse(&self.traversal, self.lanes, start, d)
+        tile_traversal::traverse(&self.traversal.over, self.lanes, start, d)
     }
 
     /// Whether a ray crosses more than one leg's edges before it is above everything.
     fn is_long(&self, start: &SurfacePoint, d: DVec3) -> bool {
-        self.traversal.clear_at(start.z, d.z) * (d.x.abs() + d.y.abs()) > f64::from(LONGEST)
+        self.traversal.over.clear_at(start.z, d.z) * (d.x.abs() + d.y.abs()) > f64::from(LONGEST)
     }
 
     /// The point of a ray after about so many `edges`, over the facet there.
