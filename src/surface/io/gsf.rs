@@ -3,7 +3,7 @@
 //! The header is the line `Gwyddion Simple Field 1.0` and lines `name = value`: XRes, YRes (samples), XReal, YReal
 //! (size of the field), XYUnits, ZUnits. Source: the format's specification in Gwyddion's user guide.
 
-use super::map_file::{MapFile, Stored};
+use super::samples::{MapSamples, Stored};
 use super::units;
 use crate::text_decoding::decode_text_or_latin1;
 
@@ -18,7 +18,7 @@ const LONGEST_HEADER: usize = 1 << 16;
 ///
 /// Pitches are XReal/XRes and YReal/YRes in the unit of the heights: both units must be lengths (with an SI prefix), or
 /// both be left out. Held by: `a_gwyddion_field_reads_with_its_pitches`.
-pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
+pub fn read(bytes: &[u8]) -> Result<MapSamples, String> {
     let head = &bytes[..bytes.len().min(LONGEST_HEADER)];
     let end = head.iter().position(|&byte| byte == 0).ok_or("GSF: the header does not end")?;
     let text = decode_text_or_latin1(&head[..end])?;
@@ -67,7 +67,7 @@ pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
     let pitch = sizes.map(|(_, size)| Some(size? * ratio?));
     let unit_um = units::metres(height).map(|metres| 1e6 * metres);
     let heights = data.as_chunks::<4>().0.iter().map(|chunk| f64::from(f32::from_le_bytes(*chunk))).collect();
-    Ok(MapFile { pitch, unit_um, no_pitch, ..MapFile::new(columns, rows, heights, Stored::Single) })
+    Ok(MapSamples { pitch, unit_um, no_pitch, ..MapSamples::new(columns, rows, heights, Stored::Single) })
 }
 
 #[cfg(test)]

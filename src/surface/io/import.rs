@@ -14,10 +14,10 @@ use crate::files;
 use crate::files::memory;
 
 use super::map_file;
-use super::map_file::{MapFile, Stored};
 use super::outliers;
 use super::refine;
 use super::refine::{AGREEMENT, AUTO_CELLS, Cuts, Refined};
+use super::samples::{MapSamples, Stored};
 use crate::surface::Heightfield;
 
 /// Fewest cells along a side.
@@ -88,14 +88,14 @@ pub fn load_patch(path: &Path) -> Result<PatchFile> {
     Ok(PatchFile { field, pitch_x, pitch_y })
 }
 
-fn read(path: &Path) -> Result<MapFile> {
+fn read(path: &Path) -> Result<MapSamples> {
     let bytes = files::read(path)?;
     let wrong = |why: String| Error::format(path, why);
     memory::check_file(path, map_file::needed(&bytes).map_err(wrong)?)?;
     map_file::read(&bytes).map_err(wrong)
 }
 
-fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap, String> {
+fn import(map: &HeightMap, mut file: MapSamples) -> std::result::Result<ImportedMap, String> {
     let [own_x, own_y] = file.pitch;
     let no_pitch = |name: &str| match &file.no_pitch {
         Some(why) => format!("{why}; give surface.file.pitch_x_um, pitch_y_um and height_unit_um"),
@@ -253,7 +253,7 @@ fn positive(name: &str, value: f64) -> std::result::Result<f64, String> {
 }
 
 /// Cells along x and y.
-fn check_size(file: &MapFile, periodic: bool) -> std::result::Result<(usize, usize), String> {
+fn check_size(file: &MapSamples, periodic: bool) -> std::result::Result<(usize, usize), String> {
     let extra = usize::from(!periodic);
     let (x, y) = (file.columns.saturating_sub(extra), file.rows.saturating_sub(extra));
     if x < MIN_CELLS || y < MIN_CELLS {
@@ -263,7 +263,7 @@ fn check_size(file: &MapFile, periodic: bool) -> std::result::Result<(usize, usi
 }
 
 /// Refuses an f32 map whose offset has eaten the relief: fewer than 16 bits between lowest and highest.
-fn check_precision(file: &MapFile) -> std::result::Result<(), String> {
+fn check_precision(file: &MapSamples) -> std::result::Result<(), String> {
     let fold = |f: fn(f64, f64) -> f64, start| file.heights.iter().fold(start, |a, &h| f(a, h));
     let (low, high) = (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY));
     let largest = low.abs().max(high.abs()) as f32;
@@ -337,10 +337,10 @@ mod tests {
         }
     }
 
-    fn file(columns: usize, rows: usize, height: impl Fn(f64, f64) -> f64) -> MapFile {
+    fn file(columns: usize, rows: usize, height: impl Fn(f64, f64) -> f64) -> MapSamples {
         let at = |i: usize| height((i % columns) as f64, (i / columns) as f64);
         let heights = (0..columns * rows).map(at).collect();
-        MapFile::new(columns, rows, heights, Stored::Exact)
+        MapSamples::new(columns, rows, heights, Stored::Exact)
     }
 
     #[test]
