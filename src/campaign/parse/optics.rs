@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::artist::Artist;
 use super::index_file;
 use super::index_file::{Dispersion, ETA, K, WAVELENGTH};
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
@@ -30,14 +29,14 @@ pub(crate) struct Around<'a> {
     pub orders: Option<u32>,
 }
 
-/// Reads `[optics]`; an artist's surface brings its own.
-pub(crate) fn optics(slot: &Slot<'_>, artist: Option<Artist>, around: &Around<'_>) -> Option<Optics> {
-    match (slot.given(), artist) {
+/// Reads `[optics]`; `artist_f0` is what the facets of `[surface.artist]` reflect.
+pub(crate) fn optics(slot: &Slot<'_>, artist_f0: Option<[f64; 3]>, around: &Around<'_>) -> Option<Optics> {
+    match (slot.given(), artist_f0) {
         (Some(item), None) => given(item.table()?, around),
         (Some(item), Some(_)) => {
             item.refuse("[surface.artist] says what the facets reflect; leave out one of the two")
         }
-        (None, Some(Artist { f0 })) => Some(Optics::Schlick { material: None, f0 }),
+        (None, Some(f0)) => Some(Optics::Schlick { material: None, f0 }),
         (None, None) => Some(Optics::PerfectMirror),
     }
 }

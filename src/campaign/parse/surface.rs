@@ -4,7 +4,6 @@ use std::path::{Component, Path, PathBuf};
 
 use super::angles::{AZIMUTH, reduced};
 use super::artist;
-use super::artist::Artist;
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use crate::campaign::schema::{
     Alpha, Detrend, HeightMap, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind,
@@ -60,8 +59,9 @@ struct PatchKeys<'a> {
     mirror_images: Slot<'a>,
 }
 
-/// Reads `[surface]`; height maps are looked for in `folder`. `artist` gets the material of `[surface.artist]`.
-pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<Surface> {
+/// Reads `[surface]`; height maps are looked for in `folder`. `artist_f0` gets the reflectance of
+/// `[surface.artist]`.
+pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist_f0: &mut Option<[f64; 3]>) -> Option<Surface> {
     let [realisations, cells, correlation_cells, rotation, mirror_images, kinds @ ..] = slot.table()?.keys([
         "realisations",
         "cells",
@@ -79,7 +79,7 @@ pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist: &mut Option<Artist
         "blinn_phong",
     ]);
     let given: Vec<&GivenValue<'_>> = kinds.iter().filter_map(Slot::given).collect();
-    let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder, artist)).collect();
+    let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder, artist_f0)).collect();
     let rotation_deg = rotation.or(0.0, rotation_deg);
     let keys = PatchKeys { realisations, cells, correlation_cells, mirror_images };
     let kind = match given[..] {
@@ -185,11 +185,11 @@ fn made_or_measured(
     })
 }
 
-fn kind(item: &GivenValue<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<SurfaceKind> {
+fn kind(item: &GivenValue<'_>, folder: &Path, artist_f0: &mut Option<[f64; 3]>) -> Option<SurfaceKind> {
     match item.name() {
         "artist" => {
-            let (alpha, material) = artist::artist(item.table()?)?;
-            *artist = Some(material);
+            let (alpha, f0) = artist::artist(item.table()?)?;
+            *artist_f0 = Some(f0);
             Some(SurfaceKind::Ggx(vec![alpha]))
         }
         "ggx" => alphas(item.table()?).map(SurfaceKind::Ggx),
