@@ -3,10 +3,14 @@
 pub mod angle_text;
 pub mod arms;
 pub mod bins;
+pub mod cone;
 pub mod grid;
 pub mod klems;
+pub mod symmetry;
 
 pub use angle_text::{StopAngles, angle_decimals};
-pub use arms::{direction_in_cone, grid_of};
+pub use arms::grid_of;
 pub use bins::Sensor;
+pub use cone::direction_in_cone;
 pub use grid::{Grid, GridKind, Region};
+pub use symmetry::folded_stops;

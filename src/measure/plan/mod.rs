@@ -13,7 +13,7 @@ use super::persist::shard::Shard;
 use crate::campaign::{Azimuth, Campaign, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files::memory::memory_limit;
-use crate::instrument::{Grid, GridKind, grid_of};
+use crate::instrument::{Grid, GridKind, folded_stops, grid_of};
 use crate::sphere;
 use crate::surface::io::import::ABSURD_SDQ;
 use crate::trace::BLOCK;
@@ -274,16 +274,4 @@ fn dealt(campaign: &Campaign, grid: &Grid, shard: Shard) -> Result<Vec<usize>> {
 /// A count as it is reported: what exceeds 64 bits is refused or takes for ever in any case.
 pub(super) fn saturated(count: u128) -> u64 {
     count.try_into().unwrap_or(u64::MAX)
-}
-
-/// For each stop, whether the surface's law is its own mirror image about the plane of incidence and arrivals are
-/// therefore counted on both sides.
-pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
-    let symmetric = campaign.surface.kind.alphas().is_some();
-    let along_an_axis = |stop: usize| {
-        let phi = sphere::reduced_deg(grid.stop_deg(stop).1 - campaign.surface.rotation_deg);
-        campaign.light.azimuth != Azimuth::Relative && phi % 90.0 == 0.0
-    };
-    let folds = |stop: usize| campaign.is_isotropic() || along_an_axis(stop);
-    (0..grid.stops()).map(|stop| campaign.trace.fold && symmetric && folds(stop)).collect()
 }
