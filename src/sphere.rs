@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 ///
 /// - `deg`: finite. Reduced by whole quarter turns before any rounding: sin_cos_deg(360 + x) = sin_cos_deg(x).
 /// - Numerics: above 45 degrees the complement is taken, so that cos(89.99) keeps every digit of 90 - 89.99.
-/// - Held by: `right_angles_are_exact`.
+// Tested by `right_angles_are_exact`.
 pub fn sin_cos_deg(deg: f64) -> (f64, f64) {
     let turn = deg.rem_euclid(360.0);
     let quadrant = (turn / 90.0).floor();

@@ -46,7 +46,7 @@ pub const NAMES_WITH_INDEX: [&str; 8] =
 /// From measured tables: P. B. Johnson, R. W. Christy, Phys. Rev. B 6, 4370 (1972) and 9, 5056 (1974); A. D. Rakic, Appl.
 /// Opt. 34, 4755 (1995); G. M. Hale, M. R. Querry, Appl. Opt. 12, 555 (1973); rows as the refractiveindex.info database
 /// (CC0) has them. Glass, plastic, skin, hair and stone are families without one index.
-/// Held by: `indices_reflect_as_the_names_do`.
+// Tested by `indices_reflect_as_the_names_do`.
 pub fn index_of(name: &str) -> Option<Vec<Medium>> {
     let rows: &[[f64; 3]] = match name {
         "gold" => &GOLD,

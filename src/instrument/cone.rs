@@ -9,7 +9,7 @@ use crate::sphere;
 /// In polar coordinates (psi, eta) about the axis the density is (cos psi cos t + sin psi sin t cos eta) sin psi,
 /// t the axis's polar angle: sin^2 psi is uniform on [0, sin^2 a], and eta has density 1 + k cos eta with
 /// k = tan psi tan t <= 1 for a cone above the horizon. `u`, `v` in [0, 1).
-/// Held by: `the_light_cone_is_uniform_in_projected_solid_angle`.
+// Tested by `the_light_cone_is_uniform_in_projected_solid_angle`.
 pub fn direction_in_cone(axis: DVec3, half_angle: f64, u: f64, v: f64) -> DVec3 {
     if half_angle == 0.0 {
         return axis;

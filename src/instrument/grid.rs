@@ -98,7 +98,8 @@ impl Region {
     /// Integral of cos(theta) over the region, sr.
     ///
     /// Rectangle: dphi (sin^2 t2 - sin^2 t1)/2 = dphi sin(t2 + t1) sin(t2 - t1)/2. Cap: pi sin^2(a) axis.z.
-    /// Both forms are free of cancellation. Held by: `projected_solid_angles_sum_to_pi`, `a_cap_is_a_projected_disc`.
+    /// Both forms are free of cancellation.
+    // Tested by `projected_solid_angles_sum_to_pi`, `a_cap_is_a_projected_disc`.
     pub fn projected_solid_angle(&self) -> f64 {
         match *self {
             Region::Rectangle { theta: [t1, t2], phi: [p1, p2] } => {
@@ -163,8 +164,7 @@ impl Grid {
 
     /// The same sensor at some of the stops, as a list; regions and directions of a stop stay what they are. Half
     /// vectors are no stops: their grid is `None`.
-    ///
-    /// Held by: `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
+    // Tested by `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
     pub fn of_stops(&self, stops: impl IntoIterator<Item = usize>) -> Option<Grid> {
         let listed = |stop: usize| <[f64; 2]>::from(self.stop_deg(stop));
         let (theta_i_deg, phi_i_deg) = (Vec::new(), Vec::new());
@@ -178,8 +178,8 @@ impl Grid {
 
     /// The arms (wi, wo) of a half vector and a difference: unit vectors, either of which may lie below the horizon.
     ///
-    /// wi = R_z(phi_h) R_y(theta_h) d, wo = 2 (wi.h) h - wi. Source: Rusinkiewicz 1998. Held by:
-    /// `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
+    /// wi = R_z(phi_h) R_y(theta_h) d, wo = 2 (wi.h) h - wi. Source: Rusinkiewicz 1998.
+    // Tested by `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
     pub fn arms_of_half(&self, row: usize, column: usize) -> (DVec3, DVec3) {
         let (theta_h, phi_h) = self.stop_deg(row);
         let count = self.phi_d_deg.len();

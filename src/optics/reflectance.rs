@@ -31,8 +31,7 @@ impl Reflectance {
     }
 
     /// The reflectance at an angle, [0, 1].
-    ///
-    /// Held by: `s_and_p_add_up_to_unpolarised_light`.
+    // Tested by `s_and_p_add_up_to_unpolarised_light`.
     pub fn at(&self, angle: FacetAngle) -> f64 {
         match self.field {
             Field::Both => self.fresnel.reflectance(angle),

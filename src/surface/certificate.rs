@@ -120,8 +120,8 @@ impl SlopeCounts {
 
     /// Kolmogorov-Smirnov distance of all facets together from the law, `None` without facets.
     ///
-    /// Looked at between bins only: too small by at most 1/10,000. Held by:
-    /// `pooled_counts_give_the_distance_of_all_facets`.
+    /// Looked at between bins only: too small by at most 1/10,000.
+    // Tested by `pooled_counts_give_the_distance_of_all_facets`.
     pub fn ks(&self) -> Option<f64> {
         let all: u64 = self.counts.iter().sum();
         let (mut below, mut largest) = (0, 0.0f64);

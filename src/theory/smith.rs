@@ -73,7 +73,8 @@ impl ArmSide {
     /// Smith's Lambda, [0, inf]; infinite at the horizon.
     ///
     /// GGX: s^2/(2 cos (cos + sqrt(cos^2 + s^2))) with s^2 = (ax wx)^2 + (ay wy)^2.
-    /// Source: Heitz 2014, eq. 72 (isotropic). Held by: `every_reference_value_is_met`.
+    /// Source: Heitz 2014, eq. 72 (isotropic).
+    // Tested by `every_reference_value_is_met`.
     pub fn lambda(&self) -> f64 {
         self.projected_lambda / self.cos
     }
@@ -89,13 +90,14 @@ impl ArmSide {
     }
 }
 
-/// G1(wi) G1(wo), [0, 1]. Source: Heitz 2014, eq. 98. Held by: `every_reference_value_is_met`.
+/// G1(wi) G1(wo), [0, 1]. Source: Heitz 2014, eq. 98.
+// Tested by `every_reference_value_is_met`.
 pub fn g2_separable(i: &ArmSide, o: &ArmSide) -> f64 {
     i.g1() * o.g1()
 }
 
 /// 1/(1 + Li + Lo), [0, 1]; 0 where one arm is at the horizon. Source: Heitz 2014, eq. 99.
-/// Held by: `every_reference_value_is_met`.
+// Tested by `every_reference_value_is_met`.
 pub fn g2_correlated(i: &ArmSide, o: &ArmSide) -> f64 {
     let cosines = i.cos * o.cos;
     cosines / (cosines + (o.cos * i.projected_lambda + i.cos * o.projected_lambda))
@@ -104,7 +106,8 @@ pub fn g2_correlated(i: &ArmSide, o: &ArmSide) -> f64 {
 /// 1/(1 + max(Li, Lo) + lambda min(Li, Lo)), [0, 1]; lambda as in `direction_decorrelation`.
 ///
 /// Equals G1 of the lower arm where the azimuths coincide, and tends to the height-correlated form far from there.
-/// Source: van Ginneken et al. 1998 as used in Heitz 2014. Held by: `coinciding_arms_mask_once`.
+/// Source: van Ginneken et al. 1998 as used in Heitz 2014.
+// Tested by `coinciding_arms_mask_once`.
 pub fn g2_direction_correlated(i: &ArmSide, o: &ArmSide) -> f64 {
     4.0 * i.cos * o.cos * visibility(Masking::DirectionCorrelated, i, o)
 }
@@ -126,7 +129,7 @@ fn direction_decorrelation(i: &ArmSide, o: &ArmSide) -> f64 {
 /// - Domain: cosines >= 0; not both 0, and for `Masking::None` neither, where V is infinite.
 /// - Swapping the arms gives the same bits.
 /// - Numerics: sums of positives; no quotient by a cosine of an arm alone, so the grazing limit needs no care.
-/// - Held by: `every_reference_value_is_met`, `visibility_is_finite_when_one_arm_grazes`.
+// Tested by `every_reference_value_is_met`, `visibility_is_finite_when_one_arm_grazes`.
 pub fn visibility(masking: Masking, i: &ArmSide, o: &ArmSide) -> f64 {
     let cosines = i.cos * o.cos;
     let (a, b) = (o.cos * i.projected_lambda, i.cos * o.projected_lambda);
@@ -171,7 +174,7 @@ fn student_projected_lambda(cos: f64, s2: f64, gamma: f64) -> f64 {
 /// - Numerics: relative error 6e-16 at most against 170 values of 40 digits and more, a from 1e-4 to 26.
 /// - Cost: about 12 ns below a = 1, 70 ns above.
 /// - Source: Heitz 2014, section on Beckmann; Walter et al. 2007.
-/// - Held by: `beckmann_lambda_matches_forty_digits`.
+// Tested by `beckmann_lambda_matches_forty_digits`.
 pub fn beckmann_lambda(a: f64) -> f64 {
     beckmann_a_lambda(a) / a
 }

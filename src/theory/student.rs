@@ -17,7 +17,7 @@ use statrs::function::beta::{beta_reg, ln_beta};
 ///   digits: the logarithms of Gamma, and a difference that loses a factor 2 a^2 at most.
 /// - Cost: about 1 us.
 /// - Source: the moments of Student's t; GGX at power = 1: (sqrt(1 + a^2) - a)/2.
-/// - Held by: `students_lambda_matches_a_hundred_digits`, `students_lambda_with_power_one_is_that_of_ggx`.
+// Tested by `students_lambda_matches_a_hundred_digits`, `students_lambda_with_power_one_is_that_of_ggx`.
 pub fn student_a_lambda(a: f64, power: f64) -> f64 {
     let a2 = a * a;
     let log_x = -(a2 / power).ln_1p();

@@ -14,7 +14,7 @@ use crate::sphere;
 ///   (w.m > 0). An arm in the horizon gives 0.
 /// - Returns [0, 1]. Symmetric in the arms to the bit.
 /// - Source: Torrance and Sparrow 1967; Cook and Torrance 1982.
-/// - Held by: `groove_flux_agrees_with_brute_force`.
+// Tested by `groove_flux_agrees_with_brute_force`.
 pub fn torrance_sparrow_g(m: DVec3, wi: DVec3, wo: DVec3) -> f64 {
     let open = |w: DVec3| 2.0 * m.z * w.z / w.dot(m);
     open(wi).min(open(wo)).min(1.0)
@@ -37,7 +37,7 @@ pub struct GrooveLobe {
 /// - `slope`: > 0. `rotation`: rad, counter-clockwise seen from +z. `wi`: unit vector, wi.z > 0.
 /// - Invariant: the two fluxes add up to at most 1; the rest meets the opposite side.
 /// - Source: Torrance and Sparrow 1967.
-/// - Held by: `groove_flux_agrees_with_brute_force`, `a_shallow_groove_reflects_all`.
+// Tested by `groove_flux_agrees_with_brute_force`, `a_shallow_groove_reflects_all`.
 pub fn v_groove_lobes(slope: f64, rotation: f64, wi: DVec3) -> [GrooveLobe; 2] {
     debug_assert!(slope > 0.0 && wi.z > 0.0);
     let turn = rotation.sin_cos();

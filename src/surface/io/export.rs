@@ -1,6 +1,5 @@
 //! Patches as files: EXR with pitches, or NPY; f32, row 0 at y = 0, the same bytes from every run.
-//!
-//! Held by: `exported_heights_come_back_bit_for_bit`.
+// Tested by `exported_heights_come_back_bit_for_bit`.
 
 use crate::error::{Error, Result};
 use crate::files::image::{Attribute, ImagePart, Samples};

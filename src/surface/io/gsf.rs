@@ -17,7 +17,8 @@ const LONGEST_HEADER: usize = 1 << 16;
 /// Reads a field; row 0 of the file is y = 0.
 ///
 /// Pitches are XReal/XRes and YReal/YRes in the unit of the heights: both units must be lengths (with an SI prefix), or
-/// both be left out. Held by: `a_gwyddion_field_reads_with_its_pitches`.
+/// both be left out.
+// Tested by `a_gwyddion_field_reads_with_its_pitches`.
 pub fn read(bytes: &[u8]) -> Result<MapSamples, String> {
     let head = &bytes[..bytes.len().min(LONGEST_HEADER)];
     let end = head.iter().position(|&byte| byte == 0).ok_or("GSF: the header does not end")?;

@@ -66,8 +66,8 @@ pub struct PatchFile {
 /// Reads a measured map.
 ///
 /// Scaling heights and pitches by one power of two leaves every slope as it was, bit for bit.
-/// Held by: `scaling_by_a_power_of_two_keeps_every_slope_bit_for_bit`,
-/// `an_offset_in_f64_changes_nothing_and_in_f32_is_refused`.
+// Tested by `scaling_by_a_power_of_two_keeps_every_slope_bit_for_bit`,
+// `an_offset_in_f64_changes_nothing_and_in_f32_is_refused`.
 pub fn load(map: &HeightMap) -> Result<ImportedMap> {
     let path = &map.resolved_path;
     let file = read(path)?;

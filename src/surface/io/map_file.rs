@@ -17,8 +17,7 @@ const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 
 /// The most bytes of memory that reading these bytes may take, besides themselves: heights in f64, and a copy of them that
 /// is sorted for outliers.
-///
-/// Held by: tests/process/bombs.rs.
+// Tested by tests/process/bombs.rs.
 pub fn needed(bytes: &[u8]) -> Result<u64, String> {
     let length = bytes.len() as u64;
     Ok(if exr_header::is_exr(bytes) {

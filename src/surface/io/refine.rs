@@ -102,8 +102,7 @@ pub struct Refined {
 }
 
 /// Refines by `steps`, a power of two, or as far as the cuts ask for and `AUTO_CELLS` allows.
-///
-/// Held by: `a_map_and_its_mirror_image_have_mirrored_slopes`, `refinement_goes_as_far_as_the_cuts_ask`.
+// Tested by `a_map_and_its_mirror_image_have_mirrored_slopes`, `refinement_goes_as_far_as_the_cuts_ask`.
 pub fn refine(field: Heightfield, alpha: DVec2, steps: Option<u32>) -> Result<Refined, String> {
     let before = Cuts::of(&field, alpha);
     let cells = |steps: usize| (field.cells_x() * field.cells_y()).saturating_mul(steps * steps);

@@ -23,7 +23,8 @@ struct PointGrid {
     step: [f64; 2],
 }
 
-/// Reads a map; rows are turned so that x and y grow. Held by: `every_order_of_the_points_is_one_map`.
+/// Reads a map; rows are turned so that x and y grow.
+// Tested by `every_order_of_the_points_is_one_map`.
 pub fn read(text: &str) -> Result<MapSamples, String> {
     gridded("XYZ", points(text, 0))
 }

@@ -32,7 +32,7 @@ impl SlopeLaw {
     /// Probability that the slope's length is below `length` >= 0.
     ///
     /// GGX: r^2/(1 + r^2). Beckmann: 1 - exp(-r^2). Student: 1 - (1 + r^2/power)^-power.
-    /// Held by: `length_law_and_quantile_are_inverse`.
+    // Tested by `length_law_and_quantile_are_inverse`.
     pub fn length_cdf(self, length: f64) -> f64 {
         let r2 = length * length;
         match self {
@@ -54,8 +54,7 @@ impl SlopeLaw {
     }
 
     /// The square of `length_quantile`, in the precision of a patch's heights.
-    ///
-    /// Held by: `length_law_and_quantile_are_inverse`.
+    // Tested by `length_law_and_quantile_are_inverse`.
     #[inline]
     pub fn squared_quantile(self, u: f32) -> f32 {
         match self {

@@ -36,8 +36,7 @@ pub struct SmithWalk {
 
 impl SmithWalk {
     /// Follows a path of light from `wi` (sample's frame, wi.z > 0) through at most `bounces` orders.
-    ///
-    /// Held by: `order_one_is_the_formula_with_both_height_rules` (tests/it/validate/smith_surface.rs).
+    // Tested by `order_one_is_the_formula_with_both_height_rules` (tests/it/validate/smith_surface.rs).
     pub fn trace(&self, wi: DVec3, bounces: u32, rng: &mut Pcg64Dxsm, visit: &mut impl Bounce) -> PathEnd {
         let mut back = wi;
         // From above everything, down: a collision is certain.

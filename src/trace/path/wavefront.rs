@@ -64,8 +64,7 @@ impl PathWaves {
     ///
     /// `over` is a lane traversal over the field of all views. Directions are f64; only the question of what a ray meets
     /// is f32's.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs` against `TracedPatch::trace`.
+    // Tested by `tests/it/trace/lanes.rs` against `TracedPatch::trace`.
     pub fn trace<B: Bounce>(
         &mut self,
         over: &SimdTraversal,

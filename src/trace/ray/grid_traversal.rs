@@ -54,16 +54,14 @@ impl<'a> GridTraversal<'a> {
     }
 
     /// Follows the ray from `start` along `d` (any length, field coordinates) to its end.
-    ///
-    /// Held by: `tests/it/trace/watertight.rs` against a loop over all facets.
+    // Tested by `tests/it/trace/watertight.rs` against a loop over all facets.
     pub fn traverse(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
         self.traverse_counted(start, d, &mut 0)
     }
 
     /// As `walk`, and adds the cells that the ray is followed through one by one, the first one included, to `cells`:
     /// all that it meets, where there are no peaks.
-    ///
-    /// Held by: `a_ray_crosses_as_many_cells_as_its_rise_over_the_patch_says`.
+    // Tested by `a_ray_crosses_as_many_cells_as_its_rise_over_the_patch_says`.
     #[inline]
     pub fn traverse_counted(&self, start: &SurfacePoint, d: DVec3, cells: &mut u64) -> Outcome {
         let mut way = RayState::new(&self.over, start, d);

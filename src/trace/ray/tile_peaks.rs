@@ -11,8 +11,7 @@ pub(crate) trait Tiles {
 }
 
 /// The tiles of a field that has no lanes: 8 (1 + 1/16 + ...) bytes a cell, fewer than those have.
-///
-/// Held by: `every_level_holds_the_highest_corner_of_its_cells`.
+// Tested by `every_level_holds_the_highest_corner_of_its_cells`.
 #[derive(Debug, Clone)]
 pub struct TilePeaks {
     /// For each level, tiles in a row and the highest corner of each tile, row by row.

@@ -24,8 +24,7 @@ struct TileExit {
 }
 
 /// Follows the ray from `start` along `d` to its end: bit for bit `GridTraversal::walk`, of whose field `tiles` are.
-///
-/// Held by: `tests/it/trace/long_rays.rs`, ray by ray against `GridTraversal::walk`.
+// Tested by `tests/it/trace/long_rays.rs`, ray by ray against `GridTraversal::walk`.
 pub(crate) fn traverse(over: &FieldRange, tiles: &impl Tiles, start: &SurfacePoint, d: DVec3) -> Outcome {
     let mut way = RayState::new(over, start, d);
     // The start's cell is left by the walk itself: the facet under the start is not tested.

@@ -40,7 +40,7 @@ impl<'a> ConeSampler<'a> {
     /// of `axes` (all in the sample's frame). Conservative: some of them do not.
     ///
     /// - Domain: wi.z > 0; the cones lie above the horizon, half-angle below 90 degrees (radians).
-    /// - Held by: `no_wanted_facet_is_left_out`, `the_facet_index_changes_nothing_but_noise`.
+    // Tested by `no_wanted_facet_is_left_out`, `the_facet_index_changes_nothing_but_noise`.
     pub fn new(
         index: &'a SlopeIndex,
         sample: TracedPatch<'a>,

@@ -41,8 +41,7 @@ pub struct Slopes {
 
 impl SlopeIndex {
     /// Sorts the facets of `field`, by counting; `None` for an open field, or one with more than 2^32 facets.
-    ///
-    /// Held by: `every_facet_stands_in_the_bin_of_its_slope`.
+    // Tested by `every_facet_stands_in_the_bin_of_its_slope`.
     pub fn new(field: &Heightfield) -> Option<Self> {
         let (cells_x, cells_y) = (field.cells_x(), field.cells_y());
         let count = u32::try_from(2 * cells_x * cells_y).ok().filter(|_| field.is_periodic())?;

@@ -47,7 +47,7 @@ impl<'a> SlopeSampler<'a> {
     /// Such bins turn 1e-4 of the whole area to the light (4e-5 at alpha 0.1 and 60 degrees, 4e-4 at 0.8 and 85). At
     /// 4096^2, one facet of 16, a block's whole area has a standard error of 1e-5 to 8e-5 of it: its 65,536 starts have
     /// one of some 2e-3.
-    /// Held by: `areas_looked_at_in_steps_are_exact_in_the_mean`.
+    // Tested by `areas_looked_at_in_steps_are_exact_in_the_mean`.
     pub fn new(index: &'a SlopeIndex, field: &'a Heightfield, light: DVec3, stream: &mut Pcg64Dxsm) -> Self {
         let facets = 2 * field.cells_x() * field.cells_y();
         let step = facets.div_ceil(FACETS_LOOKED_AT);
@@ -174,8 +174,7 @@ impl BatchedStarts {
 
     /// Calls `visit` with every start and its block, in the order of the places: for each block the same starts in the
     /// same order as if it were alone.
-    ///
-    /// Held by: `blocks_together_start_where_each_starts_alone`.
+    // Tested by `blocks_together_start_where_each_starts_alone`.
     pub fn each(
         mut self,
         index: &SlopeIndex,

@@ -34,8 +34,7 @@ impl<'a> SimdTraversal<'a> {
     }
 
     /// The f64 walk of a ray that is too long for the lanes: the answer of `GridTraversal::walk`, sooner.
-    ///
-    /// Held by: `tests/it/trace/long_rays.rs`.
+    // Tested by `tests/it/trace/long_rays.rs`.
     pub fn traverse_long(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
         tile_traversal::traverse(&self.traversal.over, self.lanes, start, d)
     }
@@ -113,8 +112,7 @@ pub struct Waves {
 
 impl Waves {
     /// Whether each of `count` rays is blocked, in order; `Beyond` is left for rays that even the f64 walk loses.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs`.
+    // Tested by `tests/it/trace/lanes.rs`.
     pub fn any_hit<'p>(
         &mut self,
         over: &SimdTraversal,
@@ -164,8 +162,7 @@ impl Waves {
     }
 
     /// What each of `count` rays meets first: calls `visit` with index and outcome, in order.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs`.
+    // Tested by `tests/it/trace/lanes.rs`.
     pub fn closest_hit<'p>(
         &mut self,
         over: &SimdTraversal,

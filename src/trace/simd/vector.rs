@@ -8,8 +8,7 @@ pub(crate) struct Gathered(Vec<f32>);
 
 impl Gathered {
     /// The table of 1 to 2^31 values; another number is a fault of the program.
-    ///
-    /// Held by: `an_empty_table_cannot_be_gathered_from`.
+    // Tested by `an_empty_table_cannot_be_gathered_from`.
     pub fn new(values: Vec<f32>) -> Self {
         assert!((1..=1usize << 31).contains(&values.len()), "{} values to gather from", values.len());
         Gathered(values)
