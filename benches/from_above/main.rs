@@ -93,7 +93,7 @@ fn main() {
             let mut rng = numbers(replicate);
             by_slope.add(|| {
                 let starts = SlopeSampler::new(&index, &field, light, &mut rng);
-                let flux = starts.share(BLOCK);
+                let flux = starts.flux_fraction(BLOCK);
                 let (mut together, mut places) = (BatchedStarts::default(), Vec::new());
                 together.add(&starts, BLOCK, rng);
                 together.each(&index, &field, |_, place| places.push(place));

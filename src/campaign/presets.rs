@@ -62,7 +62,7 @@ const PRESETS: [Preset; 7] = [
         name: "klems_full",
         source: "Klems and Warner 1995 (LBNL full basis), as Radiance's bsdf_m.c has it",
         emulated: "145 patches of the sensor, light from the middles of the same 145 patches",
-        left_out: "the mean over the patch of the light: a lobe narrower than 10 degrees falls between the stops",
+        left_out: "the mean over the patch of the light: a lobe narrower than 10 degrees falls between the incidences",
     },
     Preset {
         name: "in_plane",

@@ -1,4 +1,4 @@
-//! 3. The goniometer: where the light stands, and which sensor bins a direction falls into.
+//! The goniometer: from where light comes, and which sensor bins a direction falls into.
 
 pub mod angle_text;
 pub mod arms;

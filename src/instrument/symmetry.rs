@@ -4,8 +4,8 @@ use super::grid::Grid;
 use crate::campaign::{Azimuth, Campaign};
 use crate::sphere;
 
-/// For each stop, whether the surface's law is its own mirror image about the plane of incidence and arrivals are
-/// therefore counted on both sides.
+/// For each incidence, whether the surface's law is its own mirror image about the plane of incidence, so that light
+/// that arrives is counted on both sides.
 pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
     let symmetric = campaign.surface.kind.alphas().is_some();
     let along_an_axis = |stop: usize| {

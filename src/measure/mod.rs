@@ -1,4 +1,4 @@
-//! 5. The measurement: surface, instrument and trace put together, block by block.
+//! The measurement: surface, instrument and trace put together, block by block.
 
 pub mod accumulate;
 mod block;

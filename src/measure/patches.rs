@@ -12,7 +12,7 @@ use crate::rng::{self, Purpose, StreamId};
 use crate::surface::io::import;
 use crate::surface::io::import::ImportedMap;
 use crate::surface::{Heightfield, SlopeLaw, Spectrum, Synthesiser};
-use crate::trace::{WalkLaw, Window};
+use crate::trace::Window;
 
 /// Where a campaign's patches come from.
 pub enum Patches {
@@ -42,7 +42,7 @@ pub enum Patches {
     /// No heights at all.
     Statistical {
         /// Law of the slopes.
-        law: WalkLaw,
+        law: SmithNdf,
         /// Whether a path leaves from a height drawn anew.
         independent_heights: bool,
     },
@@ -65,7 +65,7 @@ pub enum Specimen {
     /// Nothing but a law; groups of paths stand for realisations.
     Statistical {
         /// Law of the slopes.
-        law: WalkLaw,
+        law: SmithNdf,
         /// Whether a path leaves from a height drawn anew.
         independent_heights: bool,
     },
@@ -93,7 +93,7 @@ impl Patches {
         }
         Ok(match &surface.kind {
             SurfaceKind::Smith(smith) => Patches::Statistical {
-                law: if smith.ndf == SmithNdf::Ggx { WalkLaw::Ggx } else { WalkLaw::Beckmann },
+                law: smith.ndf,
                 independent_heights: smith.heights == SmithHeights::Independent,
             },
             SurfaceKind::Ggx(_)

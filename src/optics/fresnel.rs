@@ -1,7 +1,7 @@
 //! Fresnel reflectance of a facet: Schlick's approximation, exact dielectric and conductor, s and p apart.
 //!
-//! Enters: the angle between an arm and the facet's normal, as (cos, sin^2), each to full relative accuracy.
-//! Leaves: reflectance in [0, 1]. Every form below avoids the difference of nearly equal numbers, so neither
+//! Input: the angle between an arm and the facet's normal, as (cos, sin^2), each to full relative accuracy.
+//! Output: reflectance in [0, 1]. Every form below avoids the difference of nearly equal numbers, so neither
 //! grazing nor normal incidence, neither a faint interface nor a strong metal needs a special case.
 
 use glam::DVec3;

@@ -1,4 +1,4 @@
-//! 2. The explicit microgeometry: heights, facets, the wanted slope law and what a patch really has.
+//! The explicit microgeometry: heights, facets, the wanted slope law and what a patch really has.
 
 pub mod certificate;
 pub mod heightfield;

@@ -1,6 +1,6 @@
 //! The two classical models on V-shaped cavities: Cook-Torrance and Torrance-Sparrow, 1/sr, without cosine.
 //!
-//! Enters: a pair of directions in the sample's frame and the width of the law of tilts. Leaves: D G/(4 cos cos) with
+//! Input: a pair of directions in the sample's frame and the width of the law of tilts. Output: D G/(4 cos cos) with
 //! F = 1 and the cavities' own G. Papers: Torrance and Sparrow 1967; Cook and Torrance 1982 (whose factor 1/pi is
 //! written 1/4 today, so that D is a density of normals).
 

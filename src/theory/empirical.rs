@@ -1,6 +1,6 @@
 //! Models that are fitted and not derived: Lambert, Oren-Nayar, Phong and Blinn-Phong, 1/sr, without cosine.
 //!
-//! Enters: a pair of directions above the horizon and the shape parameter. Leaves: the value for an amplitude of 1.
+//! Input: a pair of directions above the horizon and the shape parameter. Output: the value for an amplitude of 1.
 //! Papers: Oren and Nayar 1994; Phong 1975 as normalised by Lafortune and Willems 1994; Blinn 1977.
 
 use std::f64::consts::{FRAC_1_PI, PI};

@@ -1,6 +1,6 @@
 //! The microfacet BRDF f = D(h) V F(c), 1/sr, without cosine.
 //!
-//! Enters: a roughness, the turn of the sample and a pair of directions in the stage's frame. Leaves: the value of
+//! Input: a roughness, the turn of the sample and a pair of directions in the stage's frame. Output: the value of
 //! the single-bounce model. Paper: Walter et al. 2007; Heitz 2014 for the maskings.
 
 use glam::DVec3;

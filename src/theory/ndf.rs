@@ -1,6 +1,6 @@
 //! Normal distributions D(h), 1/sr: GGX and Beckmann, anisotropic, of a unit h and of H = wi + wo as it is.
 //!
-//! Enters: a direction in the sample's own frame and the slope scales. Leaves: D, whose integral with the cosine
+//! Input: a direction in the sample's own frame and the slope scales. Output: D, whose integral with the cosine
 //! over the hemisphere is 1. Paper: Walter et al. 2007; Heitz 2014 for the anisotropic forms.
 
 use std::f64::consts::PI;

@@ -1,7 +1,7 @@
 //! Smith's masking: Lambda, G1, and four ways to join the two arms into G2 and V = G2/(4 cos_i cos_o).
 //!
-//! Enters: an arm as a `ArmSide`: its cosine, its *projected* Lambda (cos times Lambda, finite at the horizon) and
-//! its canonical azimuth. Leaves: numbers without cosines, or V, which stays finite when one arm grazes.
+//! Input: an arm as a `ArmSide`: its cosine, its *projected* Lambda (cos times Lambda, finite at the horizon) and
+//! its canonical azimuth. Output: numbers without cosines, or V, which stays finite when one arm grazes.
 //! Papers: Heitz 2014 (all of it); van Ginneken et al. 1998 (direction-correlated).
 
 use std::f64::consts::PI;

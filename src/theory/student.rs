@@ -1,6 +1,6 @@
 //! Smith's Lambda of Student's t of slopes (Ribardiere et al. 2017), of which Blinn and Phong's normals are members.
 //!
-//! Enters: a = 1/(alpha tan theta) and power = gamma - 1. Leaves: a Lambda(a), the mean height by which slopes exceed
+//! Input: a = 1/(alpha tan theta) and power = gamma - 1. Output: a Lambda(a), the mean height by which slopes exceed
 //! a: with P the law of the slopes along one axis, the integral of (p - a) P(p) from a on. P is Student's t with
 //! 2 power degrees of freedom: P(p) = (1 + p^2/power)^-(power + 1/2)/(sqrt(power) B(power, 1/2)).
 

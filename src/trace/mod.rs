@@ -1,4 +1,4 @@
-//! 4. Light on the surface: where paths start, what they hit, and where they leave.
+//! Light on the surface: where paths begin, what they hit, and where they leave.
 
 pub mod path;
 pub mod ray;
@@ -7,7 +7,7 @@ pub mod simd;
 pub mod symmetry;
 
 pub use path::single::{Bounce, PathEnd, TracedPatch};
-pub use path::smith_walk::{SmithWalk, WalkLaw};
+pub use path::smith_walk::SmithWalk;
 pub use path::wavefront::{PathWaves, View, Wave};
 pub use ray::grid_traversal::GridTraversal;
 pub use ray::surface_point::{Facet, Outcome, SurfacePoint};

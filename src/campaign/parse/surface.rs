@@ -51,7 +51,7 @@ const LENGTH_UM: Bounds = Bounds::closed(1e-9, 1e9);
 const KINDS: &str = "[surface.ggx], [surface.beckmann], [surface.student_t], [surface.blinn_phong], [surface.smith], \
      [surface.mirror], [surface.v_groove] or [surface.file]";
 
-/// Keys of `[surface]` that describe a patch, beside its kind.
+/// Keys of `[surface]` that describe a patch of any kind.
 struct PatchKeys<'a> {
     realisations: Slot<'a>,
     cells: Slot<'a>,
@@ -253,8 +253,8 @@ fn alphas_of([alpha, alpha_x, alpha_y]: [Slot<'_>; 3]) -> Option<Vec<Alpha>> {
     match [&alpha, &alpha_x, &alpha_y].map(|slot| slot.given().is_some()) {
         [true, false, false] => equal?,
         [false, true, true] => Some(vec![Alpha { x: x??, y: y?? }]),
-        [false, true, false] => alpha_y.refuse("required beside alpha_x; or give alpha alone"),
-        [false, false, true] => alpha_x.refuse("required beside alpha_y; or give alpha alone"),
+        [false, true, false] => alpha_y.refuse("required next to alpha_x; or give alpha alone"),
+        [false, false, true] => alpha_x.refuse("required next to alpha_y; or give alpha alone"),
         [false, false, false] => alpha.refuse("required: alpha, or alpha_x and alpha_y"),
         [true, ..] => alpha.refuse("ambiguous: give alpha, or alpha_x and alpha_y, never both"),
     }

@@ -1,6 +1,6 @@
 //! Measured height maps: from a file to a heightfield whose slopes are those of the sample.
 //!
-//! Enters: `[surface.file]`. Leaves: heights in the file's unit with the mean (and, where asked, the mean plane)
+//! Input: `[surface.file]`. Output: heights in the file's unit with the mean (and, where asked, the mean plane)
 //! taken off, on a grid that is fine enough (`refine`), and the factors that turn a difference of neighbouring heights
 //! into a slope.
 
@@ -233,9 +233,8 @@ fn slope_factor(
 ) -> std::result::Result<f64, String> {
     let factor = match (pitch_um, own) {
         (Some(pitch), _) => {
-            let unit = height_unit_um.ok_or_else(|| {
-                format!("surface.file.{name}_um needs surface.file.height_unit_um beside it")
-            })?;
+            let unit = height_unit_um
+                .ok_or_else(|| format!("surface.file.{name}_um needs surface.file.height_unit_um as well"))?;
             positive("height_unit_um", unit)? / positive(name, pitch)?
         }
         (None, Some(pitch)) => 1.0 / positive(name, pitch)?,

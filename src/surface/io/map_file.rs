@@ -1,4 +1,4 @@
-//! The samples of a height map's file, untouched: EXR, NPY, GSF or text, told apart by their first bytes.
+//! The samples of a height map's file, untouched: EXR, NPY, GSF or text, distinguished by their first bytes.
 
 use std::io::Cursor;
 

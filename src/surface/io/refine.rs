@@ -4,7 +4,7 @@
 //! Why: each cell is cut along one diagonal, so that facets lean towards that diagonal by half of the cell's second
 //! difference. On a scan with a lay this turns light out of the plane of incidence, and out of another plane on the
 //! mirror image of the scan. Between samples the spline's second differences fall with the square of the pitch.
-//! Enters: heights, and the slope of one unit of height a cell. Leaves: heights on a grid of a power of two as many
+//! Input: heights, and the slope of one unit of height a cell. Output: heights on a grid of a power of two as many
 //! cells along each side, which pass through the samples unchanged.
 
 use glam::DVec2;

@@ -1,4 +1,4 @@
-//! Height maps as text, told apart by what they begin with: lines of x y z, a matrix of heights, an Arc grid, or the
+//! Height maps as text, distinguished by how they begin: lines of x y z, a matrix of heights, an Arc grid, or the
 //! points of a Zygo instrument.
 //!
 //! Text that has no byte order mark and is not UTF-8 is read as Latin-1, which is what older instruments write their

@@ -1,7 +1,7 @@
 //! Height maps as text: a line `x y z` for each sample of a regular grid, row by row or column by column, to and fro or
 //! not.
 //!
-//! Fields are parted as `map_text::fields` says; empty lines and those that begin with # are passed over, and so is a
+//! Fields are parted as `fields` says; empty lines and those that begin with # are passed over, and so is a
 //! first line of words. All three share one unit. The text is read twice, and only heights are kept. Files of Zygo's
 //! `XYZ Data File` have a head and count pixels in x and y.
 

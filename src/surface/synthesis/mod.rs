@@ -1,6 +1,6 @@
 //! Random canonical patches (alpha = 1, unit cells, periodic) with a wanted slope law.
 //!
-//! Enters: a law, a size, a stream. Leaves: heights, each an f32 value so that a file holds the very patch.
+//! Input: a law, a size, a stream. Output: heights, each an f32 value so that a file holds the very patch.
 //!
 //! Beckmann is a Gaussian field whose facet slopes have variance 1/2 per axis in the mean over patches. No
 //! spectrum makes a Gaussian field GGX, so GGX and Student's laws are found by iteration: give every facet a slope of the wanted

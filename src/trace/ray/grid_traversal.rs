@@ -1,4 +1,4 @@
-//! The plain cell walk in f64: exact order, watertight, no epsilon. The reference for every faster kernel.
+//! The plain cell traversal in f64: exact order, watertight, no epsilon. The reference for every faster kernel.
 //!
 //! A ray is followed from cell to cell. In a cell it crosses at most two facets, and which ones follows from the
 //! edges by which it enters and leaves, without arithmetic. The clearance (ray height minus surface height) is
@@ -15,7 +15,7 @@ use super::tile_peaks::TilePeaks;
 use super::tile_traversal;
 use crate::surface::Heightfield;
 
-/// Walks rays over one field.
+/// Traverses one field.
 #[derive(Debug, Clone, Copy)]
 pub struct GridTraversal<'a> {
     pub(crate) over: FieldRange<'a>,
@@ -59,7 +59,7 @@ impl<'a> GridTraversal<'a> {
         self.traverse_counted(start, d, &mut 0)
     }
 
-    /// As `walk`, and adds the cells that the ray is followed through one by one, the first one included, to `cells`:
+    /// As `traverse`, and adds the cells that the ray is followed through one by one, the first one included, to `cells`:
     /// all that it meets, where there are no peaks.
     // Tested by `a_ray_crosses_as_many_cells_as_its_rise_over_the_patch_says`.
     #[inline]
@@ -73,6 +73,6 @@ impl<'a> GridTraversal<'a> {
                 return outcome;
             }
         }
-        self.peaks.map_or(Outcome::Lost, |peaks| tile_traversal::go_on(&self.over, peaks, start, way))
+        self.peaks.map_or(Outcome::Lost, |peaks| tile_traversal::traverse_rest(&self.over, peaks, start, way))
     }
 }

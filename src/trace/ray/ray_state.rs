@@ -1,6 +1,6 @@
 //! A ray on its way through the cells of a field, in f64: edges crossed, and the clearance where it comes in.
 //!
-//! Enters: a start and a direction. Leaves: what the ray meets in the cell that it is in. Every number follows from
+//! Input: a start and a direction. Output: what the ray meets in the cell that it is in. Every number follows from
 //! the start and from whole counts of edges, so that a ray put further along its way has the same bits there as one
 //! that was followed cell by cell.
 
@@ -11,7 +11,7 @@ use super::surface_point::{Facet, Outcome, SurfacePoint};
 use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
 
-/// One axis of the walk: where the next cell edge is.
+/// One axis of the traversal: where the next cell edge is.
 #[derive(Clone)]
 pub(crate) struct AxisSteps {
     pub forward: bool,
@@ -130,7 +130,7 @@ impl<'a> RayState<'a> {
         }
     }
 
-    /// Follows the ray through its cell; `None` where it goes on into the next one.
+    /// Follows the ray through its cell; `None` where it continues into the next one.
     #[inline(always)]
     pub fn cross(&mut self, field: &Heightfield) -> Option<Outcome> {
         let (tx, ty) = (self.x.next(), self.y.next());
@@ -167,7 +167,7 @@ impl<'a> RayState<'a> {
         } else {
             self.y.step(self.cell.1, field.cells_y(), periodic).map(|row| (self.cell.0, row))
         };
-        let Some(next) = next else { return Some(Outcome::LeftMap) };
+        let Some(next) = next else { return Some(Outcome::LeftDomain) };
         // A cell is entered by the edge opposite to the one by which its neighbour was left.
         (self.cell, self.entry, self.upper, self.own) = (next, exit, !leaves_upper, false);
         None

@@ -47,7 +47,7 @@ pub enum Outcome {
     /// On a facet, from above.
     Hit(SurfacePoint),
     /// Over the edge of a field that does not continue itself.
-    LeftMap,
+    LeftDomain,
     /// After more steps than its slope allows: a fault of the program, counted and reported.
     Lost,
 }

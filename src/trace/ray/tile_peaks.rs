@@ -1,4 +1,4 @@
-//! The highest corner of every tile of 4^L x 4^L cells of any field, in f64: what the f64 walk skips tiles by.
+//! The highest corner of every tile of 4^L x 4^L cells of any field, in f64: by which the f64 traversal skips tiles.
 
 use crate::surface::Heightfield;
 

@@ -1,7 +1,8 @@
-//! Where paths start: on the facets, in proportion to the area that they turn to the light.
+//! Surface samples, where paths begin: points on the facets, in proportion to the projected area, which is what a facet
+//! shows the light.
 //!
 //! A block is one systematic pass over the patch: equal steps along the running sum of max(0, wi.m) A over all
-//! facets, one offset, a uniform point in the facet. All starts of a block carry the same flux.
+//! facets, one offset, a uniform point in the facet. All samples of a block carry the same flux.
 
 use glam::DVec3;
 use rand_pcg::Pcg64Dxsm;
@@ -11,7 +12,7 @@ use crate::rng;
 use crate::surface::Heightfield;
 use crate::trace::ray::surface_point::{Facet, SurfacePoint};
 
-/// Starts in a block.
+/// Surface samples in a block.
 pub const BLOCK: u64 = 65_536;
 
 /// A rectangle of cells.
@@ -35,7 +36,7 @@ impl Window {
     }
 }
 
-/// Cells whose turned areas are summed together: a start evaluates one such group.
+/// Cells whose projected areas are summed together: a sample evaluates one such group.
 const GROUP: usize = 4;
 
 /// The areas that the facets of a window turn to one light direction, summed by groups of cells: what a block steps
@@ -75,10 +76,10 @@ impl<'a> AreaSampler<'a> {
         size_of_val(&*self.before)
     }
 
-    /// The flux of one start of a block of `count`, as a share of the flux that falls on the window: the turned
-    /// area over light.z x cells x count. Over all starts it sums to at least 1: those that the light does not see
+    /// The flux of one sample of a block of `count`, as a fraction of the flux that falls on the window: the projected
+    /// area over light.z x cells x count. Over all samples it sums to at least 1: those that are shadowed
     /// are counted, and dropped.
-    pub fn share(&self, count: u64) -> f64 {
+    pub fn flux_fraction(&self, count: u64) -> f64 {
         self.total() / (self.light.z * self.window.cells() as f64 * count as f64)
     }
 
@@ -86,7 +87,7 @@ impl<'a> AreaSampler<'a> {
         self.before[self.before.len() - 1]
     }
 
-    /// Calls `visit` with `count` start points of equal flux, in the order of the facets.
+    /// Calls `visit` with `count` surface samples of equal flux, in the order of the facets.
     pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(SurfacePoint)) {
         let mut steps = SystematicSteps::new(count, self.total() / count as f64, rng::uniform(rng));
         let mut start = |facet: Facet| {

@@ -1,4 +1,4 @@
-//! Starts on those facets alone that can send light into one of a few cones.
+//! Surface samples on those facets alone that can send light into one of a few cones.
 //!
 //! A facet and a direction of the light fix where it sends light, so a facet is wanted or not as a whole. The
 //! directions of a cone about `a` of half-angle d lie in a ball of radius sin d about a cos d; wi + wo in the same ball
@@ -85,9 +85,9 @@ impl<'a> ConeSampler<'a> {
         self.slots.last().map_or(0.0, |slots| slots.end)
     }
 
-    /// Calls `visit` with the starts on the selected facets, one for every `step` of area that they turn to the
-    /// light: what lies beyond a facet's own area in its slot is passed over. So the density of starts is 1/step on
-    /// every facet, exactly, and no facet without a start is looked at.
+    /// Calls `visit` with the samples on the selected facets, one for every `step` of their projected
+    /// area: what lies beyond a facet's own area in its slot is passed over. So the density of samples is 1/step on
+    /// every facet, exactly, and no facet without a sample is looked at.
     pub fn each(&self, step: f64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(SurfacePoint)) {
         let mut steps = SystematicSteps::new(u64::MAX, step, rng::uniform(rng));
         let mut begin = 0.0;
@@ -107,7 +107,7 @@ impl<'a> ConeSampler<'a> {
         self.start(&mut candidates, rng, &mut visit);
     }
 
-    /// Starts on those of the candidates, each with a place in its slot, that reach so far, and drops them all.
+    /// Samples on those of the candidates, each with a place in its slot, that reach so far, and drops them all.
     fn start(
         &self,
         candidates: &mut Vec<(Facet, f64)>,
@@ -115,7 +115,7 @@ impl<'a> ConeSampler<'a> {
         visit: &mut impl FnMut(SurfacePoint),
     ) {
         let field = self.sample.traversal.field();
-        // All heights are asked for before the first start is followed: memory hits them side by side.
+        // All heights are asked for before the first path is followed, so that the accesses to memory overlap.
         let mut reached = [false; TOGETHER];
         for (reached, (facet, within)) in reached.iter_mut().zip(&*candidates) {
             let slope = field.corners(facet.x, facet.y).slope(facet.upper);

@@ -1,7 +1,7 @@
 //! The facets of a field by their slopes: which of them can send light to where it is wanted.
 //!
-//! Enters: a periodic field. Leaves: its facets, both families, sorted into a grid over canonical slopes; one index
-//! serves every roughness, every stop and every block. Steep slopes are rare, so the grid is even in p/(1 + |p|).
+//! Input: a periodic field. Output: its facets, both families, sorted into a grid over canonical slopes; one index
+//! serves every roughness, every incidence and every block. Steep slopes are rare, so the grid is even in p/(1 + |p|).
 
 use glam::{DVec2, DVec3};
 

@@ -1,8 +1,8 @@
-//! Starts in the order of the facets' slopes: equal steps along the running sum of the area turned to the light, as in
-//! `starts`, but from facet to facet of like slope instead of from neighbour to neighbour.
+//! Surface samples in the order of the facets' slopes: equal steps along the running sum of the projected area, as in
+//! `areas`, but from facet to facet of like slope instead of from neighbour to neighbour.
 //!
 //! A facet and a direction of the light fix where it sends light. Facets of like slope send it into the same bin of a
-//! sensor, so that equal steps in this order give every bin its share of the starts to within a few, where steps from
+//! sensor, so that equal steps in this order give every bin its part of the samples to within a few, where steps from
 //! place to place give it a random number: what is left of the noise is what is seen of the facets.
 
 use glam::DVec3;
@@ -45,7 +45,7 @@ impl<'a> SlopeSampler<'a> {
     /// equal steps over their facets from an offset of `stream`, whose mean over all offsets is exact.
     ///
     /// Such bins turn 1e-4 of the whole area to the light (4e-5 at alpha 0.1 and 60 degrees, 4e-4 at 0.8 and 85). At
-    /// 4096^2, one facet of 16, a block's whole area has a standard error of 1e-5 to 8e-5 of it: its 65,536 starts have
+    /// 4096^2, one facet of 16, a block's whole area has a standard error of 1e-5 to 8e-5 of it: its 65,536 samples have
     /// one of some 2e-3.
     // Tested by `areas_looked_at_in_steps_are_exact_in_the_mean`.
     pub fn new(index: &'a SlopeIndex, field: &'a Heightfield, light: DVec3, stream: &mut Pcg64Dxsm) -> Self {
@@ -99,13 +99,13 @@ impl<'a> SlopeSampler<'a> {
         self.bins.last().map_or(0.0, |bin| bin.end)
     }
 
-    /// The flux of one start of a block of `count`, as in `Starts::share`.
-    pub fn share(&self, count: u64) -> f64 {
+    /// The flux fraction of one sample of a block of `count`, as in `AreaSampler::flux_fraction`.
+    pub fn flux_fraction(&self, count: u64) -> f64 {
         let cells = self.field.cells_x() * self.field.cells_y();
         self.total() / (self.light.z * cells as f64 * count as f64)
     }
 
-    /// The facets of `count` starts, by slope.
+    /// The facets of `count` samples, by slope.
     fn facets(&self, count: u64, rng: &mut Pcg64Dxsm) -> Vec<u32> {
         let mut steps = SystematicSteps::new(count, self.total() / count as f64, rng::uniform(rng));
         let mut facets = Vec::with_capacity(count as usize);
@@ -137,7 +137,7 @@ impl<'a> SlopeSampler<'a> {
     }
 }
 
-/// The starts of several blocks, to be followed together: rays that start in one part of a patch look at the same
+/// The surface samples of several blocks, to be followed together: rays that begin in one part of a patch look at the same
 /// heights, whichever block they belong to.
 #[derive(Default)]
 pub struct BatchedStarts {
@@ -147,7 +147,7 @@ pub struct BatchedStarts {
     streams: Vec<Pcg64Dxsm>,
 }
 
-/// Starts of one tile of so many cells a side follow each other: the heights around it fit a core's cache.
+/// Samples of one tile of so many cells a side follow each other: the heights around it fit a core's cache.
 const TILE: usize = 64;
 /// Bits of a block's number in `BatchedStarts`.
 const BLOCK_BITS: u32 = 8;
@@ -155,10 +155,10 @@ const BLOCK_BITS: u32 = 8;
 impl BatchedStarts {
     /// Blocks that can be followed together.
     pub const MOST_BLOCKS: usize = 1 << BLOCK_BITS;
-    /// Bytes of a start, and as many again while starts are sorted.
+    /// Bytes of a sample, and as many again while samples are sorted.
     pub const BYTES: usize = 16;
 
-    /// Adds `count` starts of equal flux; its number is how many blocks there were before. How many of them a bin of
+    /// Adds `count` samples of equal flux; its number is how many blocks there were before. How many of them a bin of
     /// the index gets follows from equal steps; which of its facets, from their areas, by rejection.
     pub fn add(&mut self, starts: &SlopeSampler, count: u64, mut stream: Pcg64Dxsm) {
         let block = self.streams.len() as u64;
@@ -172,7 +172,7 @@ impl BatchedStarts {
         self.streams.push(stream);
     }
 
-    /// Calls `visit` with every start and its block, in the order of the places: for each block the same starts in the
+    /// Calls `visit` with every sample and its block, in the order of the places: for each block the same samples in the
     /// same order as if it were alone.
     // Tested by `blocks_together_start_where_each_starts_alone`.
     pub fn each(

@@ -1,6 +1,6 @@
 //! What the kernel answers.
 
-/// Edges that a ray crosses at most in f32 before its place is told anew; one that would go on is `Beyond`.
+/// Edges that a ray crosses at most in f32 before its place is computed anew; one that is longer is `Beyond`.
 ///
 /// A position t d is rounded twice (relative 2^-23 together): at 4096 edges to 5e-4 of a cell. A visibility answer
 /// can change only where the ray passes a facet's edge that closely; heights vary over several cells, so that this
@@ -15,7 +15,7 @@ pub enum RayOutcome {
     Escaped,
     /// It hits a facet.
     Blocked,
-    /// It is longer than f32 can follow: another leg or the f64 walk must say.
+    /// It is longer than f32 can follow: another segment or the f64 traversal must say.
     Beyond,
 }
 
@@ -39,7 +39,7 @@ pub struct LaneHit {
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct HitBuffer {
     /// One for each ray.
-    pub fates: Vec<RayOutcome>,
-    /// Valid where the fate is `Blocked`, if hits were asked for.
+    pub outcomes: Vec<RayOutcome>,
+    /// Valid where the outcome is `Blocked`, if hits were asked for.
     pub hits: Vec<LaneHit>,
 }

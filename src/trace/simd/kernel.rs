@@ -1,10 +1,10 @@
 //! The ray kernel, written once over vectors of any width.
 //!
-//! A ray is walked in its own frame: axes mirrored so that it runs towards +x and +y (a mirrored coordinate is
+//! A ray is traversed in its own frame: axes mirrored so that it runs towards +x and +y (a mirrored coordinate is
 //! !x, which keeps tiles of 4^L cells whole), and its direction scaled to |dx| + |dy| = 1, so that its parameter counts
 //! the edges it crosses. It skips a cell or a tile of 4 x 4, 16 x 16, ... cells wherever it stays above the highest
 //! corner there; in a cell where it does not, its clearance is looked at where it leaves each facet (`CellCrossing`), as in
-//! `walk`. What happens to a ray depends on that ray alone: lanes that want a facet test wait until enough do, and
+//! `GridTraversal`. What happens to a ray depends on that ray alone: lanes that want a facet test wait until enough do, and
 //! lanes that are done are refilled from the batch.
 
 use super::batch::{LANES, RayBatch};
@@ -19,7 +19,7 @@ use super::vector::Lanes;
 const REFILL: usize = 4;
 const POSTPONE: usize = 6;
 
-/// Walks a batch; see `Kernel::run`.
+/// Traverses a batch; see `Kernel::run`.
 #[inline(always)]
 pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
     s: S,
@@ -27,8 +27,8 @@ pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
     rays: &RayBatch,
     hits: &mut HitBuffer,
 ) {
-    hits.fates.clear();
-    hits.fates.resize(rays.len(), RayOutcome::Escaped);
+    hits.outcomes.clear();
+    hits.outcomes.resize(rays.len(), RayOutcome::Escaped);
     if CLOSEST {
         hits.hits.clear();
         hits.hits.resize(rays.len(), LaneHit::default());
@@ -56,7 +56,7 @@ pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
     }
 }
 
-/// The lanes of one walk.
+/// The lanes of one traversal.
 struct Walk<S: Lanes> {
     rays: RayLanes<S>,
     /// 2 x level of the tile that each lane looks at.
@@ -192,7 +192,7 @@ impl<S: Lanes> Walk<S> {
     fn retire_clear(&mut self, s: S, done: u32, hits: &mut HitBuffer) {
         // No branch on `done`: most steps end some lane, no pattern says which.
         let beyond = done & !s.bits(s.lt(self.rays.end, s.splat(LONGEST)));
-        // Fates are `Escaped` unless said otherwise.
+        // Outcomes are `Escaped` unless said otherwise.
         if beyond != 0 {
             self.retire(s, beyond, RayOutcome::Beyond, hits);
         }
@@ -200,12 +200,12 @@ impl<S: Lanes> Walk<S> {
     }
 
     #[inline(always)]
-    fn retire(&mut self, s: S, lanes: u32, fate: RayOutcome, hits: &mut HitBuffer) {
+    fn retire(&mut self, s: S, lanes: u32, outcome: RayOutcome, hits: &mut HitBuffer) {
         let mut ids = [0; LANES];
         s.store_i(&mut ids, self.rays.id);
         let mut left = lanes;
         while left != 0 {
-            hits.fates[ids[left.trailing_zeros() as usize] as usize] = fate;
+            hits.outcomes[ids[left.trailing_zeros() as usize] as usize] = outcome;
             left &= left - 1;
         }
         self.live &= !lanes;

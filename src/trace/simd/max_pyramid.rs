@@ -1,6 +1,6 @@
 //! What the lanes read: heights in f32, and the highest height of every cell, of 4 x 4, of 16 x 16 and of more cells.
 //!
-//! Enters: a periodic field whose sides are powers of two. Leaves: two tables whose lengths are powers of two, so
+//! Input: a periodic field whose sides are powers of two. Output: two tables whose lengths are powers of two, so
 //! that an index is made valid by a mask alone.
 
 use rayon::prelude::*;
@@ -36,7 +36,7 @@ pub struct MaxPyramid {
 }
 
 impl MaxPyramid {
-    /// The lanes' copy of `field`; `None` where only the f64 walk serves: an open map, sides that are no powers of
+    /// The lanes' copy of `field`; `None` where only the f64 traversal serves: an open map, sides that are no powers of
     /// two, heights that f32 would round.
     pub fn new(field: &Heightfield) -> Option<Self> {
         let (cells_x, cells_y) = (field.cells_x(), field.cells_y());

@@ -66,7 +66,7 @@ fn every_kernel_gives_the_same_bits() {
                 let (mut any, mut closest) = (HitBuffer::default(), HitBuffer::default());
                 kernel.any_hit(&lanes, &batch, &mut any);
                 kernel.closest_hit(&lanes, &batch, &mut closest);
-                assert_eq!(any.fates, closest.fates);
+                assert_eq!(any.outcomes, closest.outcomes);
                 closest
             };
             let expected = of(Kernel::Scalar);
@@ -74,7 +74,7 @@ fn every_kernel_gives_the_same_bits() {
                 // Parameters are finite: equal numbers are equal bits, but for the sign of zero.
                 assert!(of(kernel) == expected, "{kernel:?}, alpha {alpha}");
             }
-            blocked += expected.fates.iter().filter(|&&fate| fate == RayOutcome::Blocked).count();
+            blocked += expected.outcomes.iter().filter(|&&fate| fate == RayOutcome::Blocked).count();
             all += rays.len();
         }
     }
@@ -278,7 +278,7 @@ fn rays_of_many_legs_end_as_in_one_walk() {
         rays.iter().for_each(|(place, d)| batch.push(place, *d));
         Kernel::widest().any_hit(&lanes, &batch, &mut first);
         let fates = waves.any_hit(&over, count, |k| (&rays[k].0, rays[k].1));
-        let long = (0..count).filter(|&k| first.fates[k] == RayOutcome::Beyond);
+        let long = (0..count).filter(|&k| first.outcomes[k] == RayOutcome::Beyond);
         let (mut long, mut differ): (Vec<usize>, usize) = (long.collect(), 0);
         long.truncate(400);
         for &k in &long {
@@ -311,7 +311,11 @@ fn very_long_rays_are_left_to_the_f64_walk() {
     for kernel in Kernel::ALL.into_iter().filter(|kernel| kernel.available()) {
         let mut hits = HitBuffer::default();
         kernel.any_hit(&lanes, &batch, &mut hits);
-        assert_eq!(hits.fates, [RayOutcome::Beyond, RayOutcome::Escaped, RayOutcome::Escaped], "{kernel:?}");
+        assert_eq!(
+            hits.outcomes,
+            [RayOutcome::Beyond, RayOutcome::Escaped, RayOutcome::Escaped],
+            "{kernel:?}"
+        );
         let over = SimdTraversal::new(traversal, &lanes, kernel);
         assert_eq!(Waves::default().any_hit(&over, 1, |_| (&place, d)), [RayOutcome::Escaped]);
     }
