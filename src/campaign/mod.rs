@@ -36,7 +36,7 @@ pub struct Parsed {
     pub campaign: Campaign,
     /// Warnings for stderr, one line each, in the shape of a fault: the file can be run, but the user should know.
     pub notes: Vec<String>,
-    /// The instrument that the arms are taken from, where a `[preset]` names one; the campaign holds what it stands for.
+    /// The instrument that the arms are taken from, where a `[preset]` names one; the campaign holds those arms.
     pub preset: Option<Preset>,
 }
 

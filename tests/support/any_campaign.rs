@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use gonio::campaign::materials::{MATERIALS, NAMES_WITH_INDEX, rgb_of};
+use gonio::campaign::materials::{MATERIALS, names_with_index, rgb_of};
 use gonio::campaign::*;
 use proptest::collection::{btree_set, vec};
 use proptest::prelude::*;
@@ -201,7 +201,7 @@ fn indices() -> impl Strategy<Value = Optics> {
         vec![(None, media.collect())]
     });
     let single = number().prop_map(move |number| vec![(None, vec![medium(None, number)])]);
-    let named = subsequence(NAMES_WITH_INDEX.to_vec(), 1..=NAMES_WITH_INDEX.len()).prop_map(|names| {
+    let named = subsequence(names_with_index().to_vec(), 1..=8).prop_map(|names| {
         let media = |name: &str| rgb_of(name).expect("an index").into_iter().rev().collect::<Vec<Medium>>();
         names.into_iter().map(|name| (Some(name.to_string()), media(name))).collect()
     });

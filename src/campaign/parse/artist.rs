@@ -11,8 +11,9 @@ const SHARE: Bounds = Bounds::closed(0.0, 1.0);
 /// Reflectance of what is no metal, at normal incidence.
 const DIELECTRIC_F0: f64 = 0.04;
 
-/// The roughness and F0 of R, G and B: alpha = roughness^2 and F0 = 0.04 (1 - metalness) + base_color metalness: the one place where they are converted.
-/// What is no metal also scatters light below its surface; that part is not a microfacet's and is left out.
+/// The roughness and F0 of R, G and B: alpha = roughness^2 and F0 = 0.04 (1 - metalness) + base_color metalness: the
+/// one place where they are converted. What is no metal also scatters light below its surface; that part is not a
+/// microfacet's and is left out.
 pub(crate) fn artist(table: TableReader<'_>) -> Option<(Alpha, [f64; 3])> {
     let [roughness, metalness, base_color] = table.keys(["roughness", "metalness", "base_color"]);
     let rough = roughness.required("such as 0.4; alpha is its square").and_then(|i| i.float(&ROUGHNESS));

@@ -169,8 +169,8 @@ fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolu
     Some(Resolution { cells: cells?, correlation_cells: correlation_cells? })
 }
 
-/// Every element of a list that is not empty; faults of all of them are told.
+/// Every element of a list that is not empty.
 fn all<T>(item: &GivenValue<'_>, read: impl Fn(&GivenValue<'_>) -> Option<T>) -> Option<Vec<T>> {
-    let read: Vec<Option<T>> = item.list()?.iter().map(read).collect();
-    if read.is_empty() { item.refuse("at least one number") } else { read.into_iter().collect() }
+    let all = item.each(read)?;
+    if all.is_empty() { item.refuse("at least one number") } else { Some(all) }
 }

@@ -1,4 +1,4 @@
-//! What a campaign says, checked: plain data, angles in degrees as the user wrote them, no physics types.
+//! A campaign, checked: plain data, angles in degrees as the user wrote them, no physics types.
 //!
 //! `campaign::read` is the only place that makes a `Campaign`; whoever holds one may rely on every range below.
 

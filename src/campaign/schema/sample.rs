@@ -1,4 +1,4 @@
-//! What a campaign says of its sample, checked: the kinds of surface and their roughnesses.
+//! The sample of a campaign, checked: the kinds of surface and their roughnesses.
 
 use serde::Serialize;
 

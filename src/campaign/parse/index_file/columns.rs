@@ -18,7 +18,7 @@ struct ColumnHeader {
     unit: Option<f64>,
 }
 
-/// What stands between two numbers, and whether their point is a comma.
+/// What separates two numbers, and whether their point is a comma.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Separator {
     /// `;` or tabs: a comma inside a number is its point.
@@ -156,7 +156,7 @@ fn named(columns: &[Column]) -> String {
     columns.iter().map(name).collect::<Vec<_>>().join(",")
 }
 
-/// What a line of words says of the columns below it.
+/// The columns that a line of words names.
 fn heading_of(fields: &[&str]) -> Result<ColumnHeader, String> {
     let mut heading = ColumnHeader { columns: Vec::new(), unit: None };
     for field in fields.iter().filter(|field| !is_unit(field)) {
