@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
 use crate::surface::io::import;
 use crate::surface::io::import::ImportedMap;
-use crate::surface::{Heightfield, SlopeLaw, Spectrum, Synthesiser};
+use crate::surface::{Heightfield, SlopeLaw, Synthesiser};
 use crate::trace::Window;
 
 /// Where a campaign's patches come from.
@@ -209,10 +209,10 @@ impl Patches {
 }
 
 /// The spectrum of the Gaussian field that random heights are, or start from.
-fn spectrum(kind: &SurfaceKind) -> Spectrum {
+fn spectrum(kind: &SurfaceKind) -> HeightSpectrum {
     match kind {
-        SurfaceKind::Beckmann { spectrum: HeightSpectrum::Exponential, .. } => Spectrum::Exponential,
-        _ => Spectrum::Gaussian,
+        SurfaceKind::Beckmann { spectrum, .. } => *spectrum,
+        _ => HeightSpectrum::Gaussian,
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a patch really has, computed from its facets before any ray: the slope law, the azimuths, and whether
+//! The properties of a patch, computed from its facets before any ray: the slope law, the azimuths, and whether
 //! slope and height are independent.
 //!
 //! All statistics are over both facet families. No variance of slopes is used: GGX has none.

@@ -103,7 +103,8 @@ pub fn ggx_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     q * q / (PI * alpha_x * alpha_y)
 }
 
-/// Beckmann normal distribution D(h), anisotropic: D = exp(-s^2) / (pi ax ay hz^4) with s^2 = ((hx/ax)^2 + (hy/ay)^2)/hz^2.
+/// Beckmann normal distribution D(h), anisotropic: D = exp(-s^2) / (pi ax ay hz^4) with s^2 = ((hx/ax)^2 +
+/// (hy/ay)^2)/hz^2.
 ///
 /// - Domain, unit and invariant as `ggx_d`; at the horizon itself the value is 0, the limit.
 /// - Numerics: relative error about s^2 ulp, the conditioning of the exponential. Underflows to 0 above s^2 = 745.

@@ -21,7 +21,7 @@ pub enum Masking {
     Separable,
     /// G2 = 1/(1 + Li + Lo): both arms see from the same height.
     HeightCorrelated,
-    /// G2 = 1/(1 + max + lambda min): and from the same azimuth the more, the closer the arms stand.
+    /// G2 = 1/(1 + max + lambda min): also correlated by the azimuth between the arms.
     DirectionCorrelated,
 }
 
@@ -62,9 +62,10 @@ impl ArmSide {
         let s2 = x * x + y * y;
         let projected_lambda = match ndf {
             Ndf::Ggx => ggx_projected_lambda(w.z, s2),
-            Ndf::Beckmann => beckmann_projected_lambda(w.z, s2),
+            Ndf::Beckmann => projected_lambda(w.z, s2, beckmann_a_lambda),
             Ndf::StudentT { .. } | Ndf::BlinnPhong => {
-                student_projected_lambda(w.z, s2, ndf.gamma(alpha_x * alpha_y))
+                let power = ndf.gamma(alpha_x * alpha_y) - 1.0;
+                projected_lambda(w.z, s2, |a| student_a_lambda(a, power))
             }
         };
         ArmSide { cos: w.z, projected_lambda, x, y }
@@ -113,7 +114,7 @@ pub fn g2_direction_correlated(i: &ArmSide, o: &ArmSide) -> f64 {
 }
 
 /// lambda = 4.41 phi/(4.41 phi + 1), phi in [0, pi] the azimuth between the canonical directions
-/// (ax wi.x, ay wi.y) and (ax wo.x, ay wo.y), radians. 0 where an arm stands on the normal (there min(Li, Lo) = 0).
+/// (ax wi.x, ay wi.y) and (ax wo.x, ay wo.y), radians. 0 where an arm is the normal (there min(Li, Lo) = 0).
 fn direction_decorrelation(i: &ArmSide, o: &ArmSide) -> f64 {
     let phi = (i.x * o.y - i.y * o.x).abs().atan2(i.x * o.x + i.y * o.y);
     let t = 4.41 * phi;
@@ -150,22 +151,13 @@ fn ggx_projected_lambda(cos: f64, s2: f64) -> f64 {
     s2 / (2.0 * (cos + (cos * cos + s2).sqrt()))
 }
 
-/// cos Lambda of Beckmann: sqrt(s2) (a Lambda(a)) with a = cos/sqrt(s2).
-fn beckmann_projected_lambda(cos: f64, s2: f64) -> f64 {
+/// cos Lambda = sqrt(s2) (a Lambda(a)) with a = cos/sqrt(s2).
+fn projected_lambda(cos: f64, s2: f64, a_lambda: impl Fn(f64) -> f64) -> f64 {
     if s2 == 0.0 {
         return 0.0;
     }
     let s = s2.sqrt();
-    s * beckmann_a_lambda(cos / s)
-}
-
-/// cos Lambda of Student's law: sqrt(s2) (a Lambda(a)) with a = cos/sqrt(s2).
-fn student_projected_lambda(cos: f64, s2: f64, gamma: f64) -> f64 {
-    if s2 == 0.0 {
-        return 0.0;
-    }
-    let s = s2.sqrt();
-    s * student_a_lambda(cos / s, gamma - 1.0)
+    s * a_lambda(cos / s)
 }
 
 /// Beckmann's Lambda(a) = (erf(a) - 1)/2 + exp(-a^2)/(2 a sqrt(pi)), a = 1/(alpha tan theta) > 0.

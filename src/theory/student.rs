@@ -8,9 +8,9 @@ use statrs::function::beta::{beta_reg, ln_beta};
 
 /// a Lambda(a), finite at a = 0.
 ///
-/// With g the power and x = g/(g + a^2), S = sqrt(g) x^(g - 1/2)/B(g, 1/2): up to a^2 = g it is S/(2g - 1) - a I_x(g, 1/2)/2.
-/// Beyond, where the two terms are nearly equal, the hypergeometric series of I_x leaves
-/// S/(2g) (1/(2g - 1) + 1/2 sum_k c_(k-1) x^k/(g + k)), c_0 = 1, c_k = c_(k-1) (g + k - 1/2)/(g + k): positive terms only.
+/// With g the power and x = g/(g + a^2), S = sqrt(g) x^(g - 1/2)/B(g, 1/2): up to a^2 = g it is S/(2g - 1) - a I_x(g,
+/// 1/2)/2. Beyond, where the two terms are nearly equal, the hypergeometric series of I_x leaves S/(2g) (1/(2g - 1) +
+/// 1/2 sum_k c_(k-1) x^k/(g + k)), c_0 = 1, c_k = c_(k-1) (g + k - 1/2)/(g + k): positive terms only.
 ///
 /// - Domain: a >= 0, 1 <= power <= 1e4.
 /// - Numerics: relative error below 3e-14 (1 + p (1 + ln p)) (1 + 2 min(a^2, p)), p the power, against 143 values of 120

@@ -8,7 +8,8 @@ use glam::DVec3;
 
 use crate::sphere;
 
-/// Torrance and Sparrow's G = min(1, 2 (n.m)(n.v)/(v.m), 2 (n.m)(n.l)/(l.m)): the part of a groove's side that both arms see.
+/// Torrance and Sparrow's G = min(1, 2 (n.m)(n.v)/(v.m), 2 (n.m)(n.l)/(l.m)): the part of a groove's side that both
+/// arms see.
 ///
 /// - `m`: the side's unit normal, m.z > 0. `wi`, `wo`: unit vectors above the horizon that see its front
 ///   (w.m > 0). An arm in the horizon gives 0.

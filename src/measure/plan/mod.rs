@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use crate::files::memory::memory_limit;
 use crate::instrument::{Grid, GridKind, folded_stops, grid_of};
 use crate::sphere;
-use crate::surface::io::import::ABSURD_SDQ;
+use crate::surface::io::checks::ABSURD_SDQ;
 use crate::trace::BLOCK;
 use bands::Band;
 use estimate::{Memory, cells_and_relief, memory, seconds};

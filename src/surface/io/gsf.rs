@@ -24,19 +24,18 @@ pub fn read(bytes: &[u8]) -> Result<MapSamples, String> {
     let end = head.iter().position(|&byte| byte == 0).ok_or("GSF: the header does not end")?;
     let text = decode_text_or_latin1(&head[..end])?;
     // Titles and notes of other programs may come several times: nothing follows from them.
-    for name in KEYS {
+    let values = |name: &'static str| {
         let lines = text.lines().skip(1).filter_map(|line| line.split_once('='));
-        let mut values = lines.filter(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());
+        lines.filter(move |(key, _)| key.trim() == name).map(|(_, value)| value.trim())
+    };
+    for name in KEYS {
+        let mut values = values(name);
         if let (Some(first), Some(second)) = (values.next(), values.next()) {
             return Err(format!("GSF: {name} is there twice: {first:.40} and {second:.40}; leave one"));
         }
     }
-    let value = |name: &str| {
-        let lines = text.lines().skip(1).filter_map(|line| line.split_once('='));
-        let mut found = lines.filter(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());
-        found.next()
-    };
-    let samples = |name: &str| {
+    let value = |name: &'static str| values(name).next();
+    let samples = |name: &'static str| {
         let given = value(name).ok_or_else(|| format!("GSF: no {name}"))?;
         let count: usize =
             given.parse().map_err(|_| format!("GSF: {name} = {given:.40}: must be a whole number"))?;
@@ -51,7 +50,7 @@ pub fn read(bytes: &[u8]) -> Result<MapSamples, String> {
         return Err(format!("GSF: {} bytes of data do not make {columns} x {rows} f32 samples", data.len()));
     }
     let (lateral, height) = (value("XYUnits").unwrap_or(""), value("ZUnits").unwrap_or(""));
-    let size = |name: &str, count: usize| -> Result<Option<f64>, String> {
+    let size = |name: &'static str, count: usize| -> Result<Option<f64>, String> {
         let Some(given) = value(name) else { return Ok(None) };
         let size: f64 = given.parse().map_err(|_| format!("GSF: {name} = {given:.40}: must be a number"))?;
         Ok(Some(size / count as f64))

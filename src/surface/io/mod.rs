@@ -1,5 +1,6 @@
 //! Height maps as files: measured ones read, refined and checked, patches written.
 
+pub(crate) mod checks;
 pub mod export;
 pub(crate) mod fields;
 pub(crate) mod gsf;
@@ -9,6 +10,7 @@ pub(crate) mod matrix;
 pub mod outliers;
 pub mod refine;
 pub mod samples;
+pub(crate) mod spline;
 pub(crate) mod text;
 pub(crate) mod units;
 pub(crate) mod xyz;
