@@ -130,8 +130,8 @@ pub fn is_unseen(c: char) -> bool {
     c.is_control() || acts
 }
 
-/// JSON whose characters that are not seen, which stand in its texts alone, are written as its own escapes: the document is
-/// the same.
+/// JSON whose characters that are not seen, which stand in its texts alone, are written as its own escapes: the
+/// document is the same.
 // Tested by `words_of_files_cannot_act_on_a_terminal` (src/cli/text/output.rs), tests/it/foreign_words.rs.
 pub fn seen_in_json(json: &str) -> String {
     let mut out = String::with_capacity(json.len());

@@ -141,13 +141,12 @@ impl Grid {
 
     /// Number of sensor bins.
     pub fn bins(&self) -> usize {
-        let pairs = |a: usize, b: usize| a * b;
         match self.kind {
-            GridKind::Hemisphere => pairs(self.theta_r_edges_deg.len() - 1, self.phi_r_edges_deg.len() - 1),
-            GridKind::Arm => pairs(self.theta_r_deg.len(), self.phi_r_deg.len()),
+            GridKind::Hemisphere => (self.theta_r_edges_deg.len() - 1) * (self.phi_r_edges_deg.len() - 1),
+            GridKind::Arm => self.theta_r_deg.len() * self.phi_r_deg.len(),
             GridKind::Patches => self.patches_deg.len(),
             GridKind::Points => self.points_deg.len(),
-            GridKind::HalfDifference => pairs(self.theta_d_deg.len(), self.phi_d_deg.len()),
+            GridKind::HalfDifference => self.theta_d_deg.len() * self.phi_d_deg.len(),
         }
     }
 

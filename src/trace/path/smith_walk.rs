@@ -80,7 +80,7 @@ impl SmithWalk {
         if w.z >= 0.0 { up } else { -1.0 - up }
     }
 
-    /// The mirror direction at a facet drawn in proportion to the area that it turns to `back`.
+    /// The mirror direction at a facet drawn in proportion to its projected area towards `back`.
     fn reflected(&self, back: DVec3, rng: &mut Pcg64Dxsm) -> DVec3 {
         let canonical = (self.alpha * back.truncate()).extend(back.z).normalize();
         let normal = match self.law {

@@ -59,8 +59,8 @@ pub struct PathWaves {
 }
 
 impl PathWaves {
-    /// Follows a path from each surface sample of `wave`; `endings` gets their ends in the order of the samples, `visits[k]` the
-    /// bounces of path k in theirs.
+    /// Follows a path from each surface sample of `wave`; `endings` gets their ends in the order of the samples,
+    /// `visits[k]` the bounces of path k in theirs.
     ///
     /// `over` is a lane traversal over the field of all views. Directions are f64; only the question of what a ray meets
     /// is f32's.

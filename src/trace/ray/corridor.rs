@@ -1,11 +1,11 @@
 //! Very long rays along a corridor of a periodic field: along a wall, between ridges, along a groove.
 //!
-//! Such a ray comes round the field thousands of times, each time a little further aside and a little higher or lower,
-//! and the wall keeps it below the highest corner of every tile. Of two passes round the field that cross the same edges
-//! in the same order, every pass in between crosses those edges as well: the place on an edge and the clearance there
-//! change by the same amount from pass to pass. Where both passes clear the field by more than the traversal's rounding, all
-//! in between do, and are taken at once. What ends that is a corner of the grid or the surface, so that a ray costs some
-//! passes for each of them instead of one for each time that it comes round.
+//! Such a ray comes round the field thousands of times, each time a little further aside and a little higher or
+//! lower, and the wall keeps it below the highest corner of every tile. Of two passes round the field that cross the
+//! same edges in the same order, every pass in between crosses those edges as well: the place on an edge and the
+//! clearance there change by the same amount from pass to pass. Where both passes clear the field by more than the
+//! traversal's rounding, all in between do, and are taken at once. What ends that is a corner of the grid or the
+//! surface, so that a ray costs some passes for each of them instead of one for each time that it comes round.
 
 use glam::DVec3;
 
@@ -117,9 +117,9 @@ fn free<'a>(
     None
 }
 
-/// Traverses the pass that `way` is about to begin and the one that comes `passes` later: that one's end, and after how many
-/// passes the first change comes, if all changes as from the one to the other. `None` where they cross other edges or
-/// either comes within `margin` of the surface.
+/// Traverses the pass that `way` is about to begin and the one that comes `passes` later: that one's end, and after
+/// how many passes the first change comes, if all changes as from the one to the other. `None` where they cross other
+/// edges or either comes within `margin` of the surface.
 fn side_by_side<'a>(
     way: &RayState<'a>,
     field: &Heightfield,

@@ -1,9 +1,9 @@
 //! Very long rays in f64: the answer of the plain traversal, without the cells that it finds nothing in.
 //!
 //! A ray that climbs by a thousandth of a cell per edge crosses the field many times before it is above it, nearly
-//! always far over everything. Such a ray is taken over whole tiles of 4^L x 4^L cells at once wherever it stays above
-//! their highest corner by more than the traversal's rounding; elsewhere it is followed cell by cell as in `traverse`, but along a
-//! corridor (`corridor`) over many passes round the field at once.
+//! always far over everything. Such a ray is taken over whole tiles of 4^L x 4^L cells at once wherever it stays
+//! above their highest corner by more than the traversal's rounding; elsewhere it is followed cell by cell as in
+//! `traverse`, but along a corridor (`corridor`) over many passes round the field at once.
 
 use glam::DVec3;
 
@@ -66,7 +66,8 @@ pub(crate) fn traverse_rest(
         let exit = exit(&way, field, level);
         let low = way.height(if d.z < 0.0 { exit.t } else { way.entry.t });
         let margin = margin_at(exit.t);
-        // One round later over the same heights, higher by more than rounding, or level: nothing blocked it and nothing will.
+        // One round later over the same heights, higher by more than rounding, or level: nothing blocked it and
+        // nothing will.
         let been_round = way.x.crossed + way.y.crossed > begin + round;
         if been_round && (d.z == 0.0 || rise > margin) {
             return Outcome::Escaped;

@@ -39,8 +39,8 @@ impl Window {
 /// Cells whose projected areas are summed together: a sample evaluates one such group.
 const GROUP: usize = 4;
 
-/// The areas that the facets of a window turn to one light direction, summed by groups of cells: what a block steps
-/// along. Serves any number of blocks.
+/// The projected areas of a window's facets towards one light direction, summed by groups of cells: what a block
+/// steps along. Serves any number of blocks.
 pub struct AreaSampler<'a> {
     field: &'a Heightfield,
     window: Window,
@@ -51,8 +51,8 @@ pub struct AreaSampler<'a> {
 }
 
 impl<'a> AreaSampler<'a> {
-    /// Sums the areas that `field`'s facets in `window` turn to `light` (canonical, field coordinates): a facet of
-    /// slope (p, q) turns max(0, light.z - light.x p - light.y q)/2 of a cell's area to it.
+    /// Sums the projected areas of `field`'s facets in `window` towards `light` (canonical, field coordinates): that of
+    /// a facet of slope (p, q) is max(0, light.z - light.x p - light.y q)/2 of a cell's.
     pub fn new(field: &'a Heightfield, window: Window, light: DVec3) -> Self {
         let mut starts = AreaSampler { field, window, light, before: vec![0.0] };
         let mut areas = vec![[0.0; 2]; window.x.1 - window.x.0];
@@ -62,7 +62,7 @@ impl<'a> AreaSampler<'a> {
         for y in window.y.0..window.y.1 {
             std::mem::swap(&mut near, &mut far);
             copy_heights(field, y + 1, window.x.0, &mut far);
-            turned_areas(&near, &far, light, &mut areas);
+            projected_areas(&near, &far, light, &mut areas);
             for group in areas.chunks(GROUP) {
                 sum += group.as_flattened().iter().sum::<f64>();
                 starts.before.push(sum);
@@ -113,7 +113,7 @@ impl<'a> AreaSampler<'a> {
         }
     }
 
-    /// The facets of a group and the areas that they turn to the light.
+    /// The facets of a group and their projected areas.
     fn facets(&self, group: usize) -> Facets {
         let width = self.window.x.1 - self.window.x.0;
         let in_row = width.div_ceil(GROUP);
@@ -123,7 +123,7 @@ impl<'a> AreaSampler<'a> {
         copy_heights(self.field, y, first, &mut near[..=cells]);
         copy_heights(self.field, y + 1, first, &mut far[..=cells]);
         let mut areas = [[0.0; 2]; GROUP];
-        turned_areas(&near, &far, self.light, &mut areas);
+        projected_areas(&near, &far, self.light, &mut areas);
         areas[cells..].fill([0.0; 2]);
         Facets { first, y, areas }
     }
@@ -158,7 +158,7 @@ impl Facets {
 
 /// The areas of the lower and of the upper facet of neighbouring cells, from the heights along their two rows.
 #[inline]
-fn turned_areas(near: &[f64], far: &[f64], light: DVec3, areas: &mut [[f64; 2]]) {
+fn projected_areas(near: &[f64], far: &[f64], light: DVec3, areas: &mut [[f64; 2]]) {
     let cells = areas.len();
     let (near, far) = (&near[..=cells], &far[..=cells]);
     for k in 0..cells {

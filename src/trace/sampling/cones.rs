@@ -27,7 +27,7 @@ pub struct ConeSampler<'a> {
     slots: Vec<Slots>,
 }
 
-/// One bin: a slot of equal length for each of its facets, none of which turns more to the light.
+/// One bin: a slot of equal length for each of its facets, none of which has a larger projected area.
 struct Slots {
     bin: usize,
     length: f64,
@@ -71,16 +71,14 @@ impl<'a> ConeSampler<'a> {
 
     /// Appends a bin, unless it is empty or turned away.
     fn add(&mut self, bin: usize) {
-        let Slopes { low, high } = self.index.slopes(bin);
-        let across = self.light.truncate();
-        let length = 0.5 * (self.light.z - (across * low).min(across * high).element_sum());
+        let [_, length] = self.index.slopes(bin).projected_areas(self.light);
         if length > 0.0 && self.index.count(bin) > 0 {
             let end = self.total() + length * self.index.count(bin) as f64;
             self.slots.push(Slots { bin, length, end });
         }
     }
 
-    /// At least the area that the selected facets turn to the light, in cells.
+    /// At least the projected area of the selected facets, in cells.
     pub fn total(&self) -> f64 {
         self.slots.last().map_or(0.0, |slots| slots.end)
     }

@@ -39,6 +39,15 @@ pub struct Slopes {
     pub high: DVec2,
 }
 
+impl Slopes {
+    /// The smallest and the largest projected area of facets with these slopes towards `light` (canonical, field
+    /// coordinates), in cells: below 0 where they face away.
+    pub fn projected_areas(&self, light: DVec3) -> [f64; 2] {
+        let (low, high) = (light.truncate() * self.low, light.truncate() * self.high);
+        [low.max(high), low.min(high)].map(|along| 0.5 * (light.z - along.element_sum()))
+    }
+}
+
 impl SlopeIndex {
     /// Sorts the facets of `field`, by counting; `None` for an open field, or one with more than 2^32 facets.
     // Tested by `every_facet_stands_in_the_bin_of_its_slope`.
@@ -142,8 +151,8 @@ impl SlopeIndex {
         }
     }
 
-    /// About the area that all facets turn to `light` (canonical, field coordinates), in cells: as if all slopes of a
-    /// bin were its middle.
+    /// About the projected area of all facets towards `light` (canonical, field coordinates), in cells: as if all
+    /// slopes of a bin were its middle.
     pub fn turned_about(&self, light: DVec3) -> f64 {
         let filled = (0..self.bins()).filter(|&bin| self.count(bin) > 0);
         let turned = filled.map(|bin| {

@@ -1,10 +1,10 @@
-//! What the kernel answers.
+//! The answers of the kernel: what became of each ray.
 
 /// Edges that a ray crosses at most in f32 before its place is computed anew; one that is longer is `Beyond`.
 ///
 /// A position t d is rounded twice (relative 2^-23 together): at 4096 edges to 5e-4 of a cell. A visibility answer
 /// can change only where the ray passes a facet's edge that closely; heights vary over several cells, so that this
-/// concerns a share below 5e-4/cells per ray even if every ray were so long.
+/// concerns a fraction below 5e-4/cells per ray even if every ray were so long.
 pub const LONGEST: f32 = 4096.0;
 
 /// What became of a ray.

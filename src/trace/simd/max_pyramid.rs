@@ -169,14 +169,14 @@ mod tests {
 
     #[test]
     fn fields_that_f32_or_masks_cannot_hold_are_left_to_the_walk() {
-        let of = |nx: usize, ny: usize, periodic: bool, h: f64| {
+        let pyramid = |nx: usize, ny: usize, periodic: bool, h: f64| {
             let extra = usize::from(!periodic);
             MaxPyramid::new(&Heightfield::new(nx, ny, periodic, vec![h; (nx + extra) * (ny + extra)]))
         };
-        assert!(of(8, 16, true, 0.25).is_some());
-        assert!(of(8, 16, false, 0.25).is_none());
-        assert!(of(12, 16, true, 0.25).is_none());
-        assert!(of(4, 16, true, 0.25).is_none());
-        assert!(of(8, 8, true, 0.1).is_none());
+        assert!(pyramid(8, 16, true, 0.25).is_some());
+        assert!(pyramid(8, 16, false, 0.25).is_none());
+        assert!(pyramid(12, 16, true, 0.25).is_none());
+        assert!(pyramid(4, 16, true, 0.25).is_none());
+        assert!(pyramid(8, 8, true, 0.1).is_none());
     }
 }

@@ -48,12 +48,12 @@ impl<'a> SimdTraversal<'a> {
     fn further(&self, start: &SurfacePoint, d: DVec3, edges: f64) -> SurfacePoint {
         let t = edges / (d.x.abs() + d.y.abs());
         let field = self.traversal.field();
-        let of = |cell: usize, place: f64, d: f64, cells: usize| {
+        let moved = |cell: usize, place: f64, d: f64, cells: usize| {
             let to = place + t * d;
             ((cell as i64 + to.floor() as i64).rem_euclid(cells as i64) as usize, to - to.floor())
         };
-        let (x, u) = of(start.facet.x, start.u, d.x, field.cells_x());
-        let (y, v) = of(start.facet.y, start.v, d.y, field.cells_y());
+        let (x, u) = moved(start.facet.x, start.u, d.x, field.cells_x());
+        let (y, v) = moved(start.facet.y, start.v, d.y, field.cells_y());
         SurfacePoint { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z: start.z + t * d.z }
     }
 

@@ -158,10 +158,10 @@ impl Lanes for Avx512 {
         // SAFETY: 64 bytes of its own, at the alignment of a vector.
         unsafe { std::ptr::write_volatile((&raw mut at).cast(), index) };
         // SAFETY: a number and'ed with the last index, which no table lacks, is no larger than that.
-        let of = |k: usize| unsafe { *table.get_unchecked(at.0[k] as usize) };
-        let of = |k: usize| [of(k), of(k + 1), of(k + 2), of(k + 3)];
-        let ([a, b, c, d], [e, f, g, h]) = (of(0), of(4));
-        let ([i, j, k, l], [m, n, o, p]) = (of(8), of(12));
+        let one = |k: usize| unsafe { *table.get_unchecked(at.0[k] as usize) };
+        let four = |k: usize| [one(k), one(k + 1), one(k + 2), one(k + 3)];
+        let ([a, b, c, d], [e, f, g, h]) = (four(0), four(4));
+        let ([i, j, k, l], [m, n, o, p]) = (four(8), four(12));
         // SAFETY: `Avx512` exists only where the processor has its features.
         unsafe { _mm512_setr_ps(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p) }
     }
