@@ -34,7 +34,7 @@ pub struct StreamId {
     pub purpose: Purpose,
     /// Realisation, from 0.
     pub realisation: u64,
-    /// The incidence by its angles (`stop_key`), 0 where incidences share the draw.
+    /// The incidence by its angles (`incidence_key`), 0 where incidences share the draw.
     pub stop: u64,
     /// Block, from 0; 0 where blocks share the draw.
     pub block: u64,
@@ -52,7 +52,7 @@ pub fn stream(id: StreamId) -> Pcg64Dxsm {
 }
 
 /// A hash of an incidence's angles (degrees, in the sample's frame): adding an incidence leaves the others as they were.
-pub fn stop_key(theta_i_deg: f64, phi_i_deg: f64) -> u64 {
+pub fn incidence_key(theta_i_deg: f64, phi_i_deg: f64) -> u64 {
     // `+ 0.0` makes -0 and 0 one angle.
     mix(mix((theta_i_deg + 0.0).to_bits()) ^ (phi_i_deg + 0.0).to_bits().rotate_left(1))
 }

@@ -169,7 +169,7 @@ impl<'a> BlockTracer<'a> {
         lights.clear();
         lights.resize_with(starts.len(), || BounceRecorder::new(weighed));
         let bounces = self.context.campaign.trace.bounces;
-        let wave = Wave { starts, of: turns, views, bounces };
+        let wave = Wave { surface_samples: starts, view_of: turns, views, bounces };
         paths.trace(over, &wave, lights, endings);
         for (((start, &turn), &ending), light) in starts.iter().zip(&*turns).zip(&*endings).zip(&*lights) {
             self.at = usize::from(turn);

@@ -28,9 +28,9 @@ pub struct View<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct Wave<'a> {
     /// Where each path begins.
-    pub starts: &'a [SurfacePoint],
+    pub surface_samples: &'a [SurfacePoint],
     /// Which view each path belongs to.
-    pub of: &'a [u16],
+    pub view_of: &'a [u16],
     /// The views.
     pub views: &'a [View<'a>],
     /// Highest order.
@@ -39,7 +39,7 @@ pub struct Wave<'a> {
 
 impl<'a> Wave<'a> {
     fn view(&self, path: usize) -> &View<'a> {
-        &self.views[usize::from(self.of[path])]
+        &self.views[usize::from(self.view_of[path])]
     }
 
     /// The direction of a step, seen from the field.
@@ -74,7 +74,7 @@ impl PathWaves {
     ) {
         let bounces = wave.bounces;
         endings.clear();
-        endings.resize(wave.starts.len(), PathEnd::Shadowed);
+        endings.resize(wave.surface_samples.len(), PathEnd::Shadowed);
         self.light(over, wave, endings);
         for order in 1..=bounces {
             let last = order == bounces;
@@ -89,18 +89,18 @@ impl PathWaves {
 
     /// Keeps the samples that the light sees.
     fn light(&mut self, over: &SimdTraversal, wave: &Wave, endings: &mut [PathEnd]) {
-        let at_start = |(path, &place): (usize, &SurfacePoint)| {
+        let at_sample = |(path, &place): (usize, &SurfacePoint)| {
             let direction = wave.view(path).wi;
             Step { path, place, direction }
         };
-        let starts = wave.starts.iter().enumerate().map(at_start);
+        let samples = wave.surface_samples.iter().enumerate().map(at_sample);
         self.now.clear();
         let ray = |k: usize| {
             let View { sample, wi } = wave.view(k);
-            (&wave.starts[k], sample.to_field(*wi))
+            (&wave.surface_samples[k], sample.to_field(*wi))
         };
-        let outcomes = self.waves.any_hit(over, wave.starts.len(), ray);
-        for (outcome, step) in outcomes.iter().zip(starts) {
+        let outcomes = self.waves.any_hit(over, wave.surface_samples.len(), ray);
+        for (outcome, step) in outcomes.iter().zip(samples) {
             match outcome {
                 RayOutcome::Escaped => self.now.push(step),
                 RayOutcome::Blocked => {}

@@ -169,7 +169,12 @@ fn paths_in_waves_are_paths() {
         let mut endings = Vec::new();
         paths.trace(
             &over,
-            &Wave { starts: &starts, of: &vec![0; starts.len()], views: &[View { sample, wi }], bounces },
+            &Wave {
+                surface_samples: &starts,
+                view_of: &vec![0; starts.len()],
+                views: &[View { sample, wi }],
+                bounces,
+            },
             &mut visits,
             &mut endings,
         );
@@ -218,7 +223,12 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
         let mut endings = Vec::new();
         paths.trace(
             &over,
-            &Wave { starts: &starts, of: &vec![0; starts.len()], views: &[View { sample, wi }], bounces: 4 },
+            &Wave {
+                surface_samples: &starts,
+                view_of: &vec![0; starts.len()],
+                views: &[View { sample, wi }],
+                bounces: 4,
+            },
             &mut visits,
             &mut endings,
         );
