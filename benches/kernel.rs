@@ -28,10 +28,10 @@ fn kernels(criterion: &mut Criterion) {
     group.sample_size(20).throughput(Throughput::Elements(RAYS));
     for kernel in Kernel::ALL.into_iter().filter(|kernel| kernel.available()) {
         group.bench_function(BenchmarkId::new("any_hit", kernel.name()), |bencher| {
-            bencher.iter(|| lanes.any_hit(kernel, &rays, &mut hits));
+            bencher.iter(|| kernel.any_hit(&lanes, &rays, &mut hits));
         });
         group.bench_function(BenchmarkId::new("closest_hit", kernel.name()), |bencher| {
-            bencher.iter(|| lanes.closest_hit(kernel, &rays, &mut hits));
+            bencher.iter(|| kernel.closest_hit(&lanes, &rays, &mut hits));
         });
     }
     group.finish();

@@ -111,8 +111,7 @@ impl Error {
 
     /// A wrong content of the file at `path`; whatever `what` quotes of it, it is one line. Where the reader found that
     /// the memory is too small for it, that is refused.
-    ///
-    /// Held by: tests/process/bombs.rs.
+    // Tested by tests/process/bombs.rs.
     pub fn format(path: &Path, what: impl AsRef<str>) -> Self {
         let what = one_line(what.as_ref());
         if what.ends_with(LACK_OF_MEMORY) {
@@ -124,18 +123,16 @@ impl Error {
 
 /// Whether a character of a foreign text does something to the text around it instead of being seen: control characters,
 /// the marks that turn the direction of writing, joiners and separators without width, and what is no text.
-///
-/// Held by: `characters_that_act_are_told_from_those_that_are_seen`.
+// Tested by `characters_that_act_are_told_from_those_that_are_seen`.
 pub fn is_unseen(c: char) -> bool {
     let acts = matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
         | '\u{2060}'..='\u{206f}' | '\u{feff}' | '\u{fff9}'..='\u{fffd}' | '\u{e0000}'..='\u{e007f}');
     c.is_control() || acts
 }
 
-/// JSON whose characters that are not seen, which stand in its texts alone, are written as its own escapes: the document is
-/// the same.
-///
-/// Held by: `words_of_files_cannot_act_on_a_terminal` (src/cli/text/output.rs), tests/it/foreign_words.rs.
+/// JSON whose characters that are not seen, which stand in its texts alone, are written as its own escapes: the
+/// document is the same.
+// Tested by `words_of_files_cannot_act_on_a_terminal` (src/cli/text/output.rs), tests/it/foreign_words.rs.
 pub fn seen_in_json(json: &str) -> String {
     let mut out = String::with_capacity(json.len());
     for c in json.chars() {
@@ -150,8 +147,7 @@ pub fn seen_in_json(json: &str) -> String {
 
 /// A foreign text, or a message that quotes one, as a part of one line: characters that are not seen ([`is_unseen`])
 /// become `?`, and the middle of a long one is left out.
-///
-/// Held by: `findings_of_the_fuzzer_are_answered_in_one_line` (tests/it/fuzzed.rs).
+// Tested by `findings_of_the_fuzzer_are_answered_in_one_line` (tests/it/fuzzed.rs).
 fn one_line(text: &str) -> String {
     const HEAD: usize = 360;
     const TAIL: usize = 120;

@@ -1,13 +1,25 @@
 //! gonio: a virtual gonioreflectometer.
 //!
 //! A lamp arm and a sensor arm sweep over an explicit random microsurface, light is traced over its facets, and
-//! the flux into each sensor bin becomes a BRDF table with error bars.
+//! the flux into each sensor bin becomes a BRDF table with error bars. The way of the data:
 //!
 //! ```text
-//! campaign -> surface -> instrument -> trace -> measure -> table -> validate -> cli
-//!  (TOML)    (heights)   (arms, bins)  (walk)   (tallies)  (EXR)   (against theory)
-//!                                                            |
-//!                                                       interchange (other programs' formats)
+//! campaign      TOML text -> a checked Campaign, or all its faults
+//!    |
+//! surface       Campaign -> heights, synthesised or measured
+//! instrument    Campaign -> incidences and sensor bins
+//! optics        material -> what a facet reflects
+//!    |
+//! trace         heights, an incidence -> paths from facet to facet and out
+//!    |
+//! measure       paths -> tallies, block by block; plan, checkpoints, shards
+//!    |
+//! table         tallies -> BRDF with error bars, in an EXR file
+//!    |
+//!    +-- interchange             other programs' formats, written and read
+//!    +-- report, cli             for people
+//!    +-- validate, fit, study    <-- theory (D, Lambda, G: formulas alone)
+//!    +-- bench                   run time against error
 //! ```
 //!
 //! Frame: macro-normal +z, x the tangent (the axis of `alpha_x`), right-handed. All directions are unit vectors
@@ -17,7 +29,7 @@
 //! The measuring side (`surface`, `instrument`, `optics`, `trace`, `measure`, `table`) never imports `theory`;
 //! the two meet in `validate`, `fit` and `study`. A test keeps it so.
 
-// What every stage may use.
+// What all modules may use.
 pub mod error;
 pub mod files;
 pub mod rng;
@@ -25,7 +37,7 @@ pub mod sphere;
 pub mod stats;
 pub mod text_decoding;
 
-// The stages, in the order of the data. Each imports only earlier ones.
+// In the order of the data; each imports only earlier ones.
 pub mod campaign;
 
 pub mod surface;

@@ -1,6 +1,6 @@
-//! Random streams: one per (seed, purpose, realisation, stop, block), hashed.
+//! Random streams: one per (seed, purpose, realisation, incidence, block), hashed.
 //!
-//! Enters: the five numbers. Leaves: a `Pcg64Dxsm` whose state *and* increment are hashes of all five, so that
+//! Input: the five numbers. Output: a `Pcg64Dxsm` whose state *and* increment are hashes of all five, so that
 //! the work item, not the thread, decides what is drawn, and no two items have neighbouring streams
 //! (neighbouring PCG streams are correlated).
 
@@ -13,7 +13,7 @@ use rand_pcg::Pcg64Dxsm;
 pub enum Purpose {
     /// The heights of a patch.
     Surface = 1,
-    /// The start points on the facets.
+    /// The surface samples.
     Starts = 2,
     /// The azimuth, the direction inside the light's aperture and the mirror image of a block.
     Arms = 3,
@@ -34,7 +34,7 @@ pub struct StreamId {
     pub purpose: Purpose,
     /// Realisation, from 0.
     pub realisation: u64,
-    /// The light stop by its angles (`stop_key`), 0 where stops share the draw.
+    /// The incidence by its angles (`incidence_key`), 0 where incidences share the draw.
     pub stop: u64,
     /// Block, from 0; 0 where blocks share the draw.
     pub block: u64,
@@ -51,10 +51,10 @@ pub fn stream(id: StreamId) -> Pcg64Dxsm {
     Pcg64Dxsm::new(wide(1, 2), wide(3, 4))
 }
 
-/// A hash of a light stop's angles (radians, in the sample's frame): adding a stop leaves the others as they were.
-pub fn stop_key(theta_i: f64, phi_i: f64) -> u64 {
+/// A hash of an incidence's angles (degrees, in the sample's frame): adding an incidence leaves the others as they were.
+pub fn incidence_key(theta_i_deg: f64, phi_i_deg: f64) -> u64 {
     // `+ 0.0` makes -0 and 0 one angle.
-    mix(mix((theta_i + 0.0).to_bits()) ^ (phi_i + 0.0).to_bits().rotate_left(1))
+    mix(mix((theta_i_deg + 0.0).to_bits()) ^ (phi_i_deg + 0.0).to_bits().rotate_left(1))
 }
 
 /// A uniform number in [0, 1) of 53 bits. Own conversion: those of `rand` may change between versions.

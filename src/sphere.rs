@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 ///
 /// - `deg`: finite. Reduced by whole quarter turns before any rounding: sin_cos_deg(360 + x) = sin_cos_deg(x).
 /// - Numerics: above 45 degrees the complement is taken, so that cos(89.99) keeps every digit of 90 - 89.99.
-/// - Held by: `right_angles_are_exact`.
+// Tested by `right_angles_are_exact`.
 pub fn sin_cos_deg(deg: f64) -> (f64, f64) {
     let turn = deg.rem_euclid(360.0);
     let quadrant = (turn / 90.0).floor();
@@ -59,9 +59,11 @@ pub fn turned(w: DVec3, (sin, cos): (f64, f64)) -> DVec3 {
     DVec3::new(cos * w.x - sin * w.y, sin * w.x + cos * w.y, w.z)
 }
 
-/// Azimuth in degrees reduced to [0, 360); exact for multiples of a power of two.
+/// Azimuth in degrees reduced to [0, 360), never -0; exact for multiples of a power of two.
+// Tested by `azimuths_that_are_the_same_reduce_to_the_same_bits`.
 pub fn reduced_deg(phi_deg: f64) -> f64 {
     let phi = phi_deg.rem_euclid(360.0);
+    // A tiny negative angle rounds up to 360 itself.
     if phi < 360.0 { phi + 0.0 } else { 0.0 }
 }
 
@@ -104,6 +106,14 @@ mod tests {
         assert_eq!(phi(DVec3::new(1.0, -0.0, 0.0)), 0.0);
         assert_eq!(phi(DVec3::new(1.0, -1e-300, 0.0)), 0.0);
         assert_eq!(phi(DVec3::Z), 0.0);
-        assert_eq!(reduced_deg(-1e-30), 0.0);
+    }
+
+    #[test]
+    fn azimuths_that_are_the_same_reduce_to_the_same_bits() {
+        for phi_deg in [0.0, -0.0, 360.0, -360.0, 720.0, -1e-20] {
+            assert_eq!(reduced_deg(phi_deg).to_bits(), 0f64.to_bits(), "{phi_deg}");
+        }
+        assert_eq!(reduced_deg(-90.0), 270.0);
+        assert_eq!(reduced_deg(359.999), 359.999);
     }
 }

@@ -38,8 +38,8 @@ impl Bounce for Unseen {
 
 /// The flux in every bin that samples of this flux bring.
 fn arrivals(over: &SimdTraversal, view: View, starts: &[SurfacePoint], flux: f64) -> Vec<f64> {
-    let of = vec![0; starts.len()];
-    let wave = Wave { starts, of: &of, views: &[view], bounces: 1 };
+    let view_of = vec![0; starts.len()];
+    let wave = Wave { surface_samples: starts, view_of: &view_of, views: &[view], bounces: 1 };
     let (mut seen, mut endings) = (vec![Unseen; starts.len()], Vec::new());
     PathWaves::default().trace(over, &wave, &mut seen, &mut endings);
     let mut bins = vec![0.0; BINS.0 * BINS.1];
@@ -93,7 +93,7 @@ fn main() {
             let mut rng = numbers(replicate);
             by_slope.add(|| {
                 let starts = SlopeSampler::new(&index, &field, light, &mut rng);
-                let flux = starts.share(BLOCK);
+                let flux = starts.flux_fraction(BLOCK);
                 let (mut together, mut places) = (BatchedStarts::default(), Vec::new());
                 together.add(&starts, BLOCK, rng);
                 together.each(&index, &field, |_, place| places.push(place));

@@ -1,4 +1,4 @@
-//! 8. Run time against error: ladders of sample counts, and what their errors say of noise and bias.
+//! Run time against error: ladders of sample counts, and what their errors say of noise and bias.
 //!
 //! Every rung is measured several times with seeds of its own (replicates), so that no two errors share a draw or a
 //! patch. The error of a run is the flux-weighted L1 distance of its order-1 table from the truth, averaged over

@@ -37,28 +37,31 @@ pub fn named(name: &str) -> Result<[f64; 3], String> {
     })
 }
 
-/// The names whose n and k are known.
-pub const NAMES_WITH_INDEX: [&str; 8] =
-    ["gold", "silver", "copper", "nickel", "chromium", "iron", "aluminum", "water"];
-
-/// n and k of a material by its name, at increasing wavelengths about the visible ones.
+/// The names whose n and k are known, and rows of [wavelength_nm, n, k] at increasing wavelengths about the visible ones.
 ///
 /// From measured tables: P. B. Johnson, R. W. Christy, Phys. Rev. B 6, 4370 (1972) and 9, 5056 (1974); A. D. Rakic, Appl.
 /// Opt. 34, 4755 (1995); G. M. Hale, M. R. Querry, Appl. Opt. 12, 555 (1973); rows as the refractiveindex.info database
 /// (CC0) has them. Glass, plastic, skin, hair and stone are families without one index.
-/// Held by: `indices_reflect_as_the_names_do`.
+// Tested by `indices_reflect_as_the_names_do`.
+const INDICES: [(&str, &[[f64; 3]]); 8] = [
+    ("gold", &GOLD),
+    ("silver", &SILVER),
+    ("copper", &COPPER),
+    ("nickel", &NICKEL),
+    ("chromium", &CHROMIUM),
+    ("iron", &IRON),
+    ("aluminum", &ALUMINUM),
+    ("water", &WATER),
+];
+
+/// The names whose n and k are known.
+pub fn names_with_index() -> [&'static str; 8] {
+    INDICES.map(|(name, _)| name)
+}
+
+/// n and k of a material by its name, at increasing wavelengths.
 pub fn index_of(name: &str) -> Option<Vec<Medium>> {
-    let rows: &[[f64; 3]] = match name {
-        "gold" => &GOLD,
-        "silver" => &SILVER,
-        "copper" => &COPPER,
-        "nickel" => &NICKEL,
-        "chromium" => &CHROMIUM,
-        "iron" => &IRON,
-        "aluminum" => &ALUMINUM,
-        "water" => &WATER,
-        _ => return None,
-    };
+    let (_, rows) = INDICES.iter().find(|(known, _)| *known == name)?;
     Some(rows.iter().map(|&[nm, eta, k]| Medium { wavelength_nm: Some(nm), eta, k }).collect())
 }
 
@@ -70,8 +73,6 @@ pub fn rgb_of(name: &str) -> Option<Vec<Medium>> {
     let known = Dispersion::of(&index_of(name)?);
     RGB_NM.iter().rev().map(|&nm| known.at(nm)).collect()
 }
-
-// [wavelength_nm, n, k].
 
 /// Johnson and Christy 1972.
 const GOLD: [[f64; 3]; 16] = [
@@ -251,10 +252,7 @@ mod tests {
     #[test]
     fn indices_reflect_as_the_names_do() {
         for (name, f0) in MATERIALS {
-            let Some(media) = index_of(name) else {
-                assert!(!NAMES_WITH_INDEX.contains(&name), "{name}");
-                continue;
-            };
+            let Some(media) = index_of(name) else { continue };
             assert!(media.windows(2).all(|pair| pair[0].wavelength_nm < pair[1].wavelength_nm), "{name}");
             for (f0, nm) in f0.into_iter().zip([650.0, 550.0, 450.0]) {
                 let Medium { eta, k, .. } = Dispersion::of(&media).at(nm).expect("visible");

@@ -1,4 +1,4 @@
-//! 1. The campaign: TOML in, a checked `Campaign` or the list of *all* faults out.
+//! The campaign: TOML in, a checked `Campaign` or the list of *all* faults out.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -36,11 +36,11 @@ pub struct Parsed {
     pub campaign: Campaign,
     /// Warnings for stderr, one line each, in the shape of a fault: the file can be run, but the user should know.
     pub notes: Vec<String>,
-    /// The instrument that the arms are taken from, where a `[preset]` names one; the campaign holds what it stands for.
+    /// The instrument that the arms are taken from, where a `[preset]` names one; the campaign holds those arms.
     pub preset: Option<Preset>,
 }
 
-/// Reads the campaign file at `path`; height maps it names are looked for beside it.
+/// Reads the campaign file at `path`; height maps it names are looked for in its folder.
 ///
 /// A file that cannot be read is [`Error::Io`], as is one that is no regular file: pipes and devices might never end,
 /// or never begin. One that cannot be understood is [`Error::Campaign`] with all its faults.

@@ -1,6 +1,6 @@
 //! `[preset]`: the arms of a known instrument or data layout, in place of `[light]` and `[sensor]`.
 //!
-//! A preset is a spelling: what it stands for goes into the campaign, and nothing else of it does. Half-angles of
+//! The campaign gets the arms that a preset means, and nothing else of it. Half-angles of
 //! apertures that the sources do not give are defaults of ours, and can be set.
 
 use serde::Serialize;
@@ -62,7 +62,7 @@ const PRESETS: [Preset; 7] = [
         name: "klems_full",
         source: "Klems and Warner 1995 (LBNL full basis), as Radiance's bsdf_m.c has it",
         emulated: "145 patches of the sensor, light from the middles of the same 145 patches",
-        left_out: "the mean over the patch of the light: a lobe narrower than 10 degrees falls between the stops",
+        left_out: "the mean over the patch of the light: a lobe narrower than 10 degrees falls between the incidences",
     },
     Preset {
         name: "in_plane",
@@ -72,7 +72,7 @@ const PRESETS: [Preset; 7] = [
     },
 ];
 
-/// The arms that a preset stands for; `isotropic` is unknown where the surface has faults of its own. `None` in place
+/// The arms that a preset means; `isotropic` is unknown where the surface has faults of its own. `None` in place
 /// of an arm, or of everything, where it has faults.
 pub(super) fn arms(
     slot: &Slot<'_>,
@@ -103,7 +103,7 @@ fn steps(from: f64, step: f64, count: u32) -> Vec<f64> {
     (0..count).map(|k| from + step * f64::from(k)).collect()
 }
 
-/// The keys of light that is averaged over the azimuth, or stands at azimuths that are given.
+/// The keys of light that is averaged over the azimuth, or comes from azimuths that are given.
 struct LightKeys<'a> {
     /// Never given: no preset has the key.
     azimuth: Slot<'a>,
@@ -177,9 +177,10 @@ fn hemisphere(rows: &Slot<'_>, theta_r: u32, columns: &Slot<'_>, phi_r: u32) -> 
     Some(SensorArm::Hemisphere { theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins })
 }
 
-fn onera(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
+/// The keys of an instrument that measures pairs of directions: of the light, and theta_r, phi_r and aperture.
+fn pair_keys(table: TableReader<'_>) -> (LightKeys<'_>, [Slot<'_>; 3]) {
     let azimuth = table.slot("azimuth");
-    let [_, theta_i, phi_i, average, theta_r, phi_r, aperture] = table.keys([
+    let [_, theta_i, phi_i, average, sensor @ ..] = table.keys([
         "name",
         "theta_i_deg",
         "phi_i_deg",
@@ -188,7 +189,11 @@ fn onera(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
         "phi_r_deg",
         "aperture_deg",
     ]);
-    let keys = LightKeys { azimuth, theta_i, phi_i, average };
+    (LightKeys { azimuth, theta_i, phi_i, average }, sensor)
+}
+
+fn onera(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
+    let (keys, [theta_r, phi_r, aperture]) = pair_keys(table);
     let light = keys.light(steps(0.0, 15.0, 5), &TO_SIXTY, isotropic);
     let theta_r = theta_r.or(steps(0.0, 10.0, 7), |i| axis(i, &TO_SIXTY));
     let phi_r = phi_r.or(steps(0.0, 15.0, 13), |i| axis(i, &HALF_TURN));
@@ -196,19 +201,9 @@ fn onera(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
 }
 
 fn rosi(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
-    let azimuth = table.slot("azimuth");
-    let [_, theta_i, phi_i, average, theta_r, phi_r, aperture] = table.keys([
-        "name",
-        "theta_i_deg",
-        "phi_i_deg",
-        "average_azimuth",
-        "theta_r_deg",
-        "phi_r_deg",
-        "aperture_deg",
-    ]);
+    let (keys, [theta_r, phi_r, aperture]) = pair_keys(table);
     let what = "a preset of pairs: the angles of the arm, such as [45]";
-    let both = [&theta_i, &theta_r].map(|slot| slot.required(what).is_some());
-    let keys = LightKeys { azimuth, theta_i, phi_i, average };
+    let both = [&keys.theta_i, &theta_r].map(|slot| slot.required(what).is_some());
     let light = keys.light(vec![], &THETA_I, isotropic).filter(|_| both[0]);
     let theta_r = theta_r.or(vec![], |i| axis(i, &THETA_R)).filter(|_| both[1]);
     let phi_r = phi_r.or(vec![180.0], |i| axis(i, &PHI));

@@ -2,7 +2,7 @@
 
 use std::fmt::{Debug, Display};
 
-use super::parse::{arms, campaign, optics, surface};
+use super::parse::{arms, campaign, height_map, optics, surface};
 use super::schema::{
     Alpha, Azimuth, Campaign, Expect, HeightMap, LightArm, Medium, Optics, RefractiveIndex, SensorArm,
     Surface, SurfaceKind,
@@ -13,6 +13,8 @@ use super::schema::{
 /// Stored in every table. Keys that would have no effect are left out. Seeds above 2^63 - 1 are written as plain
 /// integers, which this reader takes and other TOML readers may not. A random surface has either roughnesses that
 /// are equal along x and y, or a single one that is not.
+// By hand: checkpoints and digests of tables depend on these bytes, and the `toml` crate writes 1e-7 as 0.0000001. The
+// `Serialize` of a `Campaign` is that of JSON reports, which have another shape.
 pub fn to_toml(campaign: &Campaign) -> String {
     let mut text = Text(String::new());
     text.line("name", quoted(&campaign.name));
@@ -140,7 +142,7 @@ fn file_table(text: &mut Text, map: &HeightMap) {
         }
     }
     text.line("periodic", map.periodic);
-    text.line("detrend", word(&surface::DETREND, &map.detrend));
+    text.line("detrend", word(&height_map::DETREND, &map.detrend));
     text.line("refine", map.refine.map_or(quoted("auto"), |steps| steps.to_string()));
     text.line("tiles", map.tiles);
 }

@@ -132,8 +132,7 @@ impl Sensor {
 
     /// Calls `visit(bin)` for every bin that holds `wo`, and for every one that holds its `image`, the mirror image about
     /// the plane at the azimuth of half `about_deg`, in [0, 720).
-    ///
-    /// Held by: `images_fall_where_they_fall_alone`.
+    // Tested by `images_fall_where_they_fall_alone`.
     pub fn each_bin_of_both(&self, wo: DVec3, image: DVec3, about_deg: f64, mut visit: impl FnMut(usize)) {
         if let Sensor::Hemisphere { theta, phi } = self {
             let (first, azimuth) = (row(wo, theta) * phi.len(), quick_atan2_deg(wo.y, wo.x));
@@ -199,7 +198,7 @@ const QUICK_ERROR: f64 = 2e-3;
 /// atan2(y, x) in [0, 360) degrees to 2e-3 of a degree, without a library call; NaN at the origin.
 ///
 /// Source: Hastings 1955, "Approximations for digital computers": the odd polynomial of degree 11.
-/// Held by: `the_quick_angle_keeps_its_bound`.
+// Tested by `the_quick_angle_keeps_its_bound`.
 fn quick_atan2_deg(y: f64, x: f64) -> f64 {
     let (a, b) = (x.abs(), y.abs());
     let t = a.min(b) / a.max(b);

@@ -1,6 +1,6 @@
-//! The geometry of a table: which light stops and which sensor bins it has.
+//! The geometry of a table: which incidences and which sensor bins it has.
 //!
-//! Enters: axes in degrees. Leaves: the stops' directions and each bin as a region of the hemisphere, the same
+//! Input: axes in degrees. Output: the directions of the incidences and each bin as a region of the hemisphere, the same
 //! for the tally (direction -> bin) and for the theory (mean over the bin). Written into tables as JSON.
 
 use glam::DVec3;
@@ -26,14 +26,14 @@ pub enum GridKind {
     HalfDifference,
 }
 
-/// The axes of a table: row = stop (theta_i major, phi_i minor), column = bin (theta_r major, phi_r minor).
+/// The axes of a table: row = incidence (theta_i major, phi_i minor), column = bin (theta_r major, phi_r minor).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Grid {
     /// What the columns are.
     pub kind: GridKind,
-    /// Polar angles of the light stops.
+    /// Polar angles of the incidences.
     pub theta_i_deg: Vec<f64>,
-    /// Azimuths of the light stops; a single 0 when the azimuth is relative.
+    /// Azimuths of the incidences; a single 0 when the azimuth is relative.
     pub phi_i_deg: Vec<f64>,
     /// Whether phi_r counts from the light's azimuth.
     pub phi_r_relative: bool,
@@ -52,7 +52,7 @@ pub struct Grid {
     /// Arm: half-angle of the aperture.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub aperture_deg: Option<f64>,
-    /// The stops as a list of (theta_i, phi_i), where they are no product of the two axes, which are then empty.
+    /// The incidences as a list of (theta_i, phi_i), where they are no product of the two axes, which are then empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stops_deg: Vec<[f64; 2]>,
     /// Patches: `[theta_lo, theta_hi, phi_lo, phi_hi]` each.
@@ -98,7 +98,8 @@ impl Region {
     /// Integral of cos(theta) over the region, sr.
     ///
     /// Rectangle: dphi (sin^2 t2 - sin^2 t1)/2 = dphi sin(t2 + t1) sin(t2 - t1)/2. Cap: pi sin^2(a) axis.z.
-    /// Both forms are free of cancellation. Held by: `projected_solid_angles_sum_to_pi`, `a_cap_is_a_projected_disc`.
+    /// Both forms are free of cancellation.
+    // Tested by `projected_solid_angles_sum_to_pi`, `a_cap_is_a_projected_disc`.
     pub fn projected_solid_angle(&self) -> f64 {
         match *self {
             Region::Rectangle { theta: [t1, t2], phi: [p1, p2] } => {
@@ -110,7 +111,7 @@ impl Region {
 }
 
 impl Grid {
-    /// Number of light stops; of half/difference angles, of half vectors.
+    /// Number of incidences; of half/difference angles, of half vectors.
     pub fn stops(&self) -> usize {
         if self.kind == GridKind::HalfDifference {
             self.theta_h_deg.len() * self.phi_h_deg.len()
@@ -121,7 +122,7 @@ impl Grid {
         }
     }
 
-    /// Number of different azimuths among the stops.
+    /// Number of different azimuths among the incidences.
     pub fn azimuths(&self) -> usize {
         let mut azimuths: Vec<u64> = (0..self.stops()).map(|stop| self.stop_deg(stop).1.to_bits()).collect();
         azimuths.sort_unstable();
@@ -140,17 +141,16 @@ impl Grid {
 
     /// Number of sensor bins.
     pub fn bins(&self) -> usize {
-        let pairs = |a: usize, b: usize| a * b;
         match self.kind {
-            GridKind::Hemisphere => pairs(self.theta_r_edges_deg.len() - 1, self.phi_r_edges_deg.len() - 1),
-            GridKind::Arm => pairs(self.theta_r_deg.len(), self.phi_r_deg.len()),
+            GridKind::Hemisphere => (self.theta_r_edges_deg.len() - 1) * (self.phi_r_edges_deg.len() - 1),
+            GridKind::Arm => self.theta_r_deg.len() * self.phi_r_deg.len(),
             GridKind::Patches => self.patches_deg.len(),
             GridKind::Points => self.points_deg.len(),
-            GridKind::HalfDifference => pairs(self.theta_d_deg.len(), self.phi_d_deg.len()),
+            GridKind::HalfDifference => self.theta_d_deg.len() * self.phi_d_deg.len(),
         }
     }
 
-    /// (theta_i, phi_i) of a stop in degrees; of half/difference angles, (theta_h, phi_h).
+    /// (theta_i, phi_i) of an incidence in degrees; of half/difference angles, (theta_h, phi_h).
     pub fn stop_deg(&self, stop: usize) -> (f64, f64) {
         if let Some(&[theta_i, phi_i]) = self.stops_deg.get(stop) {
             return (theta_i, phi_i);
@@ -161,10 +161,9 @@ impl Grid {
         (theta[stop / phi.len()], phi[stop % phi.len()])
     }
 
-    /// The same sensor at some of the stops, as a list; regions and directions of a stop stay what they are. Half
-    /// vectors are no stops: their grid is `None`.
-    ///
-    /// Held by: `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
+    /// The same sensor at some of the incidences, as a list; their regions and directions do not change. `None` for half
+    /// vectors, which are no incidences.
+    // Tested by `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
     pub fn of_stops(&self, stops: impl IntoIterator<Item = usize>) -> Option<Grid> {
         let listed = |stop: usize| <[f64; 2]>::from(self.stop_deg(stop));
         let (theta_i_deg, phi_i_deg) = (Vec::new(), Vec::new());
@@ -178,8 +177,8 @@ impl Grid {
 
     /// The arms (wi, wo) of a half vector and a difference: unit vectors, either of which may lie below the horizon.
     ///
-    /// wi = R_z(phi_h) R_y(theta_h) d, wo = 2 (wi.h) h - wi. Source: Rusinkiewicz 1998. Held by:
-    /// `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
+    /// wi = R_z(phi_h) R_y(theta_h) d, wo = 2 (wi.h) h - wi. Source: Rusinkiewicz 1998.
+    // Tested by `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
     pub fn arms_of_half(&self, row: usize, column: usize) -> (DVec3, DVec3) {
         let (theta_h, phi_h) = self.stop_deg(row);
         let count = self.phi_d_deg.len();
@@ -190,13 +189,13 @@ impl Grid {
         (wi, 2.0 * wi.dot(h) * h - wi)
     }
 
-    /// Direction to the light at a stop; of half/difference angles the half vector.
+    /// Direction to the light at an incidence; of half/difference angles the half vector.
     pub fn wi(&self, stop: usize) -> DVec3 {
         let (theta_i, phi_i) = self.stop_deg(stop);
         sphere::direction_deg(theta_i, phi_i)
     }
 
-    /// The bins as seen at a stop, in the stage's frame.
+    /// The bins as seen at an incidence, in the stage's frame.
     pub fn regions(&self, stop: usize) -> Vec<Region> {
         let origin_deg = if self.phi_r_relative { self.stop_deg(stop).1 } else { 0.0 };
         match self.kind {

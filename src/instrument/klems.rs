@@ -1,7 +1,7 @@
 //! The Klems bases: the hemisphere as 145, 73 or 41 patches in rings.
 //!
 //! Patch j of a ring of n is centred on azimuth 360 j/n. A patch of the light names the direction in which light
-//! travels on, so its stop stands opposite. Source: Radiance's bsdf_m.c, after Klems and Warner 1995.
+//! travels on, so its incidence is opposite. Source: Radiance's bsdf_m.c, after Klems and Warner 1995.
 
 use std::str::FromStr;
 
@@ -108,7 +108,8 @@ pub fn patches(rings: &[Ring]) -> Vec<[f64; 4]> {
     rings.iter().flat_map(ring).collect()
 }
 
-/// (theta_i, phi_i) in degrees of the stops in the middle of the light's patches; of a whole ring's at its upper edge.
+/// (theta_i, phi_i) in degrees of the incidences in the middle of the light's patches; of a whole ring's at its upper
+/// edge.
 pub fn middles(light: &[[f64; 4]]) -> Vec<[f64; 2]> {
     let middle = |&[t1, t2, p1, p2]: &[f64; 4]| {
         let theta = if p2 - p1 == 360.0 { t1 } else { 0.5 * (t1 + t2) };

@@ -1,12 +1,16 @@
-//! 3. The goniometer: where the light stands, and which sensor bins a direction falls into.
+//! The goniometer: from where light comes, and which sensor bins a direction falls into.
 
 pub mod angle_text;
 pub mod arms;
 pub mod bins;
+pub mod cone;
 pub mod grid;
 pub mod klems;
+pub mod symmetry;
 
 pub use angle_text::{StopAngles, angle_decimals};
-pub use arms::{direction_in_cone, grid_of};
+pub use arms::grid_of;
 pub use bins::Sensor;
+pub use cone::direction_in_cone;
 pub use grid::{Grid, GridKind, Region};
+pub use symmetry::folded_stops;

@@ -1,4 +1,4 @@
-//! 8. Tables that other people's programs open, and theirs read: one file a format.
+//! Tables that other people's programs open, and theirs read: one file a format.
 //!
 //! Enters: a [`BrdfTable`] or the bytes of a foreign file. Leaves: the other. A format whose directions are not the
 //! table's is written through [`Lookup`], an interpolant that keeps the table's bin means; a foreign file whose

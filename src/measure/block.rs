@@ -62,7 +62,7 @@ impl Context<'_> {
         let sample = heights.sample(&arms);
         let light = sample.to_field(arms.wi);
         let starts = AreaSampler::new(&heights.patch.field, heights.patch.window, light);
-        let flux = starts.share(plan.block_starts);
+        let flux = starts.flux_fraction(plan.block_starts);
         let mut followed = BlockTracer::one(self, (arms, work.stop), flux, tally);
         if flux == 0.0 {
             // A part of an open map may lean away from the light with every facet: nothing falls on it.
@@ -83,7 +83,7 @@ impl Context<'_> {
             let sample = heights.sample(&arms);
             let mut stream = rng::stream(self.starts_stream(work, block));
             let starts = SlopeSampler::new(index, field, sample.to_field(arms.wi), &mut stream);
-            followed.take(arms, starts.share(count));
+            followed.take(arms, starts.flux_fraction(count));
             together.add(&starts, count, stream);
             views.push(View { sample, wi: arms.wi });
         }

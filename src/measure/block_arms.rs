@@ -97,7 +97,7 @@ pub fn starts_stream(
         seed: campaign.seed,
         purpose: Purpose::Starts,
         realisation,
-        stop: rng::stop_key(theta_i, phi),
+        stop: rng::incidence_key(theta_i, phi),
         block,
     }
 }

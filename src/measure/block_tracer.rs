@@ -169,7 +169,7 @@ impl<'a> BlockTracer<'a> {
         lights.clear();
         lights.resize_with(starts.len(), || BounceRecorder::new(weighed));
         let bounces = self.context.campaign.trace.bounces;
-        let wave = Wave { starts, of: turns, views, bounces };
+        let wave = Wave { surface_samples: starts, view_of: turns, views, bounces };
         paths.trace(over, &wave, lights, endings);
         for (((start, &turn), &ending), light) in starts.iter().zip(&*turns).zip(&*endings).zip(&*lights) {
             self.at = usize::from(turn);
@@ -194,7 +194,7 @@ impl<'a> BlockTracer<'a> {
         });
         let corners = sample.traversal.field().corners(start.facet.x, start.facet.y);
         let slope = corners.slope(start.facet.upper).dot(along);
-        self.tally.seen.count(slope, ending != PathEnd::Hidden);
+        self.tally.seen.count(slope, ending != PathEnd::Shadowed);
     }
 
     /// Whether nothing but apertures counts, and the facet of `start` sends light into none.
@@ -241,9 +241,9 @@ impl<'a> BlockTracer<'a> {
         let units = self.turn().units;
         match ending {
             PathEnd::Out { wo, order } => self.arrive(wo, order, light, false),
-            PathEnd::Hidden => self.tally.hidden.add(units),
-            PathEnd::Cut { .. } => self.tally.cut.add(units),
-            PathEnd::LeftMap { wo, order, further } => {
+            PathEnd::Shadowed => self.tally.hidden.add(units),
+            PathEnd::Truncated { .. } => self.tally.cut.add(units),
+            PathEnd::LeftDomain { wo, order, further } => {
                 self.tally.left_map.add(units);
                 if further {
                     self.tally.left(&self.context.plan.sums).cut.add(units);
@@ -310,9 +310,9 @@ impl RayCounts {
         let bounces = u64::from(campaign.trace.bounces);
         // The light's ray, and one after each bounce.
         let (traced, skipped) = match *ending {
-            PathEnd::Out { order, .. } | PathEnd::LeftMap { order, .. } => (1 + u64::from(order), 0),
-            PathEnd::Cut { down } => (1 + bounces - u64::from(down), u64::from(down)),
-            PathEnd::Hidden | PathEnd::Lost => (1, 0),
+            PathEnd::Out { order, .. } | PathEnd::LeftDomain { order, .. } => (1 + u64::from(order), 0),
+            PathEnd::Truncated { down } => (1 + bounces - u64::from(down), u64::from(down)),
+            PathEnd::Shadowed | PathEnd::Lost => (1, 0),
         };
         if campaign.trace.visibility {
             self.traced += traced;

@@ -12,8 +12,8 @@ use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
 use crate::surface::io::import;
 use crate::surface::io::import::ImportedMap;
-use crate::surface::{Heightfield, SlopeLaw, Spectrum, Synthesiser};
-use crate::trace::{WalkLaw, Window};
+use crate::surface::{Heightfield, SlopeLaw, Synthesiser};
+use crate::trace::Window;
 
 /// Where a campaign's patches come from.
 pub enum Patches {
@@ -43,7 +43,7 @@ pub enum Patches {
     /// No heights at all.
     Statistical {
         /// Law of the slopes.
-        law: WalkLaw,
+        law: SmithNdf,
         /// Whether a path leaves from a height drawn anew.
         independent_heights: bool,
     },
@@ -66,7 +66,7 @@ pub enum Specimen {
     /// Nothing but a law; groups of paths stand for realisations.
     Statistical {
         /// Law of the slopes.
-        law: WalkLaw,
+        law: SmithNdf,
         /// Whether a path leaves from a height drawn anew.
         independent_heights: bool,
     },
@@ -94,7 +94,7 @@ impl Patches {
         }
         Ok(match &surface.kind {
             SurfaceKind::Smith(smith) => Patches::Statistical {
-                law: if smith.ndf == SmithNdf::Ggx { WalkLaw::Ggx } else { WalkLaw::Beckmann },
+                law: smith.ndf,
                 independent_heights: smith.heights == SmithHeights::Independent,
             },
             SurfaceKind::Ggx(_)
@@ -220,10 +220,10 @@ impl Patches {
 }
 
 /// The spectrum of the Gaussian field that random heights are, or start from.
-fn spectrum(kind: &SurfaceKind) -> Spectrum {
+fn spectrum(kind: &SurfaceKind) -> HeightSpectrum {
     match kind {
-        SurfaceKind::Beckmann { spectrum: HeightSpectrum::Exponential, .. } => Spectrum::Exponential,
-        _ => Spectrum::Gaussian,
+        SurfaceKind::Beckmann { spectrum, .. } => *spectrum,
+        _ => HeightSpectrum::Gaussian,
     }
 }
 

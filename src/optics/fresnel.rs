@@ -1,7 +1,7 @@
 //! Fresnel reflectance of a facet: Schlick's approximation, exact dielectric and conductor, s and p apart.
 //!
-//! Enters: the angle between an arm and the facet's normal, as (cos, sin^2), each to full relative accuracy.
-//! Leaves: reflectance in [0, 1]. Every form below avoids the difference of nearly equal numbers, so neither
+//! Input: the angle between an arm and the facet's normal, as (cos, sin^2), each to full relative accuracy.
+//! Output: reflectance in [0, 1]. Every form below avoids the difference of nearly equal numbers, so neither
 //! grazing nor normal incidence, neither a faint interface nor a strong metal needs a special case.
 
 use glam::DVec3;
@@ -22,7 +22,7 @@ impl FacetAngle {
     ///
     /// - `wi`, `wo`: unit vectors. Swapping them gives the same bits.
     /// - Numerics: no half vector is normalised; sin^2 keeps its relative accuracy down to 0.
-    /// - Held by: `one_minus_cos_keeps_its_digits_at_normal_incidence`.
+    // Tested by `one_minus_cos_keeps_its_digits_at_normal_incidence`.
     pub fn of_pair(wi: DVec3, wo: DVec3) -> Self {
         FacetAngle { cos: 0.5 * (wi + wo).length(), sin2: 0.25 * (wi - wo).length_squared() }
     }
@@ -42,7 +42,7 @@ impl FacetAngle {
 ///
 /// - `wi`, `wo`: unit vectors. Returns [0, 1]; symmetric to the bit.
 /// - Numerics: relative error of a few ulp also where c is 1 to rounding.
-/// - Held by: `one_minus_cos_keeps_its_digits_at_normal_incidence`.
+// Tested by `one_minus_cos_keeps_its_digits_at_normal_incidence`.
 pub fn one_minus_cos(wi: DVec3, wo: DVec3) -> f64 {
     FacetAngle::of_pair(wi, wo).one_minus_cos()
 }
@@ -121,8 +121,7 @@ impl Fresnel {
     }
 
     /// Reflectance at normal incidence: ((eta-1)^2 + k^2)/((eta+1)^2 + k^2).
-    ///
-    /// Held by: `f0_is_the_reflectance_at_normal_incidence`.
+    // Tested by `f0_is_the_reflectance_at_normal_incidence`.
     pub fn f0(&self) -> f64 {
         self.reflectance(FacetAngle { cos: 1.0, sin2: 0.0 })
     }
@@ -133,7 +132,7 @@ impl Fresnel {
 /// - `f0`: reflectance at normal incidence, [0, 1]. Returns [f0, 1].
 /// - Numerics: 1 - c from sin^2, the power by products; right to a few ulp also for f0 = 0 near normal incidence.
 /// - Source: Schlick 1994.
-/// - Held by: `every_reference_value_is_met` (tests/it/formula_values.rs).
+// Tested by `every_reference_value_is_met` (tests/it/formula_values.rs).
 pub fn f_schlick(angle: FacetAngle, f0: f64) -> f64 {
     f0 + (1.0 - f0) * fifth_power(angle.one_minus_cos())
 }
@@ -145,7 +144,7 @@ pub fn f_schlick(angle: FacetAngle, f0: f64) -> f64 {
 /// - Numerics: m = (eta - 1)(eta + 1); no difference of cosines, so R is 0 to rounding at eta = 1 and at
 ///   Brewster's angle.
 /// - Source: Fresnel's equations, rationalised.
-/// - Held by: `every_reference_value_is_met`, `brewsters_angle_reflects_no_p_light`.
+// Tested by `every_reference_value_is_met`, `brewsters_angle_reflects_no_p_light`.
 pub fn f_dielectric(angle: FacetAngle, eta: f64) -> Polarised {
     let Some(d) = DielectricTerms::new(angle, eta) else {
         return Polarised { s: 1.0, p: 1.0 };
@@ -160,7 +159,7 @@ pub fn f_dielectric(angle: FacetAngle, eta: f64) -> Polarised {
 ///
 /// - Same domain as `f_dielectric`; 0 in total reflection.
 /// - Numerics: a product, so it keeps its digits at grazing incidence where 1 - F has none.
-/// - Held by: `every_reference_value_is_met`.
+// Tested by `every_reference_value_is_met`.
 pub fn t_dielectric(angle: FacetAngle, eta: f64) -> f64 {
     DielectricTerms::new(angle, eta).map_or(0.0, |d| {
         let four_cg = 4.0 * d.c * d.g;
@@ -202,7 +201,7 @@ impl DielectricTerms {
 /// - Numerics: the larger of a, b from the root, the smaller as u/2 over it; differences as products. Relative
 ///   error within 2^-52 (16 + 4 cond) for k/eta up to 1e7.
 /// - Source: Fresnel's equations, rationalised.
-/// - Held by: `every_reference_value_is_met`, `a_conductor_without_absorption_is_the_dielectric`.
+// Tested by `every_reference_value_is_met`, `a_conductor_without_absorption_is_the_dielectric`.
 pub fn f_conductor(angle: FacetAngle, eta: f64, k: f64) -> Polarised {
     let t = ConductorTerms::new(angle, eta, k);
     let (c2, s2) = (t.c * t.c, angle.sin2);
@@ -217,7 +216,7 @@ pub fn f_conductor(angle: FacetAngle, eta: f64, k: f64) -> Polarised {
 ///
 /// - Same domain and notation as `f_conductor`.
 /// - Numerics: keeps its digits for metals that reflect all but 1e-9, where 1 - F has none.
-/// - Held by: `every_reference_value_is_met`.
+// Tested by `every_reference_value_is_met`.
 pub fn a_conductor(angle: FacetAngle, eta: f64, k: f64) -> f64 {
     let t = ConductorTerms::new(angle, eta, k);
     let a_s = 4.0 * t.a * t.c / t.across;

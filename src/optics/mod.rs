@@ -1,5 +1,5 @@
-//! What a facet reflects: Fresnel's formulae. Enters: the angle at the facet and the material's constants.
-//! Leaves: reflectance in [0, 1]. Shared by the measuring side and by the theory, and tested by itself.
+//! What a facet reflects: Fresnel's formulae. Input: the angle at the facet and the material's constants.
+//! Output: reflectance in [0, 1]. Shared by the measuring side and by the theory, and tested by itself.
 
 pub mod fresnel;
 pub mod parts;

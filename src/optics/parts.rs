@@ -10,7 +10,7 @@ use super::fresnel::FacetAngle;
 ///
 /// - e_0 = 1; e_m is the sum over all choices of m facets of the product of their (1-c)^5. Each in [0, C(k, m)].
 /// - Numerics: sums of positive products, a relative error of a few ulp for each facet.
-/// - Held by: `parts_are_the_product_for_any_f0`.
+// Tested by `parts_are_the_product_for_any_f0`.
 pub fn of_path(angles: &[FacetAngle], parts: &mut Vec<f64>) {
     parts.clear();
     parts.push(1.0);
@@ -26,7 +26,7 @@ pub fn of_path(angles: &[FacetAngle], parts: &mut Vec<f64>) {
 /// The same polynomial in terms of degree `degree`, added to `sums[0..=degree]`: times (F0 + (1 - F0))^(degree - k).
 ///
 /// - Domain: `parts` has at most degree + 1 entries. Binomials are exact up to degree 50.
-/// - Held by: `parts_are_the_product_for_any_f0`.
+// Tested by `parts_are_the_product_for_any_f0`.
 pub fn add_raised(parts: &[f64], degree: usize, sums: &mut [f64]) {
     let more = degree + 1 - parts.len();
     let mut binomial = 1.0;
@@ -42,7 +42,7 @@ pub fn add_raised(parts: &[f64], degree: usize, sums: &mut [f64]) {
 ///
 /// - `f0`: [0, 1]. 0 without parts.
 /// - Numerics: positive terms only.
-/// - Held by: `parts_are_the_product_for_any_f0`.
+// Tested by `parts_are_the_product_for_any_f0`.
 pub fn at_f0(parts: impl IntoIterator<Item = f64, IntoIter: ExactSizeIterator>, f0: f64) -> f64 {
     let parts = parts.into_iter();
     let degree = parts.len().saturating_sub(1) as i32;

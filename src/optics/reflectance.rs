@@ -31,8 +31,7 @@ impl Reflectance {
     }
 
     /// The reflectance at an angle, [0, 1].
-    ///
-    /// Held by: `s_and_p_add_up_to_unpolarised_light`.
+    // Tested by `s_and_p_add_up_to_unpolarised_light`.
     pub fn at(&self, angle: FacetAngle) -> f64 {
         match self.field {
             Field::Both => self.fresnel.reflectance(angle),
@@ -56,9 +55,12 @@ mod tests {
             for theta in [0.0, 30.0, 60.0, 85.0] {
                 let (sin, cos) = sin_cos_deg(theta);
                 let angle = FacetAngle { cos, sin2: sin * sin };
-                let of = |field| Reflectance { fresnel, field }.at(angle);
-                assert_eq!(0.5 * (of(Field::Across) + of(Field::Along)), of(Field::Both));
-                assert!(of(Field::Across) >= of(Field::Along));
+                let reflected = |field| Reflectance { fresnel, field }.at(angle);
+                assert_eq!(
+                    0.5 * (reflected(Field::Across) + reflected(Field::Along)),
+                    reflected(Field::Both)
+                );
+                assert!(reflected(Field::Across) >= reflected(Field::Along));
             }
         }
     }

@@ -1,4 +1,4 @@
-//! 9. What a measurement says to its reader: the summary, the page, the plot in the terminal.
+//! What a measurement says to its reader: the summary, the page, the plot in the terminal.
 
 pub mod card;
 pub mod html;

@@ -1,4 +1,4 @@
-//! What a patch really has, computed from its facets before any ray: the slope law, the azimuths, and whether
+//! The properties of a patch, computed from its facets before any ray: the slope law, the azimuths, and whether
 //! slope and height are independent.
 //!
 //! All statistics are over both facet families. No variance of slopes is used: GGX has none.
@@ -120,8 +120,8 @@ impl SlopeCounts {
 
     /// Kolmogorov-Smirnov distance of all facets together from the law, `None` without facets.
     ///
-    /// Looked at between bins only: too small by at most 1/10,000. Held by:
-    /// `pooled_counts_give_the_distance_of_all_facets`.
+    /// Looked at between bins only: too small by at most 1/10,000.
+    // Tested by `pooled_counts_give_the_distance_of_all_facets`.
     pub fn ks(&self) -> Option<f64> {
         let all: u64 = self.counts.iter().sum();
         let (mut below, mut largest) = (0, 0.0f64);

@@ -1,11 +1,12 @@
-//! 2. The explicit microgeometry: heights, facets, the wanted slope law and what a patch really has.
+//! The explicit microgeometry: heights, facets, the wanted slope law, and the measured properties of a patch.
 
 pub mod certificate;
 pub mod heightfield;
 pub mod io;
 pub mod synthesis;
+pub(crate) mod transpose;
 
 pub use certificate::{Certificate, SlopeCounts};
 pub use heightfield::Heightfield;
+pub use synthesis::Synthesiser;
 pub use synthesis::slope_law::SlopeLaw;
-pub use synthesis::{Spectrum, Synthesiser};

@@ -1,4 +1,4 @@
-//! 6. The result: the BRDF table, its file and its digest.
+//! The result: the BRDF table, its file and its digest.
 
 pub mod brdf_table;
 mod channels;

@@ -1,6 +1,6 @@
 //! The two classical models on V-shaped cavities: Cook-Torrance and Torrance-Sparrow, 1/sr, without cosine.
 //!
-//! Enters: a pair of directions in the sample's frame and the width of the law of tilts. Leaves: D G/(4 cos cos) with
+//! Input: a pair of directions in the sample's frame and the width of the law of tilts. Output: D G/(4 cos cos) with
 //! F = 1 and the cavities' own G. Papers: Torrance and Sparrow 1967; Cook and Torrance 1982 (whose factor 1/pi is
 //! written 1/4 today, so that D is a density of normals).
 
@@ -14,7 +14,8 @@ use super::ndf::beckmann_d_of_sum;
 ///
 /// - `wi`, `wo`: unit vectors, not both in the horizon. Swapping them gives the same bits.
 /// - Numerics: 2 c = |wi + wo| and cos_h = (wi + wo).z/|wi + wo|: no quotient by the cosine of a grazing arm alone.
-/// - Source: Torrance and Sparrow 1967. Held by: `cavities_agree_with_their_g`.
+/// - Source: Torrance and Sparrow 1967.
+// Tested by `cavities_agree_with_their_g`.
 pub fn cavity_visibility(wi: DVec3, wo: DVec3) -> f64 {
     let h = wi + wo;
     let open = h.z / (h.length_squared() * wi.z.max(wo.z));
@@ -23,14 +24,16 @@ pub fn cavity_visibility(wi: DVec3, wo: DVec3) -> f64 {
 
 /// Cook and Torrance: Beckmann's D of rms slope m (alpha = m) with the cavities' G, F = 1.
 ///
-/// - `m` > 0. Domain as `cavity_visibility`. Held by: `cavities_agree_with_their_g`.
+/// - `m` > 0. Domain as `cavity_visibility`.
+// Tested by `cavities_agree_with_their_g`.
 pub fn cook_torrance(wi: DVec3, wo: DVec3, m: f64) -> f64 {
     beckmann_d_of_sum(wi + wo, m, m) * cavity_visibility(wi, wo)
 }
 
 /// Torrance and Sparrow: tilts theta_h with D = b exp(-(theta_h/m)^2), F = 1; `b` from `gaussian_tilt_scale`.
 ///
-/// - `m` > 0, rad. Domain as `cavity_visibility`. Held by: `tilts_are_normalised`.
+/// - `m` > 0, rad. Domain as `cavity_visibility`.
+// Tested by `tilts_are_normalised`.
 pub fn torrance_sparrow(wi: DVec3, wo: DVec3, m: f64, b: f64) -> f64 {
     let h = wi + wo;
     let tilt = h.x.hypot(h.y).atan2(h.z) / m;
@@ -40,7 +43,7 @@ pub fn torrance_sparrow(wi: DVec3, wo: DVec3, m: f64, b: f64) -> f64 {
 /// b with b * integral of exp(-(t/m)^2) cos t over the hemisphere = 1.
 ///
 /// - `m` > 0. Numerics: trapezoid in t up to 9 m (or the horizon), Gaussian ends: relative error below 1e-6.
-/// - Held by: `tilts_are_normalised`.
+// Tested by `tilts_are_normalised`.
 pub fn gaussian_tilt_scale(m: f64) -> f64 {
     let steps = 2000;
     let end = (9.0 * m).min(FRAC_PI_2);

@@ -1,6 +1,6 @@
 //! Models that are fitted and not derived: Lambert, Oren-Nayar, Phong and Blinn-Phong, 1/sr, without cosine.
 //!
-//! Enters: a pair of directions above the horizon and the shape parameter. Leaves: the value for an amplitude of 1.
+//! Input: a pair of directions above the horizon and the shape parameter. Output: the value for an amplitude of 1.
 //! Papers: Oren and Nayar 1994; Phong 1975 as normalised by Lafortune and Willems 1994; Blinn 1977.
 
 use std::f64::consts::{FRAC_1_PI, PI};
@@ -17,7 +17,7 @@ pub const LAMBERT: f64 = FRAC_1_PI;
 ///
 /// - `sigma`: rms tilt of the facets, rad; its sign does not matter. `wi`, `wo`: unit vectors, not both in the horizon.
 /// - Numerics: no tan, no azimuth. Source: Oren and Nayar 1994, the simplified form.
-/// - Held by: `oren_nayar_of_a_smooth_surface_is_lambert`, `empirical_models_have_their_printed_values`.
+// Tested by `oren_nayar_of_a_smooth_surface_is_lambert`, `empirical_models_have_their_printed_values`.
 pub fn oren_nayar(wi: DVec3, wo: DVec3, sigma: f64) -> f64 {
     let s2 = sigma * sigma;
     let (a, b) = (1.0 - 0.5 * s2 / (s2 + 0.33), 0.45 * s2 / (s2 + 0.09));
@@ -28,7 +28,8 @@ pub fn oren_nayar(wi: DVec3, wo: DVec3, sigma: f64) -> f64 {
 /// Phong's lobe about the mirror direction: (n + 2)/(2 pi) max(0, r.wo)^n.
 ///
 /// - `exponent` n > -2. The albedo at normal incidence is 1; it is smaller elsewhere.
-/// - Source: Lafortune and Willems 1994. Held by: `phong_reflects_all_at_normal_incidence`.
+/// - Source: Lafortune and Willems 1994.
+// Tested by `phong_reflects_all_at_normal_incidence`.
 pub fn phong(wi: DVec3, wo: DVec3, exponent: f64) -> f64 {
     let towards = wi.z * wo.z - wi.x * wo.x - wi.y * wo.y;
     (exponent + 2.0) / (2.0 * PI) * towards.max(0.0).powf(exponent)
@@ -37,7 +38,7 @@ pub fn phong(wi: DVec3, wo: DVec3, exponent: f64) -> f64 {
 /// Blinn's lobe about the half vector: (n + 8)/(8 pi) (h.n)^n.
 ///
 /// - `exponent` n > 0. Source: Blinn 1977 (the lobe); the factor is the usual one of real-time rendering.
-/// - Held by: `empirical_models_have_their_printed_values`.
+// Tested by `empirical_models_have_their_printed_values`.
 pub fn blinn_phong(wi: DVec3, wo: DVec3, exponent: f64) -> f64 {
     let h = wi + wo;
     (exponent + 8.0) / (8.0 * PI) * (h.z / h.length()).max(0.0).powf(exponent)

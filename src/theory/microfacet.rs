@@ -1,6 +1,6 @@
 //! The microfacet BRDF f = D(h) V F(c), 1/sr, without cosine.
 //!
-//! Enters: a roughness, the turn of the sample and a pair of directions in the stage's frame. Leaves: the value of
+//! Input: a roughness, the turn of the sample and a pair of directions in the stage's frame. Output: the value of
 //! the single-bounce model. Paper: Walter et al. 2007; Heitz 2014 for the maskings.
 
 use glam::DVec3;
@@ -55,7 +55,7 @@ impl Microfacet {
     /// - Returns 1/sr, >= 0. Swapping the arms gives the same bits.
     /// - Numerics: D from wi + wo, V and c in forms without cancellation; relative error 2^-52 (16 + 4 cond).
     /// - Source: Walter et al. 2007; Heitz 2014.
-    /// - Held by: `every_reference_value_is_met` (tests/it/formula_values.rs), `swapped_arms_give_the_same_bits`.
+    // Tested by `every_reference_value_is_met` (tests/it/formula_values.rs), `swapped_arms_give_the_same_bits`.
     pub fn brdf(&self, wi: DVec3, wo: DVec3, masking: Masking, fresnel: &Fresnel) -> f64 {
         if wi.z < 0.0 || wo.z < 0.0 {
             return 0.0;

@@ -1,6 +1,6 @@
 //! The analytic answer: microfacet theory on paper, sharing no code with the measuring side.
 //!
-//! Enters: roughness and a pair of directions. Leaves: D, Lambda, G1, G2 and the BRDF in 1/sr, without cosine.
+//! Input: roughness and a pair of directions. Output: D, Lambda, G1, G2 and the BRDF in 1/sr, without cosine.
 //! Papers: Walter et al. 2007 (D), Heitz 2014 (masking), Torrance and Sparrow 1967 (grooves); the classical models
 //! that `fit` holds against them in `empirical` and `cavities`.
 

@@ -1,6 +1,6 @@
 //! Normal distributions D(h), 1/sr: GGX and Beckmann, anisotropic, of a unit h and of H = wi + wo as it is.
 //!
-//! Enters: a direction in the sample's own frame and the slope scales. Leaves: D, whose integral with the cosine
+//! Input: a direction in the sample's own frame and the slope scales. Output: D, whose integral with the cosine
 //! over the hemisphere is 1. Paper: Walter et al. 2007; Heitz 2014 for the anisotropic forms.
 
 use std::f64::consts::PI;
@@ -57,7 +57,7 @@ impl Ndf {
     /// Half the power of the tails of a Student law, `alpha2` = alpha_x alpha_y; infinite for Beckmann.
     ///
     /// Blinn and Phong: cos^n (n + 2)/(2 pi) is Student's law with gamma = n/2 + 2 = 1 + 1/alpha^2.
-    /// Held by: `blinn_and_phongs_normals_are_a_power_of_the_cosine`.
+    // Tested by `blinn_and_phongs_normals_are_a_power_of_the_cosine`.
     pub fn gamma(self, alpha2: f64) -> f64 {
         match self {
             Ndf::Ggx => 2.0,
@@ -77,7 +77,7 @@ impl Ndf {
 /// - Returns 1/sr, >= 0, finite. The integral of D(h) h.z over the hemisphere is 1.
 /// - Numerics: a sum of squares, no division by the cosine, no tan.
 /// - Source: Walter et al. 2007, eq. 33 (isotropic); Heitz 2014, section on anisotropic distributions.
-/// - Held by: `all_laws_are_normalised`, `every_reference_value_is_met` (tests/it/formula_values.rs).
+// Tested by `all_laws_are_normalised`, `every_reference_value_is_met` (tests/it/formula_values.rs).
 pub fn ggx_d(h: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     debug_assert!(alpha_x > 0.0 && alpha_y > 0.0);
     if h.z < 0.0 {
@@ -92,7 +92,7 @@ pub fn ggx_d(h: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
 ///
 /// - `h_sum`: any length but 0, sample frame. Domain, unit and source as `ggx_d`.
 /// - Numerics: no square root and no normalisation, so two arms close to opposite grazing directions keep D.
-/// - Held by: `a_half_vector_and_its_sum_have_one_density`, `every_reference_value_is_met`.
+// Tested by `a_half_vector_and_its_sum_have_one_density`, `every_reference_value_is_met`.
 pub fn ggx_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     debug_assert!(alpha_x > 0.0 && alpha_y > 0.0);
     if h_sum.z < 0.0 {
@@ -103,12 +103,13 @@ pub fn ggx_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     q * q / (PI * alpha_x * alpha_y)
 }
 
-/// Beckmann normal distribution D(h), anisotropic: D = exp(-s^2) / (pi ax ay hz^4) with s^2 = ((hx/ax)^2 + (hy/ay)^2)/hz^2.
+/// Beckmann normal distribution D(h), anisotropic: D = exp(-s^2) / (pi ax ay hz^4) with s^2 = ((hx/ax)^2 +
+/// (hy/ay)^2)/hz^2.
 ///
 /// - Domain, unit and invariant as `ggx_d`; at the horizon itself the value is 0, the limit.
 /// - Numerics: relative error about s^2 ulp, the conditioning of the exponential. Underflows to 0 above s^2 = 745.
 /// - Source: Walter et al. 2007; Heitz 2014, section on anisotropic distributions.
-/// - Held by: `all_laws_are_normalised`, `beckmann_peaks_at_one_over_pi_alpha_squared`.
+// Tested by `all_laws_are_normalised`, `beckmann_peaks_at_one_over_pi_alpha_squared`.
 pub fn beckmann_d(h: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     beckmann_d_of_sum(h, alpha_x, alpha_y)
 }
@@ -116,7 +117,7 @@ pub fn beckmann_d(h: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
 /// Beckmann D of the half vector, from H = wi + wo: exp(-s^2) (H.H/Hz^2)^2 / (pi ax ay).
 ///
 /// - `h_sum`: any length but 0, sample frame. Everything else as `beckmann_d`.
-/// - Held by: `a_half_vector_and_its_sum_have_one_density`.
+// Tested by `a_half_vector_and_its_sum_have_one_density`.
 pub fn beckmann_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     debug_assert!(alpha_x > 0.0 && alpha_y > 0.0);
     if h_sum.z <= 0.0 {
@@ -139,8 +140,8 @@ pub fn beckmann_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
 /// - `h_sum`: any length but 0, sample frame; below the horizon the value is 0. `gamma` >= 2.
 /// - Numerics: gamma = 2 is GGX's own form; the power goes through ln(1 + x), so large gammas keep their digits.
 /// - Source: Ribardiere et al. 2017, "STD: Student's t-distribution of slopes for microfacet based BSDFs".
-/// - Held by: `all_laws_are_normalised`, `a_half_vector_and_its_sum_have_one_density`,
-///   `students_law_with_gamma_two_is_ggx`.
+// Tested by `all_laws_are_normalised`, `a_half_vector_and_its_sum_have_one_density`,
+// `students_law_with_gamma_two_is_ggx`.
 pub fn student_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64, gamma: f64) -> f64 {
     debug_assert!(alpha_x > 0.0 && alpha_y > 0.0 && gamma >= 2.0);
     if h_sum.z < 0.0 {

@@ -1,6 +1,6 @@
 //! Smith's Lambda of Student's t of slopes (Ribardiere et al. 2017), of which Blinn and Phong's normals are members.
 //!
-//! Enters: a = 1/(alpha tan theta) and power = gamma - 1. Leaves: a Lambda(a), the mean height by which slopes exceed
+//! Input: a = 1/(alpha tan theta) and power = gamma - 1. Output: a Lambda(a), the mean height by which slopes exceed
 //! a: with P the law of the slopes along one axis, the integral of (p - a) P(p) from a on. P is Student's t with
 //! 2 power degrees of freedom: P(p) = (1 + p^2/power)^-(power + 1/2)/(sqrt(power) B(power, 1/2)).
 
@@ -8,16 +8,16 @@ use statrs::function::beta::{beta_reg, ln_beta};
 
 /// a Lambda(a), finite at a = 0.
 ///
-/// With g the power and x = g/(g + a^2), S = sqrt(g) x^(g - 1/2)/B(g, 1/2): up to a^2 = g it is S/(2g - 1) - a I_x(g, 1/2)/2.
-/// Beyond, where the two terms are nearly equal, the hypergeometric series of I_x leaves
-/// S/(2g) (1/(2g - 1) + 1/2 sum_k c_(k-1) x^k/(g + k)), c_0 = 1, c_k = c_(k-1) (g + k - 1/2)/(g + k): positive terms only.
+/// With g the power and x = g/(g + a^2), S = sqrt(g) x^(g - 1/2)/B(g, 1/2): up to a^2 = g it is S/(2g - 1) - a I_x(g,
+/// 1/2)/2. Beyond, where the two terms are nearly equal, the hypergeometric series of I_x leaves S/(2g) (1/(2g - 1) +
+/// 1/2 sum_k c_(k-1) x^k/(g + k)), c_0 = 1, c_k = c_(k-1) (g + k - 1/2)/(g + k): positive terms only.
 ///
 /// - Domain: a >= 0, 1 <= power <= 1e4.
 /// - Numerics: relative error below 3e-14 (1 + p (1 + ln p)) (1 + 2 min(a^2, p)), p the power, against 143 values of 120
 ///   digits: the logarithms of Gamma, and a difference that loses a factor 2 a^2 at most.
 /// - Cost: about 1 us.
 /// - Source: the moments of Student's t; GGX at power = 1: (sqrt(1 + a^2) - a)/2.
-/// - Held by: `students_lambda_matches_a_hundred_digits`, `students_lambda_with_power_one_is_that_of_ggx`.
+// Tested by `students_lambda_matches_a_hundred_digits`, `students_lambda_with_power_one_is_that_of_ggx`.
 pub fn student_a_lambda(a: f64, power: f64) -> f64 {
     let a2 = a * a;
     let log_x = -(a2 / power).ln_1p();

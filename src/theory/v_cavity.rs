@@ -1,20 +1,21 @@
 //! The symmetric V-groove with level ridges: the one rough surface whose single bounce is known exactly.
 //!
-//! Enters: the slope of its sides, the turn of the sample and the direction to the light. Leaves: two directions and
-//! the share of the incident flux in each. Paper: Torrance and Sparrow 1967 (the groove), which is exact here at
-//! every azimuth because light that leaves one side can be stopped by the opposite side alone.
+//! Input: the slope of its sides, the turn of the sample and the direction to the light. Output: two directions and
+//! the fraction of the incident flux in each. Paper: Torrance and Sparrow 1967 (the groove), which is exact here at
+//! every azimuth because light that leaves one side can be blocked by the opposite side alone.
 
 use glam::DVec3;
 
 use crate::sphere;
 
-/// Torrance and Sparrow's G = min(1, 2 (n.m)(n.v)/(v.m), 2 (n.m)(n.l)/(l.m)): the seen and lit share of a groove's side.
+/// Torrance and Sparrow's G = min(1, 2 (n.m)(n.v)/(v.m), 2 (n.m)(n.l)/(l.m)): the part of a groove's side that both
+/// arms see.
 ///
 /// - `m`: the side's unit normal, m.z > 0. `wi`, `wo`: unit vectors above the horizon that see its front
 ///   (w.m > 0). An arm in the horizon gives 0.
 /// - Returns [0, 1]. Symmetric in the arms to the bit.
 /// - Source: Torrance and Sparrow 1967; Cook and Torrance 1982.
-/// - Held by: `groove_flux_agrees_with_brute_force`.
+// Tested by `groove_flux_agrees_with_brute_force`.
 pub fn torrance_sparrow_g(m: DVec3, wi: DVec3, wo: DVec3) -> f64 {
     let open = |w: DVec3| 2.0 * m.z * w.z / w.dot(m);
     open(wi).min(open(wo)).min(1.0)
@@ -25,7 +26,7 @@ pub fn torrance_sparrow_g(m: DVec3, wi: DVec3, wo: DVec3) -> f64 {
 pub struct GrooveLobe {
     /// The mirror direction, unit vector of the stage's frame; it may lie below the horizon.
     pub wo: DVec3,
-    /// Share of the incident flux, [0, 1]; 0 where the side is not lit or `wo` is not above the horizon.
+    /// Fraction of the incident flux, [0, 1]; 0 where the side faces away from the light or `wo` is not above the horizon.
     pub flux: f64,
 }
 
@@ -37,7 +38,7 @@ pub struct GrooveLobe {
 /// - `slope`: > 0. `rotation`: rad, counter-clockwise seen from +z. `wi`: unit vector, wi.z > 0.
 /// - Invariant: the two fluxes add up to at most 1; the rest meets the opposite side.
 /// - Source: Torrance and Sparrow 1967.
-/// - Held by: `groove_flux_agrees_with_brute_force`, `a_shallow_groove_reflects_all`.
+// Tested by `groove_flux_agrees_with_brute_force`, `a_shallow_groove_reflects_all`.
 pub fn v_groove_lobes(slope: f64, rotation: f64, wi: DVec3) -> [GrooveLobe; 2] {
     debug_assert!(slope > 0.0 && wi.z > 0.0);
     let turn = rotation.sin_cos();
@@ -57,7 +58,7 @@ mod tests {
     use super::*;
     use crate::sphere::direction_deg;
 
-    /// One period is x in [-1, 1] with heights slope |x|. Starts stand evenly in x on each side; an arm is free when it
+    /// One period is x in [-1, 1] with heights slope |x|. Samples lie evenly in x on each side; an arm is free when it
     /// passes the ridge ahead of it at or above the ridge's height.
     fn brute_force(slope: f64, wi: DVec3, starts: u32) -> [f64; 2] {
         let free = |x: f64, w: DVec3| {
@@ -88,7 +89,7 @@ mod tests {
                     let wi = direction_deg(theta_deg, phi_deg);
                     let (exact, counted) = (v_groove_lobes(slope, 0.0, wi), brute_force(slope, wi, starts));
                     for (lobe, counted) in exact.iter().zip(counted) {
-                        // The lit and seen part is one interval of starts: at most one start in doubt at each end,
+                        // The part that both arms see is one interval of samples: at most one in doubt at each end,
                         // with the weight (wi.m)/(2 cos_beta cos_i) <= (1 + slope tan theta)/2.
                         let weight = 0.5 * (1.0 + slope * theta_deg.to_radians().tan());
                         let tolerance = 2.0 * weight / f64::from(starts);

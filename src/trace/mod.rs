@@ -1,4 +1,4 @@
-//! 4. Light on the surface: where paths start, what they hit, and where they leave.
+//! Light on the surface: where paths begin, what they hit, and where they leave.
 
 pub mod path;
 pub mod ray;
@@ -7,17 +7,18 @@ pub mod simd;
 pub mod symmetry;
 
 pub use path::single::{Bounce, PathEnd, TracedPatch};
-pub use path::smith_walk::{SmithWalk, WalkLaw};
+pub use path::smith_walk::SmithWalk;
 pub use path::wavefront::{PathWaves, View, Wave};
-pub use ray::grid_traversal::{Facet, GridTraversal, Outcome, SurfacePoint};
+pub use ray::grid_traversal::GridTraversal;
+pub use ray::surface_point::{Facet, Outcome, SurfacePoint};
 pub use ray::tile_peaks::TilePeaks;
 pub use sampling::areas::{AreaSampler, BLOCK, Window};
 pub use sampling::cones::ConeSampler;
 pub use sampling::slope_index::SlopeIndex;
 pub use sampling::slope_order::{BatchedStarts, SlopeSampler};
 pub use simd::batch::RayBatch;
-pub use simd::kernel::{HitBuffer, LONGEST, LaneHit, RayOutcome};
-pub use simd::lanes::Kernel;
+pub use simd::dispatch::Kernel;
+pub use simd::hit_buffer::{HitBuffer, LONGEST, LaneHit, RayOutcome};
 pub use simd::max_pyramid::MaxPyramid;
 pub use simd::traversal::{SimdTraversal, Waves};
 pub use symmetry::PatchSymmetry;

@@ -1,4 +1,4 @@
-//! 7. The table against theory and against laws. The only place where the two sides meet.
+//! The table against theory and against laws. The only place where the two sides meet.
 
 pub mod compare;
 mod differences;

@@ -15,8 +15,7 @@ use super::model_distance::{self, Estimate};
 use super::verdict::counted_bins;
 use crate::campaign::Campaign;
 use crate::error::Error;
-use crate::instrument::{Grid, Region};
-use crate::measure::plan::folded_stops;
+use crate::instrument::{Grid, Region, folded_stops};
 use crate::stats;
 use crate::table::{BrdfTable, Realisations, TableRows};
 

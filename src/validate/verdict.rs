@@ -12,8 +12,7 @@ use super::prediction::model::{Model, StopMeans};
 use super::seen::SeenLight;
 use crate::campaign::Campaign;
 use crate::error::Result;
-use crate::instrument::{Grid, GridKind, Region};
-use crate::measure::plan::folded_stops;
+use crate::instrument::{Grid, GridKind, Region, folded_stops};
 use crate::table::{BrdfTable, Realisations, TableRows};
 
 /// Why a table of random heights without shadowing and masking misses its bar, and where to look.

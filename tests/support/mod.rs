@@ -5,6 +5,7 @@
 
 pub mod alone;
 pub mod analytic;
+pub mod any_campaign;
 pub mod arrays;
 pub mod campaign_text;
 pub mod ended;

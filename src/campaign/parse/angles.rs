@@ -1,6 +1,7 @@
 //! Angle axes: a list, or `{ from, to, step }`, into strictly increasing degrees.
 
 use super::reader::{Bounds, GivenValue, plain};
+use crate::sphere::reduced_deg;
 
 /// Most points of one axis.
 pub(crate) const MOST_POINTS: usize = 100_000;
@@ -53,18 +54,11 @@ pub(crate) const HALF_TURN: AxisRules = AxisRules {
 /// Azimuths of either arm.
 pub(crate) const PHI: AxisRules = AxisRules { bounds: AZIMUTH, wraps: true };
 
-/// `angle` in [0, 360), never -0.
-pub(crate) fn reduced(angle: f64) -> f64 {
-    let turned = angle.rem_euclid(360.0);
-    // A tiny negative angle rounds up to 360 itself.
-    if turned < 360.0 { turned + 0.0 } else { 0.0 }
-}
-
 /// The angles of an axis, strictly increasing, in degrees.
 pub(crate) fn axis(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
     let given = if item.is_table() { range(item, rules)? } else { list(item, rules)? };
     let mut angles: Vec<f64> =
-        if rules.wraps { given.iter().map(|a| reduced(*a)).collect() } else { given.clone() };
+        if rules.wraps { given.iter().map(|a| reduced_deg(*a)).collect() } else { given.clone() };
     check_order(item, &given, &angles)?;
     // From -90 to 90 increases as it is written; the table has what it reduces to in order.
     angles.sort_by(f64::total_cmp);
@@ -84,10 +78,7 @@ fn list(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
         Some(n) if n > MOST_POINTS => {
             item.refuse(format!("has {n} points; at most {MOST_POINTS} are allowed"))
         }
-        Some(_) => {
-            let read: Vec<Option<f64>> = item.list()?.iter().map(|e| e.float(&rules.bounds)).collect();
-            read.into_iter().collect()
-        }
+        Some(_) => item.each(|i| i.float(&rules.bounds)),
     }
 }
 
@@ -141,19 +132,5 @@ fn check_order(item: &GivenValue<'_>, given: &[f64], angles: &[f64]) -> Option<(
     match item.list_length().and_then(|_| item.list()) {
         Some(elements) => elements.get(index)?.refuse(fault),
         None => item.refuse(fault),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn azimuths_that_are_the_same_reduce_to_the_same_bits() {
-        for angle in [0.0, -0.0, 360.0, -360.0, 720.0, -1e-20] {
-            assert_eq!(reduced(angle).to_bits(), 0f64.to_bits(), "{angle}");
-        }
-        assert_eq!(reduced(-90.0), 270.0);
-        assert_eq!(reduced(359.999), 359.999);
     }
 }

@@ -37,7 +37,7 @@ pub(crate) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<LightArm
     let [theta_i, phi_i, azimuth, average, aperture] =
         slot.table()?.keys(["theta_i_deg", "phi_i_deg", "azimuth", "average_azimuth", "aperture_deg"]);
     if azimuth.given().and_then(GivenValue::as_text) == Some(KLEMS) {
-        let why = "has no meaning with azimuth = \"klems_full\": the basis names the stops";
+        let why = "has no meaning with azimuth = \"klems_full\": the basis names the incidences";
         let absent = [&theta_i, &phi_i, &average].map(|slot| slot.absent(why));
         let light = klems_light(&aperture);
         return absent.into_iter().collect::<Option<Vec<()>>>().and(light);
@@ -53,7 +53,7 @@ pub(crate) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<LightArm
     Some(LightArm { theta_i_deg, azimuth: azimuth?, average_azimuth: average_azimuth?, aperture_deg })
 }
 
-/// Stops in the middle of the patches of the Klems full basis.
+/// Incidences in the middle of the patches of the Klems full basis.
 pub(crate) fn klems_light(aperture: &Slot<'_>) -> Option<LightArm> {
     let theta_i_deg = KLEMS_RINGS.to_vec();
     let aperture_deg = aperture.or(0.0, |i| i.float(&APERTURE))?;
@@ -196,7 +196,7 @@ pub(crate) fn table_fits(item: &GivenValue<'_>, light: &LightArm, sensor: &Senso
             let bytes = [theta_i, phi_i, rows, columns].iter().fold(24.0, |n: f64, axis| n * *axis as f64);
             item.too_large(format!(
                 "theta_i x phi_i x theta_r x phi_r = {theta_i} x {phi_i} x {rows} x {columns} entries of {bytes:.1e} \
-                 bytes: a table holds at most 2^31 ({:.1e} bytes); take fewer stops or wider bins",
+                 bytes: a table holds at most 2^31 ({:.1e} bytes); take fewer incidences or wider bins",
                 24.0 * MOST_ENTRIES as f64
             ))
         }

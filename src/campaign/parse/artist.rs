@@ -11,16 +11,10 @@ const SHARE: Bounds = Bounds::closed(0.0, 1.0);
 /// Reflectance of what is no metal, at normal incidence.
 const DIELECTRIC_F0: f64 = 0.04;
 
-/// The material of an artist's surface.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Artist {
-    /// Reflectance at normal incidence of R, G, B.
-    pub f0: [f64; 3],
-}
-
-/// alpha = roughness^2 and F0 = 0.04 (1 - metalness) + base_color metalness: the one place where they are converted.
-/// What is no metal also scatters light below its surface; that part is not a microfacet's and is left out.
-pub(crate) fn artist(table: TableReader<'_>) -> Option<(Alpha, Artist)> {
+/// The roughness and F0 of R, G and B: alpha = roughness^2 and F0 = 0.04 (1 - metalness) + base_color metalness: the
+/// one place where they are converted. What is no metal also scatters light below its surface; that part is not a
+/// microfacet's and is left out.
+pub(crate) fn artist(table: TableReader<'_>) -> Option<(Alpha, [f64; 3])> {
     let [roughness, metalness, base_color] = table.keys(["roughness", "metalness", "base_color"]);
     let rough = roughness.required("such as 0.4; alpha is its square").and_then(|i| i.float(&ROUGHNESS));
     let metal = metalness.or(1.0, |i| i.float(&SHARE));
@@ -32,5 +26,5 @@ pub(crate) fn artist(table: TableReader<'_>) -> Option<(Alpha, Artist)> {
     }
     let alpha = rough * rough;
     let f0 = base.map(|base| DIELECTRIC_F0 * (1.0 - metal) + base * metal);
-    Some((Alpha { x: alpha, y: alpha }, Artist { f0 }))
+    Some((Alpha { x: alpha, y: alpha }, f0))
 }

@@ -21,11 +21,11 @@ pub(crate) const MASKINGS: [(&str, ExpectedMasking); 3] = [
 /// Longest name: with its endings it stays within what file systems take.
 const LONGEST_NAME: usize = 100;
 
-/// Most starts per stop and realisation.
+/// Most surface samples per incidence and realisation.
 const MOST_SAMPLES: u64 = 1 << 40;
 
-/// What a fast machine traces, to say how long too many starts would take.
-const STARTS_PER_SECOND: f64 = 1e7;
+/// What a fast machine traces, to say how long too many surface samples would take.
+const SAMPLES_PER_SECOND: f64 = 1e7;
 
 const RELATIVE_ERROR: Bounds = Bounds::closed(1e-4, 1.0);
 /// Most orders with channels of their own.
@@ -40,8 +40,8 @@ pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign
     ]);
     let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
     let seed = seed.or(1, |i| i.whole(0..=u64::MAX));
-    let mut artist = None;
-    let surface = surface::surface(&surface, folder, &mut artist);
+    let mut artist_f0 = None;
+    let surface = surface::surface(&surface, folder, &mut artist_f0);
     let isotropic = surface.as_ref().map(|s| s.kind.is_isotropic());
     let (light, sensor, preset) = match preset.given() {
         Some(_) => {
@@ -60,7 +60,7 @@ pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign
     let statistical = surface.as_ref().is_some_and(|s| matches!(s.kind, SurfaceKind::Smith(_)));
     let trace = self::trace(&trace, statistical);
     let orders = trace.as_ref().map(|trace| trace.bounces);
-    let optics = optics::optics(&optics, artist, &optics::Around { folder, orders });
+    let optics = optics::optics(&optics, artist_f0, &optics::Around { folder, orders });
     let realisations = surface.as_ref().map_or(u32::MAX, |s| s.realisations);
     let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
     let bench = bench.or(None, |i| resolution(i, surface.as_ref()).map(Some));
@@ -117,8 +117,9 @@ fn trace(slot: &Slot<'_>, statistical: bool) -> Option<Trace> {
 
 fn stop(slot: &Slot<'_>, realisations: u32) -> Option<Stop> {
     let [samples, relative_error, seconds] = slot.table()?.keys(["samples", "relative_error", "seconds"]);
-    let samples =
-        samples.required("start points per stop and realisation, such as 1_000_000").and_then(self::samples);
+    let samples = samples
+        .required("surface samples per incidence and realisation, such as 1_000_000")
+        .and_then(self::samples);
     let relative_error = relative_error.or(None, |item| {
         let wanted = item.float(&RELATIVE_ERROR)?;
         if realisations < 2 {
@@ -130,13 +131,13 @@ fn stop(slot: &Slot<'_>, realisations: u32) -> Option<Stop> {
     Some(Stop { samples: samples?, relative_error: relative_error?, seconds: seconds? })
 }
 
-/// Start points per stop and realisation. More than the most is a matter of time; none are no measurement.
+/// Surface samples per incidence and realisation. More than the most is a matter of time; none are no measurement.
 fn samples(item: &GivenValue<'_>) -> Option<u64> {
     match item.as_whole().filter(|&samples| samples > MOST_SAMPLES) {
         Some(samples) => {
-            let years = samples as f64 / STARTS_PER_SECOND / (365.25 * 86_400.0);
+            let years = samples as f64 / SAMPLES_PER_SECOND / (365.25 * 86_400.0);
             item.too_large(format!(
-                "takes {years:.1e} years for each stop and realisation; must be a whole number in [1, {MOST_SAMPLES}]"
+                "takes {years:.1e} years for each incidence and realisation; must be a whole number in [1, {MOST_SAMPLES}]"
             ))
         }
         None => item.whole(1..=MOST_SAMPLES),
@@ -168,8 +169,8 @@ fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolu
     Some(Resolution { cells: cells?, correlation_cells: correlation_cells? })
 }
 
-/// Every element of a list that is not empty; faults of all of them are told.
+/// Every element of a list that is not empty.
 fn all<T>(item: &GivenValue<'_>, read: impl Fn(&GivenValue<'_>) -> Option<T>) -> Option<Vec<T>> {
-    let read: Vec<Option<T>> = item.list()?.iter().map(read).collect();
-    if read.is_empty() { item.refuse("at least one number") } else { read.into_iter().collect() }
+    let all = item.each(read)?;
+    if all.is_empty() { item.refuse("at least one number") } else { Some(all) }
 }

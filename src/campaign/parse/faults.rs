@@ -119,30 +119,10 @@ pub(crate) fn nearest<'n>(word: &str, names: &[&'n str]) -> Option<&'n str> {
         return None;
     }
     let word = word.to_lowercase();
-    let slips = |name: &&'n str| edit_distance(&word, &name.to_lowercase());
+    let slips = |name: &&'n str| strsim::osa_distance(&word, &name.to_lowercase());
     // Of names equally near, the longest: it keeps most of what was typed.
     let best = names.iter().min_by_key(|name| (slips(name), Reverse(name.len())))?;
     (slips(best) <= (best.len() / 3).max(1)).then_some(*best)
-}
-
-/// Insertions, deletions, substitutions and swaps of neighbours that turn `a` into `b`.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let a: Vec<char> = a.chars().collect();
-    let b: Vec<char> = b.chars().collect();
-    let mut rows = vec![(0..=b.len()).collect::<Vec<usize>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let substituted = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut distance = substituted.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                distance = distance.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(distance);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ pub(crate) mod artist;
 pub(crate) mod bounds;
 pub(crate) mod campaign;
 pub(crate) mod faults;
+pub(crate) mod height_map;
 pub(crate) mod index_file;
 pub(crate) mod optics;
 pub(crate) mod reader;

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::artist::Artist;
 use super::index_file;
 use super::index_file::{Dispersion, ETA, K, WAVELENGTH};
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
@@ -30,14 +29,14 @@ pub(crate) struct Around<'a> {
     pub orders: Option<u32>,
 }
 
-/// Reads `[optics]`; an artist's surface brings its own.
-pub(crate) fn optics(slot: &Slot<'_>, artist: Option<Artist>, around: &Around<'_>) -> Option<Optics> {
-    match (slot.given(), artist) {
+/// Reads `[optics]`; `artist_f0` is what the facets of `[surface.artist]` reflect.
+pub(crate) fn optics(slot: &Slot<'_>, artist_f0: Option<[f64; 3]>, around: &Around<'_>) -> Option<Optics> {
+    match (slot.given(), artist_f0) {
         (Some(item), None) => given(item.table()?, around),
         (Some(item), Some(_)) => {
             item.refuse("[surface.artist] says what the facets reflect; leave out one of the two")
         }
-        (None, Some(Artist { f0 })) => Some(Optics::Schlick { material: None, f0 }),
+        (None, Some(f0)) => Some(Optics::Schlick { material: None, f0 }),
         (None, None) => Some(Optics::PerfectMirror),
     }
 }
@@ -101,9 +100,7 @@ fn polarisations(item: &GivenValue<'_>) -> Option<Vec<Polarisation>> {
     if item.list_length().is_none() {
         return item.choice(&POLARISATIONS).map(|one| vec![one]);
     }
-    let elements = item.list()?;
-    let read: Vec<_> = elements.iter().map(|element| element.choice(&POLARISATIONS)).collect();
-    let read = read.into_iter().collect::<Option<Vec<_>>>()?;
+    let read = item.each(|i| i.choice(&POLARISATIONS))?;
     if read.is_empty() || (1..read.len()).any(|k| read[..k].contains(&read[k])) {
         return item.refuse("must hold each polarisation once: one table is made for each");
     }
@@ -152,7 +149,7 @@ impl MaterialKeys<'_> {
             return Some(Optics::Schlick { material: Some(name.to_string()), f0 });
         }
         let Some(known) = materials::index_of(name) else {
-            let names = materials::NAMES_WITH_INDEX.join(", ");
+            let names = materials::names_with_index().join(", ");
             return item.refuse(format!(
                 "has no n and k here, which fresnel = \"exact\" needs; known: {names}; or give eta and k, or a file"
             ));
@@ -162,12 +159,10 @@ impl MaterialKeys<'_> {
     }
 
     fn several(&self, item: &GivenValue<'_>, law: FresnelLaw) -> Option<Vec<Optics>> {
-        let elements = item.list()?;
-        let read: Vec<Option<Optics>> = elements.iter().map(|element| self.named(element, law)).collect();
-        let all = read.into_iter().collect::<Option<Vec<Optics>>>()?;
+        let all = item.each(|i| self.named(i, law))?;
         for (k, optics) in all.iter().enumerate() {
             if all[..k].iter().any(|other| other.material() == optics.material()) {
-                return elements[k].refuse("is there already: one table is made for each material");
+                return item.list()?[k].refuse("is there already: one table is made for each material");
             }
         }
         if all.is_empty() {
@@ -195,9 +190,8 @@ impl MaterialKeys<'_> {
             let Some(default) = default else { return self.all_of(known) };
             return default.iter().map(|&nm| known.at(nm)).collect();
         };
-        let elements = item.list()?;
-        let nm = increasing(item, &elements)?;
-        let found = elements.iter().zip(nm).map(|(element, nm)| {
+        let nm = increasing(item)?;
+        let found = item.list()?.into_iter().zip(nm).map(|(element, nm)| {
             known.at(nm).or_else(|| {
                 let [low, high] = known.ends().map(plain);
                 element.refuse(format!("must lie in [{low}, {high}]: n and k are not known elsewhere"))
@@ -234,10 +228,7 @@ impl MaterialKeys<'_> {
         let count = eta.list_length().unwrap_or_default();
         let n = numbers(eta, &ETA);
         let k = self.k.or(vec![0.0; count], |i| numbers(i, &K));
-        let nm = self
-            .wavelength
-            .required("a wavelength for each entry of eta")
-            .and_then(|i| increasing(i, &i.list()?));
+        let nm = self.wavelength.required("a wavelength for each entry of eta").and_then(increasing);
         let (n, k, nm) = (n?, k?, nm?);
         for (slot, length) in [(&self.k, k.len()), (&self.wavelength, nm.len())] {
             if length != count {
@@ -260,20 +251,19 @@ fn index(material: Option<String>, media: Vec<Medium>, law: FresnelLaw) -> Optic
 
 /// A list of at least one number and at most as many as a table has colours.
 fn numbers(item: &GivenValue<'_>, bounds: &Bounds) -> Option<Vec<f64>> {
-    let elements = item.list()?;
-    if elements.is_empty() || elements.len() > MOST_COLOURS {
-        return item.refuse(format!("has {} entries; 1 to {MOST_COLOURS} are allowed", elements.len()));
+    let count = item.list()?.len();
+    if !(1..=MOST_COLOURS).contains(&count) {
+        return item.refuse(format!("has {count} entries; 1 to {MOST_COLOURS} are allowed"));
     }
-    let read: Vec<Option<f64>> = elements.iter().map(|element| element.float(bounds)).collect();
-    read.into_iter().collect()
+    item.each(|i| i.float(bounds))
 }
 
 /// Wavelengths, which increase.
-fn increasing(item: &GivenValue<'_>, elements: &[GivenValue<'_>]) -> Option<Vec<f64>> {
+fn increasing(item: &GivenValue<'_>) -> Option<Vec<f64>> {
     let nm = numbers(item, &WAVELENGTH)?;
     if let Some(before) = nm.windows(2).position(|pair| pair[0] >= pair[1]) {
         let earlier = plain(nm[before]);
-        return elements[before + 1]
+        return item.list()?[before + 1]
             .refuse(format!("comes after {earlier}; wavelengths must increase, each once"));
     }
     Some(nm)
@@ -283,12 +273,7 @@ fn increasing(item: &GivenValue<'_>, elements: &[GivenValue<'_>]) -> Option<Vec<
 pub(crate) fn reflectances(item: &GivenValue<'_>) -> Option<[f64; 3]> {
     match item.list_length() {
         None => item.float(&REFLECTANCE).map(|gray| [gray; 3]),
-        Some(3) => {
-            let elements = item.list()?;
-            let read: Vec<Option<f64>> = elements.iter().map(|e| e.float(&REFLECTANCE)).collect();
-            let read: Vec<f64> = read.into_iter().collect::<Option<_>>()?;
-            read.try_into().ok()
-        }
+        Some(3) => item.each(|i| i.float(&REFLECTANCE))?.try_into().ok(),
         Some(n) => item.refuse(format!("has {n} entries; give [r, g, b] or one number")),
     }
 }

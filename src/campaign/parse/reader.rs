@@ -14,7 +14,7 @@ use super::faults::{Report, nearest};
 /// Largest float that stands for a whole number: beyond 2^53 neighbouring whole numbers share a float.
 const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;
 
-/// Where something is said: a dotted key and the byte it stands at.
+/// A dotted key and the byte where it is in the file.
 #[derive(Clone)]
 pub(crate) struct KeyPath<'a> {
     report: &'a Report<'a>,
@@ -235,6 +235,12 @@ impl<'a> GivenValue<'a> {
             GivenValue { place, value }
         };
         Some(array.iter().map(element).collect())
+    }
+
+    /// What `read` makes of the elements of a list. All are read, so that the faults of all are told.
+    pub fn each<T>(&self, read: impl Fn(&GivenValue<'a>) -> Option<T>) -> Option<Vec<T>> {
+        let read: Vec<Option<T>> = self.list()?.iter().map(read).collect();
+        read.into_iter().collect()
     }
 
     /// Whether this is a table.

@@ -1,17 +1,13 @@
 //! `[surface]`: the sample and its one kind.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
-use super::angles::{AZIMUTH, reduced};
+use super::angles::AZIMUTH;
 use super::artist;
-use super::artist::Artist;
+use super::height_map::height_map;
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
-use crate::campaign::schema::{
-    Alpha, Detrend, HeightMap, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind,
-};
-
-/// Words for [`Detrend`].
-pub(crate) const DETREND: [(&str, Detrend); 2] = [("plane", Detrend::Plane), ("none", Detrend::None)];
+use crate::campaign::schema::{Alpha, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind};
+use crate::sphere::reduced_deg;
 
 /// Words for [`HeightSpectrum`].
 pub(crate) const SPECTRA: [(&str, HeightSpectrum); 2] =
@@ -46,13 +42,10 @@ const GAMMA: Bounds =
 /// Blinn and Phong's exponent: at 20,000 alpha is 0.01.
 const EXPONENT: Bounds = Bounds::closed(0.0, 20_000.0).advice("0 is ggx with alpha = 1", "use beckmann");
 
-/// Pitches and units of height maps, um.
-const LENGTH_UM: Bounds = Bounds::closed(1e-9, 1e9);
-
 const KINDS: &str = "[surface.ggx], [surface.beckmann], [surface.student_t], [surface.blinn_phong], [surface.smith], \
      [surface.mirror], [surface.v_groove] or [surface.file]";
 
-/// Keys of `[surface]` that describe a patch, beside its kind.
+/// Keys of `[surface]` that describe a patch of any kind.
 struct PatchKeys<'a> {
     realisations: Slot<'a>,
     cells: Slot<'a>,
@@ -60,8 +53,9 @@ struct PatchKeys<'a> {
     mirror_images: Slot<'a>,
 }
 
-/// Reads `[surface]`; height maps are looked for in `folder`. `artist` gets the material of `[surface.artist]`.
-pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<Surface> {
+/// Reads `[surface]`; height maps are looked for in `folder`. `artist_f0` gets the reflectance of
+/// `[surface.artist]`.
+pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist_f0: &mut Option<[f64; 3]>) -> Option<Surface> {
     let [realisations, cells, correlation_cells, rotation, mirror_images, kinds @ ..] = slot.table()?.keys([
         "realisations",
         "cells",
@@ -79,7 +73,7 @@ pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist: &mut Option<Artist
         "blinn_phong",
     ]);
     let given: Vec<&GivenValue<'_>> = kinds.iter().filter_map(Slot::given).collect();
-    let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder, artist)).collect();
+    let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder, artist_f0)).collect();
     let rotation_deg = rotation.or(0.0, rotation_deg);
     let keys = PatchKeys { realisations, cells, correlation_cells, mirror_images };
     let kind = match given[..] {
@@ -100,7 +94,7 @@ pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist: &mut Option<Artist
 
 fn rotation_deg(item: &GivenValue<'_>) -> Option<f64> {
     let given = item.float(&AZIMUTH)?;
-    let rotation = reduced(given);
+    let rotation = reduced_deg(given);
     if rotation != given {
         item.note(format!("reduced to {}: rotations lie in [0, 360)", plain(rotation)));
     }
@@ -185,11 +179,11 @@ fn made_or_measured(
     })
 }
 
-fn kind(item: &GivenValue<'_>, folder: &Path, artist: &mut Option<Artist>) -> Option<SurfaceKind> {
+fn kind(item: &GivenValue<'_>, folder: &Path, artist_f0: &mut Option<[f64; 3]>) -> Option<SurfaceKind> {
     match item.name() {
         "artist" => {
-            let (alpha, material) = artist::artist(item.table()?)?;
-            *artist = Some(material);
+            let (alpha, f0) = artist::artist(item.table()?)?;
+            *artist_f0 = Some(f0);
             Some(SurfaceKind::Ggx(vec![alpha]))
         }
         "ggx" => alphas(item.table()?).map(SurfaceKind::Ggx),
@@ -253,8 +247,8 @@ fn alphas_of([alpha, alpha_x, alpha_y]: [Slot<'_>; 3]) -> Option<Vec<Alpha>> {
     match [&alpha, &alpha_x, &alpha_y].map(|slot| slot.given().is_some()) {
         [true, false, false] => equal?,
         [false, true, true] => Some(vec![Alpha { x: x??, y: y?? }]),
-        [false, true, false] => alpha_y.refuse("required beside alpha_x; or give alpha alone"),
-        [false, false, true] => alpha_x.refuse("required beside alpha_y; or give alpha alone"),
+        [false, true, false] => alpha_y.refuse("required next to alpha_x; or give alpha alone"),
+        [false, false, true] => alpha_x.refuse("required next to alpha_y; or give alpha alone"),
         [false, false, false] => alpha.refuse("required: alpha, or alpha_x and alpha_y"),
         [true, ..] => alpha.refuse("ambiguous: give alpha, or alpha_x and alpha_y, never both"),
     }
@@ -270,103 +264,11 @@ fn isotropic_alphas(item: &GivenValue<'_>) -> Option<Vec<Alpha>> {
     if length > 1000 {
         return item.refuse(format!("has {length} entries; at most 1000 are allowed"));
     }
-    let elements = item.list()?;
-    let values: Vec<Option<f64>> = elements.iter().map(|e| e.float(&ALPHA)).collect();
-    let values: Vec<f64> = values.into_iter().collect::<Option<_>>()?;
+    let values = item.each(|i| i.float(&ALPHA))?;
     if let Some(before) = values.windows(2).position(|pair| !matches!(pair, [a, b] if a < b)) {
         let earlier = plain(values[before]);
-        return elements[before + 1]
+        return item.list()?[before + 1]
             .refuse(format!("comes after {earlier}; roughnesses must increase, each once"));
     }
     Some(values.into_iter().map(|alpha| Alpha { x: alpha, y: alpha }).collect())
-}
-
-fn height_map(table: TableReader<'_>, folder: &Path) -> Option<HeightMap> {
-    let [path, pitch_x, pitch_y, height_unit, periodic, detrend, refine, tiles] = table.keys([
-        "path",
-        "pitch_x_um",
-        "pitch_y_um",
-        "height_unit_um",
-        "periodic",
-        "detrend",
-        "refine",
-        "tiles",
-    ]);
-    let path = path.required("the height map, .exr, .npy, .gsf or .xyz").and_then(map_path);
-    let lengths = [&pitch_x, &pitch_y, &height_unit];
-    let needed = path.and_then(|path| all_or_none(&lengths, is_npy(path)));
-    let lengths = lengths.map(|slot| slot.or(None, |i| i.float(&LENGTH_UM).map(Some)));
-    let periodic = periodic.or(false, |i| i.boolean());
-    let detrend = detrend.or(Detrend::Plane, |i| i.choice(&DETREND));
-    let refine = refine.or(None, steps_between_samples);
-    let tiles = tiles.or(4, |i| i.count(1..=64));
-    let (path, [x, y, unit], ()) = (path?, lengths, needed?);
-    Some(HeightMap {
-        path: path.to_string(),
-        resolved_path: resolved(folder, path),
-        pitch_x_um: x?,
-        pitch_y_um: y?,
-        height_unit_um: unit?,
-        periodic: periodic?,
-        detrend: detrend?,
-        refine: refine?,
-        tiles: tiles?,
-    })
-}
-
-/// `refine`: "auto" or a power of two.
-fn steps_between_samples(item: &GivenValue<'_>) -> Option<Option<u32>> {
-    const ALLOWED: &str = "must be \"auto\" or a power of two up to 64 (1: the map's own cells)";
-    match (item.as_text(), item.as_whole()) {
-        (Some("auto"), _) => Some(None),
-        (_, Some(steps @ 1..=64)) if steps.is_power_of_two() => Some(u32::try_from(steps).ok()),
-        _ => item.refuse(ALLOWED),
-    }
-}
-
-/// `path` as seen from where the campaign file lies.
-fn resolved(folder: &Path, path: &str) -> PathBuf {
-    // Without its `.` parts, so that messages name the file as the user would.
-    folder.join(path).components().filter(|part| *part != Component::CurDir).collect()
-}
-
-fn is_npy(path: &str) -> bool {
-    extension(path) == "npy"
-}
-
-fn extension(path: &str) -> String {
-    Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
-}
-
-fn map_path<'a>(item: &GivenValue<'a>) -> Option<&'a str> {
-    let path = item.text()?;
-    if path.is_empty() || path.chars().any(char::is_control) {
-        return item.refuse("must be a file name without control characters");
-    }
-    match extension(path).as_str() {
-        "exr" | "npy" | "gsf" | "txt" | "xyz" | "asc" => Some(path),
-        _ => {
-            item.refuse(
-                "must end in .exr, .npy, .gsf (Gwyddion simple field), .asc (Arc grid), .xyz or .txt (lines of x y z, or \
-                 a matrix)",
-            )
-        }
-    }
-}
-
-/// Pitches and unit: all but NPY may hold their own, and then none of the three is mixed with the file's.
-fn all_or_none(lengths: &[&Slot<'_>; 3], required: bool) -> Option<()> {
-    let given = lengths.iter().filter(|slot| slot.given().is_some()).count();
-    if given == 3 || (given == 0 && !required) {
-        return Some(());
-    }
-    let why = if required {
-        "required: a .npy file holds no pitches"
-    } else {
-        "required: give pitch_x_um, pitch_y_um and height_unit_um, or none of them (the file's own then count)"
-    };
-    for slot in lengths.iter().filter(|slot| slot.given().is_none()) {
-        slot.refuse::<()>(why);
-    }
-    None
 }

@@ -1,4 +1,4 @@
-//! What a campaign without faults may still regret.
+//! Warnings about a campaign without faults.
 
 use super::faults::Report;
 use crate::campaign::schema::{Azimuth, Campaign, PhiFrom, SensorArm, SurfaceKind};

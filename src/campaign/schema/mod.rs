@@ -1,4 +1,4 @@
-//! What a campaign says, checked: plain data, angles in degrees as the user wrote them, no physics types.
+//! A campaign, checked: plain data, angles in degrees as the user wrote them, no physics types.
 //!
 //! `campaign::read` is the only place that makes a `Campaign`; whoever holds one may rely on every range below.
 
@@ -38,9 +38,9 @@ pub struct Campaign {
 /// The light arm.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LightArm {
-    /// Polar angles of the stops, each in [0, 90), increasing.
+    /// Polar angles of the incidences, each in [0, 90), increasing.
     pub theta_i_deg: Vec<f64>,
-    /// Azimuths of the stops.
+    /// Azimuths of the incidences.
     pub azimuth: Azimuth,
     /// Whether azimuths of a surface that is not isotropic may be averaged.
     pub average_azimuth: bool,
@@ -54,9 +54,9 @@ pub struct LightArm {
 pub enum Azimuth {
     /// Averaged; the sensor's azimuth counts from the light's: a 3-D table.
     Relative,
-    /// Stops at these azimuths, each in [0, 360), increasing: a 4-D table.
+    /// Incidences at these azimuths, each in [0, 360), increasing: a 4-D table.
     Absolute(Vec<f64>),
-    /// A stop in the middle of each patch of the Klems full basis; `theta_i_deg` holds the middles of its rings.
+    /// An incidence in the middle of each patch of the Klems full basis; `theta_i_deg` holds the middles of its rings.
     KlemsFull,
 }
 
@@ -124,10 +124,10 @@ pub struct Trace {
 /// When the measurement ends.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stop {
-    /// Start points per stop and realisation, at least 1; rounded up to whole blocks. With another rule beside it: a
-    /// maximum.
+    /// Surface samples per incidence and realisation, at least 1; rounded up to whole blocks. A maximum where another
+    /// rule is given.
     pub samples: u64,
-    /// A stop ends when the median standard error of its bins above 1 % of its peak is at most this share of the
+    /// An incidence ends when the median standard error of its bins above 1 % of its peak is at most this part of the
     /// bin, 1e-4 to 1; at least two realisations.
     pub relative_error: Option<f64>,
     /// The run ends at the first block boundary after so many seconds, 1 to 1e6.

@@ -1,4 +1,4 @@
-//! What a campaign says of its materials, checked: `[optics]`.
+//! The materials of a campaign, checked: `[optics]`.
 
 use serde::Serialize;
 

@@ -1,4 +1,4 @@
-//! What a campaign says of its sample, checked: the kinds of surface and their roughnesses.
+//! The sample of a campaign, checked: the kinds of surface and their roughnesses.
 
 use serde::Serialize;
 
@@ -131,7 +131,7 @@ pub struct HeightMap {
     /// Cells for each of the file's own along a side, a power of two. `None`, "auto": as many as it takes until it no
     /// longer shows along which diagonal cells are cut.
     pub refine: Option<u32>,
-    /// tiles x tiles start regions are the groups for the error bars, 1 to 64.
+    /// tiles x tiles regions of the map are the groups for the error bars, 1 to 64.
     pub tiles: u32,
 }
 

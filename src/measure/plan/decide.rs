@@ -7,11 +7,11 @@ use super::start_sampler::StartSampler;
 use crate::campaign::{Azimuth, Campaign, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files::memory::memory_limit;
-use crate::instrument::{Grid, GridKind, grid_of};
+use crate::instrument::{Grid, GridKind, folded_stops, grid_of};
 use crate::measure::accumulate::fresnel_sums::FresnelSums;
 use crate::measure::persist::part::Part;
 use crate::sphere;
-use crate::surface::io::import::ABSURD_SDQ;
+use crate::surface::io::checks::ABSURD_SDQ;
 use crate::trace::BLOCK;
 
 /// Largest sum of the flux that starts carry, of what falls on the patch in one block.
@@ -267,16 +267,4 @@ fn may_be_dealt(campaign: &Campaign, grid: &Grid, shard: Part) -> Result<()> {
 /// A count as it is reported: what exceeds 64 bits is refused or takes for ever in any case.
 pub(super) fn saturated(count: u128) -> u64 {
     count.try_into().unwrap_or(u64::MAX)
-}
-
-/// For each incidence, whether the surface's law is its own mirror image about the plane of incidence and arrivals are
-/// therefore counted on both sides.
-pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
-    let symmetric = campaign.surface.kind.alphas().is_some();
-    let along_an_axis = |stop: usize| {
-        let phi = sphere::reduced_deg(grid.stop_deg(stop).1 - campaign.surface.rotation_deg);
-        campaign.light.azimuth != Azimuth::Relative && phi % 90.0 == 0.0
-    };
-    let folds = |stop: usize| campaign.is_isotropic() || along_an_axis(stop);
-    (0..grid.stops()).map(|stop| campaign.trace.fold && symmetric && folds(stop)).collect()
 }

@@ -1,13 +1,9 @@
 //! Patches as files: EXR with pitches, or NPY; f32, row 0 at y = 0, the same bytes from every run.
-//!
-//! Held by: `exported_heights_come_back_bit_for_bit`.
-
-use npyz::WriterBuilder;
+// Tested by `exported_heights_come_back_bit_for_bit`.
 
 use crate::error::{Error, Result};
-use crate::files::image;
 use crate::files::image::{Attribute, ImagePart, Samples};
-
+use crate::files::{image, npy};
 use crate::surface::Heightfield;
 
 /// An EXR image with the channel `height` and the attributes `pitch_x` and `pitch_y` (doubles, in the unit of
@@ -24,18 +20,9 @@ pub fn encode_exr(field: &Heightfield, pitch_x: f64, pitch_y: f64) -> Result<Vec
 /// A 2-D NPY array of little-endian f32, C order, [row, column].
 pub fn encode_npy(field: &Heightfield) -> Result<Vec<u8>> {
     let (columns, rows) = samples(field);
-    let heights = to_f32(field)?;
     let mut bytes = Vec::new();
-    let failed = |e: std::io::Error| Error::Internal(format!("encoding a patch: {e}"));
-    let kind = "<f4".parse().map_err(|_| Error::Internal("NPY type `<f4` is not known".into()))?;
-    let mut writer = npyz::WriteOptions::new()
-        .dtype(npyz::DType::Plain(kind))
-        .shape(&[rows as u64, columns as u64])
-        .writer(&mut bytes)
-        .begin_nd()
-        .map_err(failed)?;
-    writer.extend(heights).map_err(failed)?;
-    writer.finish().map_err(failed)?;
+    npy::encode(&mut bytes, &[rows, columns], to_f32(field)?.into_iter())
+        .map_err(|why| Error::Internal(format!("encoding a patch: {why}")))?;
     Ok(bytes)
 }
 

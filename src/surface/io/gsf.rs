@@ -3,7 +3,7 @@
 //! The header is the line `Gwyddion Simple Field 1.0` and lines `name = value`: XRes, YRes (samples), XReal, YReal
 //! (size of the field), XYUnits, ZUnits. Source: the format's specification in Gwyddion's user guide.
 
-use super::map_file::{MapFile, Stored};
+use super::samples::{MapSamples, Stored};
 use super::units;
 use crate::text_decoding::decode_text_or_latin1;
 
@@ -17,25 +17,25 @@ const LONGEST_HEADER: usize = 1 << 16;
 /// Reads a field; row 0 of the file is y = 0.
 ///
 /// Pitches are XReal/XRes and YReal/YRes in the unit of the heights: both units must be lengths (with an SI prefix), or
-/// both be left out. Held by: `a_gwyddion_field_reads_with_its_pitches`.
-pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
+/// both be left out.
+// Tested by `a_gwyddion_field_reads_with_its_pitches`.
+pub fn read(bytes: &[u8]) -> Result<MapSamples, String> {
     let head = &bytes[..bytes.len().min(LONGEST_HEADER)];
     let end = head.iter().position(|&byte| byte == 0).ok_or("GSF: the header does not end")?;
     let text = decode_text_or_latin1(&head[..end])?;
     // Titles and notes of other programs may come several times: nothing follows from them.
-    for name in KEYS {
+    let values = |name: &'static str| {
         let lines = text.lines().skip(1).filter_map(|line| line.split_once('='));
-        let mut values = lines.filter(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());
+        lines.filter(move |(key, _)| key.trim() == name).map(|(_, value)| value.trim())
+    };
+    for name in KEYS {
+        let mut values = values(name);
         if let (Some(first), Some(second)) = (values.next(), values.next()) {
             return Err(format!("GSF: {name} is there twice: {first:.40} and {second:.40}; leave one"));
         }
     }
-    let value = |name: &str| {
-        let lines = text.lines().skip(1).filter_map(|line| line.split_once('='));
-        let mut found = lines.filter(|(key, _)| key.trim() == name).map(|(_, value)| value.trim());
-        found.next()
-    };
-    let samples = |name: &str| {
+    let value = |name: &'static str| values(name).next();
+    let samples = |name: &'static str| {
         let given = value(name).ok_or_else(|| format!("GSF: no {name}"))?;
         let count: usize =
             given.parse().map_err(|_| format!("GSF: {name} = {given:.40}: must be a whole number"))?;
@@ -50,7 +50,7 @@ pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
         return Err(format!("GSF: {} bytes of data do not make {columns} x {rows} f32 samples", data.len()));
     }
     let (lateral, height) = (value("XYUnits").unwrap_or(""), value("ZUnits").unwrap_or(""));
-    let size = |name: &str, count: usize| -> Result<Option<f64>, String> {
+    let size = |name: &'static str, count: usize| -> Result<Option<f64>, String> {
         let Some(given) = value(name) else { return Ok(None) };
         let size: f64 = given.parse().map_err(|_| format!("GSF: {name} = {given:.40}: must be a number"))?;
         Ok(Some(size / count as f64))
@@ -67,7 +67,7 @@ pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
     let pitch = sizes.map(|(_, size)| Some(size? * ratio?));
     let unit_um = units::metres(height).map(|metres| 1e6 * metres);
     let heights = data.as_chunks::<4>().0.iter().map(|chunk| f64::from(f32::from_le_bytes(*chunk))).collect();
-    Ok(MapFile { pitch, unit_um, no_pitch, ..MapFile::new(columns, rows, heights, Stored::Single) })
+    Ok(MapSamples { pitch, unit_um, no_pitch, ..MapSamples::new(columns, rows, heights, Stored::Single) })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Measured height maps: from a file to a heightfield whose slopes are those of the sample.
 //!
-//! Enters: `[surface.file]`. Leaves: heights in the file's unit with the mean (and, where asked, the mean plane)
+//! Input: `[surface.file]`. Output: heights in the file's unit with the mean (and, where asked, the mean plane)
 //! taken off, on a grid that is fine enough (`refine`), and the factors that turn a difference of neighbouring heights
 //! into a slope.
 
@@ -13,23 +13,14 @@ use crate::error::{Error, Result};
 use crate::files;
 use crate::files::memory;
 
+use super::checks::{check_precision, check_size, check_slopes, positive, slope_factor};
 use super::map_file;
-use super::map_file::{MapFile, Stored};
 use super::outliers;
 use super::refine;
 use super::refine::{AGREEMENT, AUTO_CELLS, Cuts, Refined};
+use super::samples::{MapSamples, Stored};
 use crate::surface::Heightfield;
 
-/// Fewest cells along a side.
-const MIN_CELLS: usize = 8;
-/// Fewest steps of the number format that the relief of an f32 map must span.
-const MIN_STEPS: f64 = 65_536.0;
-/// Rms slopes beyond which a map is refused: walls of 88 degrees. Ground and blasted surfaces have 0.1 to 1, so that a
-/// unit that is 1000 times too large ends up here.
-pub const ABSURD_SDQ: f64 = 30.0;
-/// Rms slopes outside of which a map is doubtful: steeper than 72 degrees, or smoother than a polished mirror and yet not
-/// flat.
-const DOUBTFUL_SDQ: [f64; 2] = [1e-3, 3.0];
 /// Change of the rms slope by refinement from which on the samples do not resolve the slopes.
 const RESOLVED: f64 = 0.1;
 
@@ -66,8 +57,8 @@ pub struct PatchFile {
 /// Reads a measured map.
 ///
 /// Scaling heights and pitches by one power of two leaves every slope as it was, bit for bit.
-/// Held by: `scaling_by_a_power_of_two_keeps_every_slope_bit_for_bit`,
-/// `an_offset_in_f64_changes_nothing_and_in_f32_is_refused`.
+// Tested by `scaling_by_a_power_of_two_keeps_every_slope_bit_for_bit`,
+// `an_offset_in_f64_changes_nothing_and_in_f32_is_refused`.
 pub fn load(map: &HeightMap) -> Result<ImportedMap> {
     let path = &map.resolved_path;
     let file = read(path)?;
@@ -88,14 +79,14 @@ pub fn load_patch(path: &Path) -> Result<PatchFile> {
     Ok(PatchFile { field, pitch_x, pitch_y })
 }
 
-fn read(path: &Path) -> Result<MapFile> {
+fn read(path: &Path) -> Result<MapSamples> {
     let bytes = files::read(path)?;
     let wrong = |why: String| Error::format(path, why);
     memory::check_file(path, map_file::needed(&bytes).map_err(wrong)?)?;
     map_file::read(&bytes).map_err(wrong)
 }
 
-fn import(map: &HeightMap, mut file: MapFile) -> std::result::Result<ImportedMap, String> {
+fn import(map: &HeightMap, mut file: MapSamples) -> std::result::Result<ImportedMap, String> {
     let [own_x, own_y] = file.pitch;
     let no_pitch = |name: &str| match &file.no_pitch {
         Some(why) => format!("{why}; give surface.file.pitch_x_um, pitch_y_um and height_unit_um"),
@@ -162,33 +153,6 @@ impl ImportedMap {
     }
 }
 
-/// Refuses slopes that only a slip of units makes, and names doubtful ones.
-fn check_slopes(map: &HeightMap, cuts: &Cuts, notes: &mut Vec<String>) -> std::result::Result<(), String> {
-    let sdq = cuts.sdq;
-    let [smooth, steep] = DOUBTFUL_SDQ;
-    let units = match (map.pitch_x_um, map.pitch_y_um, map.height_unit_um) {
-        (Some(x), Some(y), Some(unit)) => format!("height_unit_um = {unit} on a pitch of {x} x {y} um"),
-        _ => "by the file's own pitches and unit of heights".into(),
-    };
-    if sdq.is_nan() || sdq > ABSURD_SDQ {
-        return Err(format!(
-            "rms slope Sdq = {sdq:.3e}, {units}: above {ABSURD_SDQ} (88 degrees) only a slip of units has it; correct \
-             height unit or pitch"
-        ));
-    }
-    if sdq > steep {
-        notes.push(format!(
-            "rms slope Sdq = {sdq:.3}, {units}: steeper than 72 degrees; are the units right?"
-        ));
-    }
-    if sdq < smooth {
-        notes.push(format!(
-            "rms slope Sdq = {sdq:.1e}, {units}: smoother than a polished mirror; are the units right?"
-        ));
-    }
-    Ok(())
-}
-
 /// What refinement did, or could not do.
 fn refinement(refined: &Refined) -> Vec<String> {
     let Refined { field, steps, before, after } = refined;
@@ -221,64 +185,6 @@ fn refinement(refined: &Refined) -> Vec<String> {
         ));
     }
     notes
-}
-
-/// Slope per unit of height difference along one axis: height unit over pitch.
-fn slope_factor(
-    name: &str,
-    pitch_um: Option<f64>,
-    height_unit_um: Option<f64>,
-    own: Option<f64>,
-    no_pitch: impl Fn(&str) -> String,
-) -> std::result::Result<f64, String> {
-    let factor = match (pitch_um, own) {
-        (Some(pitch), _) => {
-            let unit = height_unit_um.ok_or_else(|| {
-                format!("surface.file.{name}_um needs surface.file.height_unit_um beside it")
-            })?;
-            positive("height_unit_um", unit)? / positive(name, pitch)?
-        }
-        (None, Some(pitch)) => 1.0 / positive(name, pitch)?,
-        (None, None) => return Err(no_pitch(name)),
-    };
-    positive(&format!("height unit over {name}"), factor)
-}
-
-fn positive(name: &str, value: f64) -> std::result::Result<f64, String> {
-    if value > 0.0 && value.is_finite() {
-        Ok(value)
-    } else {
-        Err(format!("{name} = {value}: must be positive and finite"))
-    }
-}
-
-/// Cells along x and y.
-fn check_size(file: &MapFile, periodic: bool) -> std::result::Result<(usize, usize), String> {
-    let extra = usize::from(!periodic);
-    let (x, y) = (file.columns.saturating_sub(extra), file.rows.saturating_sub(extra));
-    if x < MIN_CELLS || y < MIN_CELLS {
-        return Err(format!("{x} x {y} cells; at least {MIN_CELLS} x {MIN_CELLS} are needed"));
-    }
-    Ok((x, y))
-}
-
-/// Refuses an f32 map whose offset has eaten the relief: fewer than 16 bits between lowest and highest.
-fn check_precision(file: &MapFile) -> std::result::Result<(), String> {
-    let fold = |f: fn(f64, f64) -> f64, start| file.heights.iter().fold(start, |a, &h| f(a, h));
-    let (low, high) = (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY));
-    let largest = low.abs().max(high.abs()) as f32;
-    if file.stored != Stored::Single || low == high || largest == f32::MAX {
-        return Ok(());
-    }
-    let step = f64::from(largest.next_up() - largest);
-    let steps = (high - low) / step;
-    if steps >= MIN_STEPS {
-        return Ok(());
-    }
-    Err(format!(
-        "heights from {low} to {high} in f32 span only {steps} steps of the format; take the offset off before \
-         saving, or save as f64"
-    ))
 }
 
 /// Takes the mean off and returns it.
@@ -337,10 +243,10 @@ mod tests {
         }
     }
 
-    fn file(columns: usize, rows: usize, height: impl Fn(f64, f64) -> f64) -> MapFile {
+    fn file(columns: usize, rows: usize, height: impl Fn(f64, f64) -> f64) -> MapSamples {
         let at = |i: usize| height((i % columns) as f64, (i / columns) as f64);
         let heights = (0..columns * rows).map(at).collect();
-        MapFile::new(columns, rows, heights, Stored::Exact)
+        MapSamples::new(columns, rows, heights, Stored::Exact)
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The samples of a height map's file, untouched: EXR, NPY, GSF or text, told apart by their first bytes.
+//! The samples of a height map's file, untouched: EXR, NPY, GSF or text, distinguished by their first bytes.
 
 use std::io::Cursor;
 
@@ -10,51 +10,14 @@ use crate::files::image_blocks::BlockReader;
 use crate::files::{exr_header, memory, npy};
 use crate::text_decoding::decode_text_or_latin1;
 
+use super::samples::{MapSamples, Stored};
 use super::{gsf, text};
 
 const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 
-/// How the file stores a height.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stored {
-    /// 16-bit float: 11 significant bits.
-    Half,
-    /// 32-bit float: 24 significant bits.
-    Single,
-    /// 64-bit float or integer: as exact as this program computes.
-    Exact,
-}
-
-/// A height map as its file has it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MapFile {
-    /// Samples in a row (along x).
-    pub columns: usize,
-    /// Rows (along y); row 0 is y = 0.
-    pub rows: usize,
-    /// Heights row by row, all finite.
-    pub heights: Vec<f64>,
-    /// How they were stored.
-    pub stored: Stored,
-    /// `pitch_x` and `pitch_y` of the file, in the unit of the heights.
-    pub pitch: [Option<f64>; 2],
-    /// One unit of height, um, where the file says so.
-    pub unit_um: Option<f64>,
-    /// Why there are no pitches, where the file has something to say about them.
-    pub no_pitch: Option<String>,
-}
-
-impl MapFile {
-    /// Heights alone, without pitches or unit.
-    pub fn new(columns: usize, rows: usize, heights: Vec<f64>, stored: Stored) -> Self {
-        MapFile { columns, rows, heights, stored, pitch: [None, None], unit_um: None, no_pitch: None }
-    }
-}
-
 /// The most bytes of memory that reading these bytes may take, besides themselves: heights in f64, and a copy of them that
 /// is sorted for outliers.
-///
-/// Held by: tests/process/bombs.rs.
+// Tested by tests/process/bombs.rs.
 pub fn needed(bytes: &[u8]) -> Result<u64, String> {
     let length = bytes.len() as u64;
     Ok(if exr_header::is_exr(bytes) {
@@ -73,7 +36,7 @@ pub fn needed(bytes: &[u8]) -> Result<u64, String> {
 }
 
 /// Reads a map from the bytes of its file; the error is a reason, to be completed with the path.
-pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
+pub fn read(bytes: &[u8]) -> Result<MapSamples, String> {
     let map = if exr_header::is_exr(bytes) {
         read_exr(bytes)?
     } else if bytes.starts_with(NPY_MAGIC) {
@@ -97,7 +60,7 @@ pub fn read(bytes: &[u8]) -> Result<MapFile, String> {
     }
 }
 
-fn read_exr(bytes: &[u8]) -> Result<MapFile, String> {
+fn read_exr(bytes: &[u8]) -> Result<MapSamples, String> {
     let mut parts = image::decode(bytes)?;
     let (Some(mut part), true) = (parts.pop(), parts.is_empty()) else {
         return Err("several parts; a height map has one".into());
@@ -114,10 +77,10 @@ fn read_exr(bytes: &[u8]) -> Result<MapFile, String> {
         Samples::U32(values) => (values.into_iter().map(f64::from).collect(), Stored::Exact),
     };
     let pitch = [part.number("pitch_x"), part.number("pitch_y")];
-    Ok(MapFile { pitch, ..MapFile::new(part.width, part.height, heights, stored) })
+    Ok(MapSamples { pitch, ..MapSamples::new(part.width, part.height, heights, stored) })
 }
 
-fn read_npy(bytes: &[u8]) -> Result<MapFile, String> {
+fn read_npy(bytes: &[u8]) -> Result<MapSamples, String> {
     npy::check_header(bytes, 2)?;
     let mut data = bytes;
     let header = NpyHeader::from_reader(&mut data).map_err(|e| format!("NPY header: {e}"))?;
@@ -151,7 +114,7 @@ fn read_npy(bytes: &[u8]) -> Result<MapFile, String> {
         _ => Stored::Exact,
     };
     let heights = if order == Order::Fortran { transposed(&heights, rows) } else { heights };
-    Ok(MapFile::new(columns, rows, heights, stored))
+    Ok(MapSamples::new(columns, rows, heights, stored))
 }
 
 fn values<T: Deserialize>(npy: NpyFile<&[u8]>, to_f64: impl Fn(T) -> f64) -> Result<Vec<f64>, String> {

@@ -4,8 +4,8 @@
 //! campaign must. An Arc grid has its size at the head (`ncols`, `nrows`, `cellsize` or `dx`, `dy`, `NODATA_value`);
 //! its first row is the one of largest y, and its cell size is in the unit of its heights.
 
-use super::map_file::{MapFile, Stored};
-use super::text::{fields, is_passed_over};
+use super::fields::{fields, is_passed_over};
+use super::samples::{MapSamples, Stored};
 use super::units;
 
 /// Fewest columns of a matrix: fewer are no map.
@@ -15,7 +15,7 @@ pub const FEWEST_COLUMNS: usize = 8;
 const MOST_NAMES: usize = 32;
 
 /// Reads a matrix; the first line is y = 0.
-pub fn read(text: &str) -> Result<MapFile, String> {
+pub fn read(text: &str) -> Result<MapSamples, String> {
     let (mut heights, mut columns, mut rows) = (Vec::new(), 0, 0);
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !is_passed_over(line)) {
         let before = heights.len();
@@ -40,7 +40,7 @@ pub fn read(text: &str) -> Result<MapFile, String> {
     if rows == 0 {
         return Err("matrix: no row of numbers".into());
     }
-    let mut map = MapFile::new(columns, rows, heights, Stored::Exact);
+    let mut map = MapSamples::new(columns, rows, heights, Stored::Exact);
     match sizes(text) {
         Ok(Some((size, unit_um))) => {
             map.pitch = [Some(size[0] / columns as f64), Some(size[1] / rows as f64)];
@@ -75,7 +75,7 @@ fn sizes(text: &str) -> Result<Option<([f64; 2], f64)>, String> {
 }
 
 /// Reads an Arc grid.
-pub fn read_arc_grid(text: &str) -> Result<MapFile, String> {
+pub fn read_arc_grid(text: &str) -> Result<MapSamples, String> {
     let mut words = text.split_whitespace().peekable();
     let mut head = Vec::new();
     while let Some(name) = words.next_if(|word| word.starts_with(|c: char| c.is_ascii_alphabetic())) {
@@ -117,7 +117,7 @@ pub fn read_arc_grid(text: &str) -> Result<MapFile, String> {
     let heights = heights.chunks(columns).rev().flatten().copied().collect();
     let pitch = [value("dx"), value("dy")].map(|own| own.or(value("cellsize")));
     let no_pitch = pitch.contains(&None).then(|| "Arc grid: no cellsize".into());
-    Ok(MapFile { pitch, no_pitch, ..MapFile::new(columns, rows, heights, Stored::Exact) })
+    Ok(MapSamples { pitch, no_pitch, ..MapSamples::new(columns, rows, heights, Stored::Exact) })
 }
 
 #[cfg(test)]

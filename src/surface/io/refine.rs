@@ -1,18 +1,20 @@
-//! Finer samples of a measured map: a cubic spline through its own, taken so finely that the cut of the cells no longer
-//! shows.
+//! Finer samples of a measured map: a cubic spline through its own, so fine that the slopes no longer depend on the
+//! diagonal along which cells are split.
 //!
-//! Why: each cell is cut along one diagonal, so that facets lean towards that diagonal by half of the cell's second
+//! Why: each cell is split along one diagonal, so that facets lean towards that diagonal by half of the cell's second
 //! difference. On a scan with a lay this turns light out of the plane of incidence, and out of another plane on the
 //! mirror image of the scan. Between samples the spline's second differences fall with the square of the pitch.
-//! Enters: heights, and the slope of one unit of height a cell. Leaves: heights on a grid of a power of two as many
+//! Input: heights, and the slope of one unit of height a cell. Output: heights on a grid of a power of two as many
 //! cells along each side, which pass through the samples unchanged.
 
 use glam::DVec2;
 
+use super::spline::refined;
 use crate::files::memory;
 use crate::surface::Heightfield;
 
-/// Cells beyond which nothing is refined unasked: the patch of 4096 x 4096 that other surfaces have at most by custom.
+/// Cells beyond which nothing is refined automatically: the patch of 4096 x 4096 that other surfaces have at most by
+/// custom.
 pub const AUTO_CELLS: usize = 1 << 24;
 /// Cells beyond which nothing is refined at all: heights of 2 GiB, as for random patches.
 pub const MOST_CELLS: usize = 1 << 28;
@@ -24,11 +26,7 @@ pub const AGREEMENT: f64 = 0.01;
 const REFINING: u64 = 32;
 /// Slopes below which a map is a mirror whatever its cells do: single precision knows no smaller ones.
 const MIRROR: f64 = 1e-6;
-/// Samples by which a periodic line is continued on both sides: the spline's influence falls by 3.73 with each,
-/// to below 1e-18.
-const CONTINUED: usize = 32;
-
-/// The slopes of a map under both ways to cut a cell into two facets. Slopes are ratios of lengths.
+/// The slopes of a map under both ways to split a cell into two facets. Slopes are ratios of lengths.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cuts {
     /// Covariances xx, yy, xy of the slopes: mean over both cuts. The first two are the same under either.
@@ -82,7 +80,7 @@ impl Cuts {
         if least > 0.0 { of_deviation.min(self.difference / least) } else { of_deviation }
     }
 
-    /// Whether the cut no longer shows.
+    /// Whether the slopes no longer depend on the diagonal.
     pub fn agree(&self) -> bool {
         self.disagreement() <= AGREEMENT || self.sdq < MIRROR
     }
@@ -102,8 +100,7 @@ pub struct Refined {
 }
 
 /// Refines by `steps`, a power of two, or as far as the cuts ask for and `AUTO_CELLS` allows.
-///
-/// Held by: `a_map_and_its_mirror_image_have_mirrored_slopes`, `refinement_goes_as_far_as_the_cuts_ask`.
+// Tested by `a_map_and_its_mirror_image_have_mirrored_slopes`, `refinement_goes_as_far_as_the_cuts_ask`.
 pub fn refine(field: Heightfield, alpha: DVec2, steps: Option<u32>) -> Result<Refined, String> {
     let before = Cuts::of(&field, alpha);
     let cells = |steps: usize| (field.cells_x() * field.cells_y()).saturating_mul(steps * steps);
@@ -129,122 +126,6 @@ pub fn refine(field: Heightfield, alpha: DVec2, steps: Option<u32>) -> Result<Re
         after = Cuts::of(next, alpha * steps as f64);
     }
     Ok(Refined { field: fine.unwrap_or(field), steps, before, after })
-}
-
-/// The map on `steps` times as many cells along x and y; its own samples keep their bits.
-pub fn refined(field: &Heightfield, steps: usize) -> Heightfield {
-    if steps == 1 {
-        return field.clone();
-    }
-    let periodic = field.is_periodic();
-    let extra = usize::from(!periodic);
-    let (columns, rows) = (field.cells_x() + extra, field.cells_y() + extra);
-    let across = finer(&transposed(field.heights(), columns), rows, periodic, steps);
-    let (cells_x, cells_y) = (field.cells_x() * steps, field.cells_y() * steps);
-    let heights = finer(&transposed(&across, rows), cells_x + extra, periodic, steps);
-    Heightfield::new(cells_x, cells_y, periodic, heights)
-}
-
-/// Rows of `width` values, and between each two of them `steps - 1` more: a cubic spline down every column.
-fn finer(values: &[f64], width: usize, periodic: bool, steps: usize) -> Vec<f64> {
-    let rows = values.len() / width;
-    let bends = second_derivatives(values, width, periodic);
-    let row = |from: &[f64], i: usize| -> std::ops::Range<usize> {
-        debug_assert!((i + 1) * width <= from.len());
-        i * width..(i + 1) * width
-    };
-    let intervals = if periodic { rows } else { rows - 1 };
-    let mut out = Vec::with_capacity((intervals * steps + rows - intervals) * width);
-    for i in 0..intervals {
-        let j = if i + 1 == rows { 0 } else { i + 1 };
-        let near = values[row(values, i)].iter().zip(&bends[row(&bends, i)]);
-        let far = values[row(values, j)].iter().zip(&bends[row(&bends, j)]);
-        for step in 0..steps {
-            let t = step as f64 / steps as f64;
-            let s = 1.0 - t;
-            let pull = -s * t / 6.0;
-            let between = |((a, a2), (b, b2)): ((&f64, &f64), (&f64, &f64))| {
-                s * a + t * b + pull * ((1.0 + s) * a2 + (1.0 + t) * b2)
-            };
-            out.extend(near.clone().zip(far.clone()).map(between));
-        }
-    }
-    if !periodic {
-        out.extend_from_slice(&values[row(values, rows - 1)]);
-    }
-    out
-}
-
-/// Second derivatives of the spline at the rows of `values`, per squared row: of a closed spline, or of an open one whose
-/// first two intervals are one cubic, as are its last two ("not a knot").
-///
-/// Interior rows: m[i-1] + 4 m[i] + m[i+1] = 6 (h[i-1] - 2 h[i] + h[i+1]). At an open end that condition makes m[1] the
-/// second difference itself, and m[0] = 2 m[1] - m[2].
-fn second_derivatives(values: &[f64], width: usize, periodic: bool) -> Vec<f64> {
-    let rows = values.len() / width;
-    let at = |i: usize| &values[i * width..][..width];
-    let difference = |i: usize, factor: f64| {
-        let (before, after) = (at((i + rows - 1) % rows), at((i + 1) % rows));
-        let around = before.iter().zip(after).zip(at(i));
-        around.map(move |((before, after), here)| factor * ((before - here) + (after - here)))
-    };
-    if periodic {
-        let wrapped = |k: usize| (k + CONTINUED * (rows - 1)) % rows;
-        let lines = rows + 2 * CONTINUED;
-        let mut bends: Vec<f64> = (0..lines).flat_map(|k| difference(wrapped(k), 6.0)).collect();
-        solve(&mut bends, width);
-        return bends[CONTINUED * width..][..rows * width].to_vec();
-    }
-    let ends = [1, rows - 2].map(|i| difference(i, 1.0).collect::<Vec<f64>>());
-    let mut inner: Vec<f64> = (2..rows - 2).flat_map(|i| difference(i, 6.0)).collect();
-    let last = inner.len() - width;
-    inner[..width].iter_mut().zip(&ends[0]).for_each(|(value, end)| *value -= end);
-    inner[last..].iter_mut().zip(&ends[1]).for_each(|(value, end)| *value -= end);
-    solve(&mut inner, width);
-    let outside = |end: &[f64], next: &[f64]| -> Vec<f64> {
-        end.iter().zip(next).map(|(end, next)| 2.0 * end - next).collect()
-    };
-    let [first, final_] = [outside(&ends[0], &inner[..width]), outside(&ends[1], &inner[last..])];
-    [first, ends[0].clone(), inner, ends[1].clone(), final_].concat()
-}
-
-/// Solves m[k-1] + 4 m[k] + m[k+1] = b[k] down every column of rows of `width`, with 0 beyond both ends, in place.
-fn solve(b: &mut [f64], width: usize) {
-    let rows = b.len() / width;
-    let mut factors = Vec::with_capacity(rows);
-    let mut factor = 0.0;
-    for k in 0..rows {
-        factor = 1.0 / (4.0 - factor);
-        factors.push(factor);
-        let (before, here) = b.split_at_mut(k * width);
-        let before = before.len().checked_sub(width).map(|start| &before[start..]);
-        match before {
-            Some(before) => here[..width].iter_mut().zip(before).for_each(|(v, p)| *v = (*v - p) * factor),
-            None => here[..width].iter_mut().for_each(|v| *v *= factor),
-        }
-    }
-    for k in (0..rows - 1).rev() {
-        let (here, after) = b.split_at_mut((k + 1) * width);
-        let here = &mut here[k * width..];
-        here.iter_mut().zip(&after[..width]).for_each(|(v, next)| *v -= factors[k] * next);
-    }
-}
-
-/// Rows become columns; `columns`: values in a row. In tiles that stay in the cache.
-fn transposed(values: &[f64], columns: usize) -> Vec<f64> {
-    const TILE: usize = 16;
-    let rows = values.len() / columns;
-    let mut out = vec![0.0; values.len()];
-    for y0 in (0..rows).step_by(TILE) {
-        for x0 in (0..columns).step_by(TILE) {
-            for y in y0..(y0 + TILE).min(rows) {
-                for x in x0..(x0 + TILE).min(columns) {
-                    out[x * rows + y] = values[y * columns + x];
-                }
-            }
-        }
-    }
-    out
 }
 
 #[cfg(test)]
@@ -293,8 +174,8 @@ mod tests {
         }
     }
 
-    /// A wave of 24 samples: the spline's error is (2 pi/24)^4/384 of its height at most, times a few at the ends of an open
-    /// map, which the closed one has not.
+    /// A wave of 24 samples: the spline's error is (2 pi/24)^4/384 of its height at most, times a few at the ends of
+    /// an open map, which the closed one has not.
     #[test]
     fn between_the_samples_of_a_sine_lies_the_sine() {
         let wave = |x: f64| (TAU * x / 24.0).sin();
@@ -306,9 +187,9 @@ mod tests {
         }
     }
 
-    /// h = A sin(k x) sin(k y): variance of a slope A^2 k^2/4, mean square of the second difference of a cell of side 1
-    /// (4 A sin^2(k/2))^2/4, half of which is the difference of the cuts; a slope is a difference quotient, which sinc(k/2)
-    /// dampens, and the edge that it is taken along has the whole variance of the other sine.
+    /// h = A sin(k x) sin(k y): variance of a slope A^2 k^2/4, mean square of the second difference of a cell of side
+    /// 1 (4 A sin^2(k/2))^2/4, half of which is the difference of the cuts; a slope is a difference quotient, which
+    /// sinc(k/2) dampens, and the edge that it is taken along has the whole variance of the other sine.
     #[test]
     fn the_cuts_differ_by_half_the_mean_square_of_the_second_difference() {
         let (a, k) = (0.3, TAU / 16.0);

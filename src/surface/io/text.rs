@@ -1,17 +1,18 @@
-//! Height maps as text, told apart by what they begin with: lines of x y z, a matrix of heights, an Arc grid, or the
+//! Height maps as text, distinguished by how they begin: lines of x y z, a matrix of heights, an Arc grid, or the
 //! points of a Zygo instrument.
 //!
 //! Text that has no byte order mark and is not UTF-8 is read as Latin-1, which is what older instruments write their
 //! `µm` in.
 
-use super::map_file::MapFile;
+use super::fields::{fields, is_passed_over};
+use super::samples::MapSamples;
 use super::{matrix, xyz};
 
 /// Lines looked at for the first numbers.
 const LONGEST_HEADING: usize = 64;
 
 /// Reads a map from text; `None` where nothing in it looks like one.
-pub fn read(text: &str) -> Option<Result<MapFile, String>> {
+pub fn read(text: &str) -> Option<Result<MapSamples, String>> {
     let beginning = text.trim_start();
     if beginning.starts_with("Zygo XYZ") {
         return Some(xyz::read_zygo(text));
@@ -38,22 +39,6 @@ pub fn read(text: &str) -> Option<Result<MapFile, String>> {
     }
 }
 
-/// Whether a line is empty or a comment.
-pub fn is_passed_over(line: &str) -> bool {
-    let line = line.trim();
-    line.is_empty() || line.starts_with('#')
-}
-
-/// The fields of a line: parted by blanks, tabs or semicolons, or else by commas. A comma inside a field stays, so that
-/// `0,5` is no number, and never two.
-pub fn fields(line: &str) -> impl Iterator<Item = &str> {
-    let blank = |c: char| c.is_whitespace() || c == ';';
-    let line = line.trim_matches(|c: char| blank(c) || c == ',');
-    let commas = !line.contains(blank);
-    let parted = move |c: char| if commas { c == ',' } else { blank(c) };
-    line.split(parted).map(|field| field.trim_matches(',')).filter(|field| !field.is_empty())
-}
-
 fn has_decimal_commas(text: &str) -> bool {
     let decimal =
         |field: &str| field.matches(',').count() == 1 && field.replace(',', ".").parse::<f64>().is_ok();
@@ -66,15 +51,6 @@ fn has_decimal_commas(text: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn fields_are_parted_by_one_kind_of_separator() {
-        let parted = |line: &str| fields(line).map(String::from).collect::<Vec<_>>();
-        for line in ["1 2 3", "1\t2\t 3\r", "1, 2, 3", "1;2;3", "1,2,3", " 1; 2 ;3;"] {
-            assert_eq!(parted(line), ["1", "2", "3"], "{line}");
-        }
-        assert_eq!(parted("0,5 1,0"), ["0,5", "1,0"]);
-    }
 
     #[test]
     fn text_that_is_no_map_is_told_what_it_is() {

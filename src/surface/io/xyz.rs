@@ -1,12 +1,12 @@
 //! Height maps as text: a line `x y z` for each sample of a regular grid, row by row or column by column, to and fro or
 //! not.
 //!
-//! Fields are parted as `map_text::fields` says; empty lines and those that begin with # are passed over, and so is a
+//! Fields are parted as `fields` says; empty lines and those that begin with # are passed over, and so is a
 //! first line of words. All three share one unit. The text is read twice, and only heights are kept. Files of Zygo's
 //! `XYZ Data File` have a head and count pixels in x and y.
 
-use super::map_file::{MapFile, Stored};
-use super::text::{fields, is_passed_over};
+use super::fields::{fields, is_passed_over};
+use super::samples::{MapSamples, Stored};
 
 /// How far, in pitches, a point may lie from its place on the grid.
 const OFF_GRID: f64 = 0.01;
@@ -23,13 +23,14 @@ struct PointGrid {
     step: [f64; 2],
 }
 
-/// Reads a map; rows are turned so that x and y grow. Held by: `every_order_of_the_points_is_one_map`.
-pub fn read(text: &str) -> Result<MapFile, String> {
+/// Reads a map; rows are turned so that x and y grow.
+// Tested by `every_order_of_the_points_is_one_map`.
+pub fn read(text: &str) -> Result<MapSamples, String> {
     gridded("XYZ", points(text, 0))
 }
 
 /// Reads the points of a Zygo instrument: column, row, height, or `No Data`.
-pub fn read_zygo(text: &str) -> Result<MapFile, String> {
+pub fn read_zygo(text: &str) -> Result<MapSamples, String> {
     let heads = text.lines().take(LONGEST_HEAD);
     let is_point = |line: &str| point(line).is_some() || line.trim_end().ends_with("No Data");
     // The head ends with a line #, or where the points begin.
@@ -53,7 +54,7 @@ pub fn read_zygo(text: &str) -> Result<MapFile, String> {
 fn gridded(
     kind: &str,
     all: impl Iterator<Item = Result<(usize, [f64; 3]), String>> + Clone,
-) -> Result<MapFile, String> {
+) -> Result<MapSamples, String> {
     let PointGrid { counts: [columns, rows], origin, step } =
         layout(all.clone()).map_err(|why| format!("{kind}: {why}"))?;
     let cells = columns.checked_mul(rows).ok_or_else(|| format!("{kind}: the points are no grid"))?;
@@ -86,7 +87,7 @@ fn gridded(
         ));
     }
     let pitch = step.map(Some);
-    Ok(MapFile { pitch, ..MapFile::new(columns, rows, heights, Stored::Exact) })
+    Ok(MapSamples { pitch, ..MapSamples::new(columns, rows, heights, Stored::Exact) })
 }
 
 fn counts_of(axis: usize, columns: usize, rows: usize) -> f64 {
@@ -160,9 +161,9 @@ mod tests {
     use super::*;
 
     /// 3 columns by 2 rows, pitches 0.5 and 2, height = 10 row + column.
-    fn expected() -> MapFile {
+    fn expected() -> MapSamples {
         let heights = vec![0.0, 1.0, 2.0, 10.0, 11.0, 12.0];
-        MapFile { pitch: [Some(0.5), Some(2.0)], ..MapFile::new(3, 2, heights, Stored::Exact) }
+        MapSamples { pitch: [Some(0.5), Some(2.0)], ..MapSamples::new(3, 2, heights, Stored::Exact) }
     }
 
     fn text(order: &[(usize, usize)], separator: &str) -> String {

@@ -1,11 +1,11 @@
 //! Random canonical patches (alpha = 1, unit cells, periodic) with a wanted slope law.
 //!
-//! Enters: a law, a size, a stream. Leaves: heights, each an f32 value so that a file holds the very patch.
+//! Input: a law, a size, a stream. Output: heights, each an f32 value so that a file holds the very patch.
 //!
-//! Beckmann is a Gaussian field whose facet slopes have variance 1/2 per axis in the mean over patches. No
-//! spectrum makes a Gaussian field GGX, so GGX and Student's laws are found by iteration: give every facet a slope of the wanted
-//! length while keeping slope and height independent (what Smith's masking assumes), then find the heights whose
-//! differences fit best. Scaling x, y, z is affine: one patch serves every alpha_x, alpha_y.
+//! Beckmann is a Gaussian field whose facet slopes have variance 1/2 per axis in the mean over patches. No spectrum
+//! makes a Gaussian field GGX, so GGX and Student's laws are found by iteration: give every facet a slope of the
+//! wanted length while keeping slope and height independent (what Smith's masking assumes), then find the heights
+//! whose differences fit best. Scaling x, y, z is affine: one patch serves every alpha_x, alpha_y.
 
 pub(crate) mod feedback;
 pub(crate) mod ranks;
@@ -16,6 +16,7 @@ pub(crate) mod spectrum;
 use rand_pcg::Pcg64Dxsm;
 
 use super::heightfield::Heightfield;
+use crate::campaign::HeightSpectrum;
 use crate::rng;
 use feedback::Feedback;
 use remap::Remap;
@@ -41,11 +42,11 @@ pub struct Synthesiser {
 impl Synthesiser {
     /// Plans patches of `cells` x `cells` with heights correlated over about `correlation` cells.
     pub fn new(law: SlopeLaw, cells: usize, correlation: f64) -> Self {
-        Self::with_spectrum(law, cells, correlation, Spectrum::Gaussian)
+        Self::with_spectrum(law, cells, correlation, HeightSpectrum::Gaussian)
     }
 
     /// The same from a Gaussian field of another spectrum. Only the Beckmann law leaves the field as it is.
-    pub fn with_spectrum(law: SlopeLaw, cells: usize, correlation: f64, spectrum: Spectrum) -> Self {
+    pub fn with_spectrum(law: SlopeLaw, cells: usize, correlation: f64, spectrum: HeightSpectrum) -> Self {
         let fft = SquareFft::new(cells);
         let spectrum = GaussianField::new(&fft, correlation, spectrum);
         let gaussian = fft.filter(|kx, ky| spectrum.amplitude(kx, ky));
@@ -92,26 +93,17 @@ fn fit_gain(correlation: f64, kx: f64, ky: f64) -> f64 {
     if k2 == 0.0 { 0.0 } else { -(-scaled * scaled).exp_m1() / laplacian }
 }
 
-/// What waves a Gaussian field is made of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Spectrum {
-    /// Covariance exp(-(r/L)^2), power exp(-(k L)^2/4).
-    Gaussian,
-    /// Covariance exp(-r/L), power (1 + (k L)^2)^(-3/2), smoothed below `INNER` cells, where facets end.
-    Exponential,
-}
-
 /// Correlation length, in cells, of what the exponential spectrum is smoothed with.
 const INNER: f64 = 2.0;
 
-impl Spectrum {
-    /// Power at the wave number `k` (rad per cell), not scaled.
-    fn power(self, k2: f64, correlation: f64) -> f64 {
-        let gaussian = |length: f64| (-0.25 * length * length * k2).exp();
-        match self {
-            Spectrum::Gaussian => gaussian(correlation),
-            Spectrum::Exponential => (1.0 + k2 * correlation * correlation).powf(-1.5) * gaussian(INNER),
-        }
+/// Power at the squared wave number `k2` ((rad per cell)^2), not scaled.
+///
+/// Gaussian: exp(-(k L)^2/4). Exponential: (1 + (k L)^2)^(-3/2), smoothed below `INNER` cells, where facets end.
+fn power(spectrum: HeightSpectrum, k2: f64, correlation: f64) -> f64 {
+    let gaussian = |length: f64| (-0.25 * length * length * k2).exp();
+    match spectrum {
+        HeightSpectrum::Gaussian => gaussian(correlation),
+        HeightSpectrum::Exponential => (1.0 + k2 * correlation * correlation).powf(-1.5) * gaussian(INNER),
     }
 }
 
@@ -120,23 +112,23 @@ impl Spectrum {
 /// On a grid split along one diagonal the two slopes of a facet share a corner, which correlates them by about
 /// 1/(2 L^2): a preferred azimuth of the facets. The factor 1 - tilt sin(kx) sin(ky) on the power cancels it.
 struct GaussianField {
-    spectrum: Spectrum,
+    spectrum: HeightSpectrum,
     correlation: f64,
     tilt: f64,
     scale: f64,
 }
 
 impl GaussianField {
-    fn new(fft: &SquareFft, correlation: f64, spectrum: Spectrum) -> Self {
-        let power = |kx: f64, ky: f64| {
-            if kx == 0.0 && ky == 0.0 { 0.0 } else { spectrum.power(kx * kx + ky * ky, correlation) }
+    fn new(fft: &SquareFft, correlation: f64, spectrum: HeightSpectrum) -> Self {
+        let power_at = |kx: f64, ky: f64| {
+            if kx == 0.0 && ky == 0.0 { 0.0 } else { power(spectrum, kx * kx + ky * ky, correlation) }
         };
         let versine = |k: f64| 2.0 * (0.5 * k).sin().powi(2);
-        let shared = fft.sum_over_modes(|kx, ky| power(kx, ky) * versine(kx) * versine(ky));
-        let mixed = fft.sum_over_modes(|kx, ky| power(kx, ky) * (kx.sin() * ky.sin()).powi(2));
+        let shared = fft.sum_over_modes(|kx, ky| power_at(kx, ky) * versine(kx) * versine(ky));
+        let mixed = fft.sum_over_modes(|kx, ky| power_at(kx, ky) * (kx.sin() * ky.sin()).powi(2));
         // Below 1.5 cells, where the smallest patches are, the whole of it would make powers negative.
         let tilt = (shared / mixed).min(1.0);
-        let tilted = |kx: f64, ky: f64| power(kx, ky) * (1.0 - tilt * kx.sin() * ky.sin());
+        let tilted = |kx: f64, ky: f64| power_at(kx, ky) * (1.0 - tilt * kx.sin() * ky.sin());
         // White noise of variance 1 has power 1 in each of the n^2 modes; the mean over them is the variance.
         let modes = fft.sum_over_modes(|_, _| 1.0);
         let slope_variance = fft.sum_over_modes(|kx, ky| tilted(kx, ky) * 2.0 * versine(kx)) / modes;
@@ -147,7 +139,7 @@ impl GaussianField {
         if kx == 0.0 && ky == 0.0 {
             return 0.0;
         }
-        let power = self.spectrum.power(kx * kx + ky * ky, self.correlation);
+        let power = power(self.spectrum, kx * kx + ky * ky, self.correlation);
         self.scale * (power * (1.0 - self.tilt * kx.sin() * ky.sin())).sqrt()
     }
 }

@@ -32,7 +32,7 @@ impl SlopeLaw {
     /// Probability that the slope's length is below `length` >= 0.
     ///
     /// GGX: r^2/(1 + r^2). Beckmann: 1 - exp(-r^2). Student: 1 - (1 + r^2/power)^-power.
-    /// Held by: `length_law_and_quantile_are_inverse`.
+    // Tested by `length_law_and_quantile_are_inverse`.
     pub fn length_cdf(self, length: f64) -> f64 {
         let r2 = length * length;
         match self {
@@ -54,8 +54,7 @@ impl SlopeLaw {
     }
 
     /// The square of `length_quantile`, in the precision of a patch's heights.
-    ///
-    /// Held by: `length_law_and_quantile_are_inverse`.
+    // Tested by `length_law_and_quantile_are_inverse`.
     #[inline]
     pub fn squared_quantile(self, u: f32) -> f32 {
         match self {
@@ -99,12 +98,12 @@ mod tests {
     #[test]
     fn students_law_goes_from_ggx_to_beckmann() {
         for u in [0.01, 0.5, 0.9, 0.999] {
-            let of = |law: SlopeLaw| law.length_quantile(u);
+            let length = |law: SlopeLaw| law.length_quantile(u);
             // gamma = 2: the same formula in another spelling, a logarithm and an exponential apart.
-            let (student, ggx) = (of(SlopeLaw::student_t(2.0)), of(SlopeLaw::Ggx));
+            let (student, ggx) = (length(SlopeLaw::student_t(2.0)), length(SlopeLaw::Ggx));
             assert!((student - ggx).abs() < 8.0 * f64::EPSILON * ggx, "{u}: {student} {ggx}");
             // power -> infinity: r^2 = L + L^2/(2 power) + ..., L = -ln(1 - u) <= 7.
-            let (student, beckmann) = (of(SlopeLaw::blinn_phong(2e6 - 2.0)), of(SlopeLaw::Beckmann));
+            let (student, beckmann) = (length(SlopeLaw::blinn_phong(2e6 - 2.0)), length(SlopeLaw::Beckmann));
             assert!((student / beckmann - 1.0).abs() < 7.0 / 4.0 * 1e-6, "{u}: {student} {beckmann}");
         }
     }

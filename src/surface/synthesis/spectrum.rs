@@ -11,6 +11,8 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use rustfft::{Fft, FftPlanner};
 
+use crate::surface::transpose::transpose;
+
 /// Transforms of n x n real fields, planned once.
 pub struct SquareFft {
     side: usize,
@@ -111,21 +113,6 @@ impl SquareFft {
     fn wave_number(&self, index: usize) -> f64 {
         let signed = if index > self.side / 2 { index as f64 - self.side as f64 } else { index as f64 };
         TAU * signed / self.side as f64
-    }
-}
-
-/// Transposes a matrix with rows of `width`, in tiles that stay in the cache.
-fn transpose(matrix: &[Complex32], width: usize, out: &mut [Complex32]) {
-    const TILE: usize = 16;
-    let height = matrix.len() / width;
-    for y0 in (0..height).step_by(TILE) {
-        for x0 in (0..width).step_by(TILE) {
-            for y in y0..(y0 + TILE).min(height) {
-                for x in x0..(x0 + TILE).min(width) {
-                    out[x * height + y] = matrix[y * width + x];
-                }
-            }
-        }
     }
 }
 

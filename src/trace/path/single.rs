@@ -2,14 +2,15 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::trace::ray::grid_traversal::{GridTraversal, Outcome, SurfacePoint};
+use crate::trace::ray::grid_traversal::GridTraversal;
+use crate::trace::ray::surface_point::{Outcome, SurfacePoint};
 use crate::trace::symmetry::PatchSymmetry;
 
 /// A patch as it lies on the stage: the field, its slope scales and which image of it. World directions are in the
 /// sample's frame (x along alpha_x).
 #[derive(Debug, Clone, Copy)]
 pub struct TracedPatch<'a> {
-    /// Walks the canonical field.
+    /// Traverses the canonical field.
     pub traversal: GridTraversal<'a>,
     /// World slope per canonical slope.
     pub alpha: DVec2,
@@ -20,8 +21,8 @@ pub struct TracedPatch<'a> {
 /// How a path ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PathEnd {
-    /// The light does not see the start.
-    Hidden,
+    /// The surface sample is shadowed.
+    Shadowed,
     /// It leaves along `wo` (sample's frame) after `order` bounces.
     Out {
         /// Unit vector, above the horizon.
@@ -29,13 +30,13 @@ pub enum PathEnd {
         /// Number of bounces.
         order: u32,
     },
-    /// It goes on beyond the last order.
-    Cut {
+    /// It has more bounces than the last order.
+    Truncated {
         /// It goes down: its last ray was not needed.
         down: bool,
     },
     /// A ray of it leaves an open map by its edge: what that meets beyond is not known.
-    LeftMap {
+    LeftDomain {
         /// Where the path arrives if nothing lies beyond the edge, sample's frame; `None` where it does not.
         wo: Option<DVec3>,
         /// Bounces on the map.
@@ -72,17 +73,17 @@ impl TracedPatch<'_> {
     /// Follows a path from `start` under light from `wi` through at most `bounces` orders.
     ///
     /// Where the light's ray leaves an open map the path is followed as one that the light may see: it ends as
-    /// [`PathEnd::LeftMap`] with all that is known of it.
+    /// [`PathEnd::LeftDomain`] with all that is known of it.
     pub fn trace(&self, start: SurfacePoint, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> PathEnd {
-        let perhaps_lit = match self.traversal.traverse(&start, self.to_field(wi)) {
+        let perhaps_unshadowed = match self.traversal.traverse(&start, self.to_field(wi)) {
             Outcome::Escaped => false,
-            Outcome::Hit(_) => return PathEnd::Hidden,
-            Outcome::LeftMap => true,
+            Outcome::Hit(_) => return PathEnd::Shadowed,
+            Outcome::LeftDomain => true,
             Outcome::Lost => return PathEnd::Lost,
         };
-        let cut = |down: bool| match perhaps_lit {
-            true => PathEnd::LeftMap { wo: None, order: bounces, further: false },
-            false => PathEnd::Cut { down },
+        let cut = |down: bool| match perhaps_unshadowed {
+            true => PathEnd::LeftDomain { wo: None, order: bounces, further: false },
+            false => PathEnd::Truncated { down },
         };
         let mut place = start;
         let mut back = wi;
@@ -94,12 +95,12 @@ impl TracedPatch<'_> {
                 return cut(true);
             }
             match self.traversal.traverse(&place, self.to_field(wo)) {
-                Outcome::Escaped if perhaps_lit => {
-                    return PathEnd::LeftMap { wo: Some(wo), order, further: false };
+                Outcome::Escaped if perhaps_unshadowed => {
+                    return PathEnd::LeftDomain { wo: Some(wo), order, further: false };
                 }
                 Outcome::Escaped => return PathEnd::Out { wo, order },
                 Outcome::Hit(next) => place = next,
-                Outcome::LeftMap => return left_map(wo, order, bounces),
+                Outcome::LeftDomain => return left_domain(wo, order, bounces),
                 Outcome::Lost => return PathEnd::Lost,
             }
             back = -wo;
@@ -111,11 +112,11 @@ impl TracedPatch<'_> {
     pub fn trace_unobstructed(&self, start: SurfacePoint, wi: DVec3, visit: &mut impl Bounce) -> PathEnd {
         let wo = self.reflected(wi, &start);
         visit.bounce(wi, wo);
-        if wo.z > 0.0 { PathEnd::Out { wo, order: 1 } } else { PathEnd::Cut { down: true } }
+        if wo.z > 0.0 { PathEnd::Out { wo, order: 1 } } else { PathEnd::Truncated { down: true } }
     }
 }
 
 /// The end of a path whose ray along `wo` leaves an open map after `order` of at most `bounces` bounces.
-pub(crate) fn left_map(wo: DVec3, order: u32, bounces: u32) -> PathEnd {
-    PathEnd::LeftMap { wo: (wo.z > 0.0).then_some(wo), order, further: order < bounces }
+pub(crate) fn left_domain(wo: DVec3, order: u32, bounces: u32) -> PathEnd {
+    PathEnd::LeftDomain { wo: (wo.z > 0.0).then_some(wo), order, further: order < bounces }
 }

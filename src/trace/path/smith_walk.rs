@@ -1,8 +1,8 @@
 //! The random walk on a statistical Smith surface: heights and normals independent by construction, so that order 1
 //! is D G2/(4 cos cos) exactly, and the instrument itself can be held to the formula.
 //!
-//! Enters: the light's direction and a stream. Leaves: the same `PathEnd` as a path on heights. Heights enter only as
-//! u = C1(h), the share of the surface below h: uniform on [0, 1] whatever the height law. Own Lambda and own normals:
+//! Input: the light's direction and a stream. Output: the same `PathEnd` as a path on heights. Heights enter only as
+//! u = C1(h), the part of the surface below h: uniform on [0, 1] whatever the height law. Own Lambda and own normals:
 //! nothing of `theory`. Paper: Heitz, Hanika, d'Eon, Dachsbacher 2016, "Multiple-scattering microfacet BSDFs with the
 //! Smith model".
 
@@ -12,22 +12,14 @@ use glam::{DVec2, DVec3};
 use rand_pcg::Pcg64Dxsm;
 
 use super::single::{Bounce, PathEnd};
+use crate::campaign::SmithNdf;
 use crate::rng::uniform;
-
-/// The slope laws that the walk can draw normals of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WalkLaw {
-    /// GGX.
-    Ggx,
-    /// Beckmann.
-    Beckmann,
-}
 
 /// A statistical surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmithWalk {
     /// Law of the slopes.
-    pub law: WalkLaw,
+    pub law: SmithNdf,
     /// World slope per canonical slope.
     pub alpha: DVec2,
     /// Whether the height is drawn anew after every bounce: masking independent of shadowing (the separable form).
@@ -36,8 +28,7 @@ pub struct SmithWalk {
 
 impl SmithWalk {
     /// Follows a path of light from `wi` (sample's frame, wi.z > 0) through at most `bounces` orders.
-    ///
-    /// Held by: `order_one_is_the_formula_with_both_height_rules` (tests/it/validate/smith_surface.rs).
+    // Tested by `order_one_is_the_formula_with_both_height_rules` (tests/it/validate/smith_surface.rs).
     pub fn trace(&self, wi: DVec3, bounces: u32, rng: &mut Pcg64Dxsm, visit: &mut impl Bounce) -> PathEnd {
         let mut back = wi;
         // From above everything, down: a collision is certain.
@@ -49,7 +40,7 @@ impl SmithWalk {
                 u = uniform(rng);
             }
             if order == bounces && wo.z <= 0.0 {
-                return PathEnd::Cut { down: true };
+                return PathEnd::Truncated { down: true };
             }
             match self.next_height(u, wo, rng) {
                 None => return PathEnd::Out { wo, order },
@@ -57,7 +48,7 @@ impl SmithWalk {
             }
             back = -wo;
         }
-        PathEnd::Cut { down: false }
+        PathEnd::Truncated { down: false }
     }
 
     /// The height at which a ray along `w` from height `u` collides next, `None` if it escapes.
@@ -80,8 +71,8 @@ impl SmithWalk {
         let (s, z) = ((self.alpha * w.truncate()).length_squared(), w.z.abs());
         let up = match self.law {
             _ if s == 0.0 => 0.0,
-            WalkLaw::Ggx => s / (2.0 * z * (z + (z * z + s).sqrt())),
-            WalkLaw::Beckmann => {
+            SmithNdf::Ggx => s / (2.0 * z * (z + (z * z + s).sqrt())),
+            SmithNdf::Beckmann => {
                 let a = z / s.sqrt();
                 (-a * a).exp() / (2.0 * a * PI.sqrt()) - 0.5 * libm::erfc(a)
             }
@@ -89,12 +80,12 @@ impl SmithWalk {
         if w.z >= 0.0 { up } else { -1.0 - up }
     }
 
-    /// The mirror direction at a facet drawn in proportion to the area that it turns to `back`.
+    /// The mirror direction at a facet drawn in proportion to its projected area towards `back`.
     fn reflected(&self, back: DVec3, rng: &mut Pcg64Dxsm) -> DVec3 {
         let canonical = (self.alpha * back.truncate()).extend(back.z).normalize();
         let normal = match self.law {
-            WalkLaw::Ggx => ggx_normal(canonical, rng),
-            WalkLaw::Beckmann => beckmann_normal(canonical, rng),
+            SmithNdf::Ggx => ggx_normal(canonical, rng),
+            SmithNdf::Beckmann => beckmann_normal(canonical, rng),
         };
         let normal = (self.alpha * normal.truncate()).extend(normal.z);
         (2.0 * back.dot(normal) / normal.length_squared()) * normal - back
@@ -170,11 +161,11 @@ mod tests {
     use crate::surface::SlopeLaw;
 
     const WALK: SmithWalk =
-        SmithWalk { law: WalkLaw::Ggx, alpha: DVec2::new(0.4, 0.4), independent_heights: false };
+        SmithWalk { law: SmithNdf::Ggx, alpha: DVec2::new(0.4, 0.4), independent_heights: false };
 
     #[test]
     fn lambda_of_opposite_rays_adds_up_to_minus_one() {
-        for law in [WalkLaw::Ggx, WalkLaw::Beckmann] {
+        for law in [SmithNdf::Ggx, SmithNdf::Beckmann] {
             let walk = SmithWalk { law, ..WALK };
             for theta in [1.0, 30.0, 60.0, 85.0] {
                 let w = direction_deg(theta, 20.0);
@@ -188,7 +179,7 @@ mod tests {
     /// The mean of s.m over visible normals is the integral of D (s.m)^2 over that of D (s.m), by slopes.
     #[test]
     fn visible_normals_are_drawn_in_proportion_to_their_turned_area() {
-        for law in [WalkLaw::Ggx, WalkLaw::Beckmann] {
+        for law in [SmithNdf::Ggx, SmithNdf::Beckmann] {
             for theta in [20.0, 70.0, 100.0] {
                 let s = direction_deg(theta, 50.0);
                 let mut rng = stream(StreamId {
@@ -199,8 +190,8 @@ mod tests {
                     block: 0,
                 });
                 let draw = |rng: &mut Pcg64Dxsm| match law {
-                    WalkLaw::Ggx => ggx_normal(s, rng).normalize(),
-                    WalkLaw::Beckmann => beckmann_normal(s, rng).normalize(),
+                    SmithNdf::Ggx => ggx_normal(s, rng).normalize(),
+                    SmithNdf::Beckmann => beckmann_normal(s, rng).normalize(),
                 };
                 let n = 400_000;
                 let (mut sum, mut squares) = (0.0, 0.0);
@@ -219,8 +210,8 @@ mod tests {
     }
 
     /// Midpoint rule over lengths by rank and over azimuths.
-    fn turned_area_mean(law: WalkLaw, s: DVec3) -> f64 {
-        let law = if law == WalkLaw::Ggx { SlopeLaw::Ggx } else { SlopeLaw::Beckmann };
+    fn turned_area_mean(law: SmithNdf, s: DVec3) -> f64 {
+        let law = if law == SmithNdf::Ggx { SlopeLaw::Ggx } else { SlopeLaw::Beckmann };
         let (n, m) = (4000, 720);
         let (mut top, mut bottom) = (0.0, 0.0);
         for i in 0..n {

@@ -1,10 +1,10 @@
-//! Paths in waves: the meaning of `TracedPatch::trace` for many starts at once, order by order.
+//! Paths in waves: the meaning of `TracedPatch::trace` for many surface samples at once, order by order.
 
 use glam::DVec3;
 
-use super::single::{Bounce, PathEnd, TracedPatch, left_map};
-use crate::trace::ray::grid_traversal::{Outcome, SurfacePoint};
-use crate::trace::simd::kernel::RayOutcome;
+use super::single::{Bounce, PathEnd, TracedPatch, left_domain};
+use crate::trace::ray::surface_point::{Outcome, SurfacePoint};
+use crate::trace::simd::hit_buffer::RayOutcome;
 use crate::trace::simd::traversal::{SimdTraversal, Waves};
 
 /// A path under way: which one, where it is, and a direction.
@@ -27,10 +27,10 @@ pub struct View<'a> {
 /// Paths that are followed together.
 #[derive(Debug, Clone, Copy)]
 pub struct Wave<'a> {
-    /// Where each path starts.
-    pub starts: &'a [SurfacePoint],
+    /// Where each path begins.
+    pub surface_samples: &'a [SurfacePoint],
     /// Which view each path belongs to.
-    pub of: &'a [u16],
+    pub view_of: &'a [u16],
     /// The views.
     pub views: &'a [View<'a>],
     /// Highest order.
@@ -39,7 +39,7 @@ pub struct Wave<'a> {
 
 impl<'a> Wave<'a> {
     fn view(&self, path: usize) -> &View<'a> {
-        &self.views[usize::from(self.of[path])]
+        &self.views[usize::from(self.view_of[path])]
     }
 
     /// The direction of a step, seen from the field.
@@ -59,13 +59,12 @@ pub struct PathWaves {
 }
 
 impl PathWaves {
-    /// Follows a path from each start of `wave`; `endings` gets their ends in the order of the starts, `visits[k]` the
-    /// bounces of path k in theirs.
+    /// Follows a path from each surface sample of `wave`; `endings` gets their ends in the order of the samples,
+    /// `visits[k]` the bounces of path k in theirs.
     ///
     /// `over` is a lane traversal over the field of all views. Directions are f64; only the question of what a ray meets
     /// is f32's.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs` against `TracedPatch::trace`.
+    // Tested by `tests/it/trace/lanes.rs` against `TracedPatch::trace`.
     pub fn trace<B: Bounce>(
         &mut self,
         over: &SimdTraversal,
@@ -75,7 +74,7 @@ impl PathWaves {
     ) {
         let bounces = wave.bounces;
         endings.clear();
-        endings.resize(wave.starts.len(), PathEnd::Hidden);
+        endings.resize(wave.surface_samples.len(), PathEnd::Shadowed);
         self.light(over, wave, endings);
         for order in 1..=bounces {
             let last = order == bounces;
@@ -83,26 +82,26 @@ impl PathWaves {
             if last {
                 self.leave(over, wave, order, endings);
             } else {
-                self.go_on(over, wave, order, endings);
+                self.find_next_facets(over, wave, order, endings);
             }
         }
     }
 
-    /// Keeps the starts that the light sees.
+    /// Keeps the samples that the light sees.
     fn light(&mut self, over: &SimdTraversal, wave: &Wave, endings: &mut [PathEnd]) {
-        let at_start = |(path, &place): (usize, &SurfacePoint)| {
+        let at_sample = |(path, &place): (usize, &SurfacePoint)| {
             let direction = wave.view(path).wi;
             Step { path, place, direction }
         };
-        let starts = wave.starts.iter().enumerate().map(at_start);
+        let samples = wave.surface_samples.iter().enumerate().map(at_sample);
         self.now.clear();
         let ray = |k: usize| {
             let View { sample, wi } = wave.view(k);
-            (&wave.starts[k], sample.to_field(*wi))
+            (&wave.surface_samples[k], sample.to_field(*wi))
         };
-        let fates = self.waves.any_hit(over, wave.starts.len(), ray);
-        for (fate, step) in fates.iter().zip(starts) {
-            match fate {
+        let outcomes = self.waves.any_hit(over, wave.surface_samples.len(), ray);
+        for (outcome, step) in outcomes.iter().zip(samples) {
+            match outcome {
                 RayOutcome::Escaped => self.now.push(step),
                 RayOutcome::Blocked => {}
                 RayOutcome::Beyond => endings[step.path] = PathEnd::Lost,
@@ -118,29 +117,29 @@ impl PathWaves {
             visits[path].bounce(direction, wo);
             // A path that goes down must hit again: at the last order there is nothing left to find out.
             if last && wo.z <= 0.0 {
-                endings[path] = PathEnd::Cut { down: true };
+                endings[path] = PathEnd::Truncated { down: true };
             } else {
                 self.rays.push(Step { path, place, direction: wo });
             }
         }
     }
 
-    /// The last order: only whether anything stops the rays.
+    /// The last order: only whether anything blocks the rays.
     fn leave(&mut self, over: &SimdTraversal, wave: &Wave, order: u32, endings: &mut [PathEnd]) {
         let rays = &self.rays;
         let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
-        let fates = self.waves.any_hit(over, rays.len(), ray);
-        for (step, fate) in rays.iter().zip(fates) {
-            endings[step.path] = match fate {
+        let outcomes = self.waves.any_hit(over, rays.len(), ray);
+        for (step, outcome) in rays.iter().zip(outcomes) {
+            endings[step.path] = match outcome {
                 RayOutcome::Escaped => PathEnd::Out { wo: step.direction, order },
-                RayOutcome::Blocked => PathEnd::Cut { down: false },
+                RayOutcome::Blocked => PathEnd::Truncated { down: false },
                 RayOutcome::Beyond => PathEnd::Lost,
             };
         }
     }
 
     /// An order with more to come: what the rays meet.
-    fn go_on(&mut self, over: &SimdTraversal, wave: &Wave, order: u32, endings: &mut [PathEnd]) {
+    fn find_next_facets(&mut self, over: &SimdTraversal, wave: &Wave, order: u32, endings: &mut [PathEnd]) {
         let (rays, now) = (&self.rays, &mut self.now);
         now.clear();
         let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
@@ -150,7 +149,7 @@ impl PathWaves {
                 Outcome::Hit(place) => now.push(Step { path, place, direction: -direction }),
                 Outcome::Escaped => endings[path] = PathEnd::Out { wo: direction, order },
                 // Lanes hold periodic fields alone; what else there is ends as one path by itself does.
-                Outcome::LeftMap => endings[path] = left_map(direction, order, order + 1),
+                Outcome::LeftDomain => endings[path] = left_domain(direction, order, order + 1),
                 Outcome::Lost => endings[path] = PathEnd::Lost,
             }
         });

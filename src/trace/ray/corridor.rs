@@ -1,11 +1,11 @@
-//! Very long rays along a corridor of a periodic field: beside a wall, between ridges, along a groove.
+//! Very long rays along a corridor of a periodic field: along a wall, between ridges, along a groove.
 //!
-//! Such a ray comes round the field thousands of times, each time a little further aside and a little higher or lower,
-//! and the wall keeps it below the highest corner of every tile. Of two passes round the field that cross the same edges
-//! in the same order, every pass in between crosses those edges as well: the place on an edge and the clearance there
-//! change by the same amount from pass to pass. Where both passes clear the field by more than the walk's rounding, all
-//! in between do, and are taken at once. What ends that is a corner of the grid or the surface, so that a ray costs some
-//! passes for each of them instead of one for each time that it comes round.
+//! Such a ray comes round the field thousands of times, each time a little further aside and a little higher or
+//! lower, and the wall keeps it below the highest corner of every tile. Of two passes round the field that cross the
+//! same edges in the same order, every pass in between crosses those edges as well: the place on an edge and the
+//! clearance there change by the same amount from pass to pass. Where both passes clear the field by more than the
+//! traversal's rounding, all in between do, and are taken at once. What ends that is a corner of the grid or the
+//! surface, so that a ray costs some passes for each of them instead of one for each time that it comes round.
 
 use glam::DVec3;
 
@@ -14,7 +14,7 @@ use crate::surface::Heightfield;
 
 /// Times round the field among which the one is chosen that comes back closest to where it began.
 const TIMES_ROUND: u32 = 16;
-/// Passes that are worth it: to look at two and to walk two more takes as long as this.
+/// Passes that are worth it: to look at two and to traverse two more takes as long as this.
 const FEWEST: f64 = 4.0;
 
 /// A pass of a ray round its field, back to about the same place.
@@ -58,7 +58,7 @@ impl Pass {
 /// Looks for corridors along one ray, not more often than that pays.
 pub(crate) struct Corridors {
     pass: Option<Pass>,
-    /// Steps of the walk until it is looked again, and how many those were at the last time.
+    /// Steps of the traversal until it is looked again, and how many those were at the last time.
     left: f64,
     wait: f64,
 }
@@ -71,14 +71,14 @@ impl Corridors {
         Corridors { pass, left: wait, wait }
     }
 
-    /// Counts a step of the walk: whether it is time to look.
+    /// Counts a step of the traversal: whether it is time to look.
     pub fn is_due(&mut self) -> bool {
         self.left -= 1.0;
         self.left < 0.0
     }
 
     /// Takes `way` over as many passes as are free of the field: `limit` is the number of edges it may cross in all,
-    /// `margin` the walk's rounding at a ray parameter.
+    /// `margin` the traversal's rounding at a ray parameter.
     pub fn take(&mut self, way: &mut RayState, field: &Heightfield, limit: f64, margin: impl Fn(f64) -> f64) {
         let Some(pass) = self.pass else { return };
         match free(way, field, pass, limit, margin) {
@@ -117,9 +117,9 @@ fn free<'a>(
     None
 }
 
-/// Walks the pass that `way` is about to begin and the one that comes `passes` later: that one's end, and after how many
-/// passes the first change comes, if all goes on as from the one to the other. `None` where they cross other edges or
-/// either comes within `margin` of the surface.
+/// Traverses the pass that `way` is about to begin and the one that comes `passes` later: that one's end, and after
+/// how many passes the first change comes, if all changes as from the one to the other. `None` where they cross other
+/// edges or either comes within `margin` of the surface.
 fn side_by_side<'a>(
     way: &RayState<'a>,
     field: &Heightfield,

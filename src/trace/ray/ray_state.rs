@@ -1,16 +1,17 @@
 //! A ray on its way through the cells of a field, in f64: edges crossed, and the clearance where it comes in.
 //!
-//! Enters: a start and a direction. Leaves: what the ray meets in the cell that it is in. Every number follows from
+//! Input: a start and a direction. Output: what the ray meets in the cell that it is in. Every number follows from
 //! the start and from whole counts of edges, so that a ray put further along its way has the same bits there as one
 //! that was followed cell by cell.
 
 use glam::DVec3;
 
-use super::grid_traversal::{Facet, GridTraversal, Outcome, SurfacePoint};
+use super::field_range::FieldRange;
+use super::surface_point::{Facet, Outcome, SurfacePoint};
 use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
 
-/// One axis of the walk: where the next cell edge is.
+/// One axis of the traversal: where the next cell edge is.
 #[derive(Clone)]
 pub(crate) struct AxisSteps {
     pub forward: bool,
@@ -114,14 +115,14 @@ pub(crate) struct RayState<'a> {
 }
 
 impl<'a> RayState<'a> {
-    pub fn new(traversal: &GridTraversal, start: &'a SurfacePoint, d: DVec3) -> Self {
+    pub fn new(over: &FieldRange, start: &'a SurfacePoint, d: DVec3) -> Self {
         RayState {
             start,
             d,
             cell: (start.facet.x, start.facet.y),
             x: AxisSteps::new(d.x, start.u),
             y: AxisSteps::new(d.y, start.v),
-            clear_at: traversal.clear_at(start.z, d.z),
+            clear_at: over.clear_at(start.z, d.z),
             // The clearance over the start's own facet is never negative, whatever rounding says.
             entry: Crossing { t: 0.0, clearance: 0.0 },
             upper: start.facet.upper,
@@ -129,7 +130,7 @@ impl<'a> RayState<'a> {
         }
     }
 
-    /// Follows the ray through its cell; `None` where it goes on into the next one.
+    /// Follows the ray through its cell; `None` where it continues into the next one.
     #[inline(always)]
     pub fn cross(&mut self, field: &Heightfield) -> Option<Outcome> {
         let (tx, ty) = (self.x.next(), self.y.next());
@@ -166,7 +167,7 @@ impl<'a> RayState<'a> {
         } else {
             self.y.step(self.cell.1, field.cells_y(), periodic).map(|row| (self.cell.0, row))
         };
-        let Some(next) = next else { return Some(Outcome::LeftMap) };
+        let Some(next) = next else { return Some(Outcome::LeftDomain) };
         // A cell is entered by the edge opposite to the one by which its neighbour was left.
         (self.cell, self.entry, self.upper, self.own) = (next, exit, !leaves_upper, false);
         None

@@ -1,4 +1,4 @@
-//! The highest corner of every tile of 4^L x 4^L cells of any field, in f64: what the f64 walk skips tiles by.
+//! The highest corner of every tile of 4^L x 4^L cells of any field, in f64: by which the f64 traversal skips tiles.
 
 use crate::surface::Heightfield;
 
@@ -11,8 +11,7 @@ pub(crate) trait Tiles {
 }
 
 /// The tiles of a field that has no lanes: 8 (1 + 1/16 + ...) bytes a cell, fewer than those have.
-///
-/// Held by: `every_level_holds_the_highest_corner_of_its_cells`.
+// Tested by `every_level_holds_the_highest_corner_of_its_cells`.
 #[derive(Debug, Clone)]
 pub struct TilePeaks {
     /// For each level, tiles in a row and the highest corner of each tile, row by row.

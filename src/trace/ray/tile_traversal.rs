@@ -1,15 +1,16 @@
-//! Very long rays in f64: the answer of the plain walk, without the cells that it finds nothing in.
+//! Very long rays in f64: the answer of the plain traversal, without the cells that it finds nothing in.
 //!
 //! A ray that climbs by a thousandth of a cell per edge crosses the field many times before it is above it, nearly
-//! always far over everything. Such a ray is taken over whole tiles of 4^L x 4^L cells at once wherever it stays above
-//! their highest corner by more than the walk's rounding; elsewhere it is followed cell by cell as in `walk`, but along a
-//! corridor (`corridor`) over many passes round the field at once.
+//! always far over everything. Such a ray is taken over whole tiles of 4^L x 4^L cells at once wherever it stays
+//! above their highest corner by more than the traversal's rounding; elsewhere it is followed cell by cell as in
+//! `traverse`, but along a corridor (`corridor`) over many passes round the field at once.
 
 use glam::DVec3;
 
 use super::corridor::Corridors;
-use super::grid_traversal::{GridTraversal, Outcome, SurfacePoint};
+use super::field_range::FieldRange;
 use super::ray_state::{AxisSteps, RayState};
+use super::surface_point::{Outcome, SurfacePoint};
 use super::tile_peaks::Tiles;
 use crate::surface::Heightfield;
 
@@ -22,34 +23,28 @@ struct TileExit {
     y: f64,
 }
 
-/// Follows the ray from `start` along `d` to its end: bit for bit `GridTraversal::walk`, of whose field `tiles` are.
-///
-/// Held by: `tests/it/trace/long_rays.rs`, ray by ray against `GridTraversal::walk`.
-pub(crate) fn traverse(
-    traversal: &GridTraversal,
-    tiles: &impl Tiles,
-    start: &SurfacePoint,
-    d: DVec3,
-) -> Outcome {
-    let mut way = RayState::new(traversal, start, d);
-    // The start's cell is left by the walk itself: the facet under the start is not tested.
-    if let Some(outcome) = way.cross(traversal.field()) {
+/// Follows the ray from `start` along `d` to its end: bit for bit `GridTraversal::traverse`, of whose field `tiles` are.
+// Tested by `tests/it/trace/long_rays.rs`, ray by ray against `GridTraversal::traverse`.
+pub(crate) fn traverse(over: &FieldRange, tiles: &impl Tiles, start: &SurfacePoint, d: DVec3) -> Outcome {
+    let mut way = RayState::new(over, start, d);
+    // The start's cell is left by the plain traversal: the facet under the start is not tested.
+    if let Some(outcome) = way.cross(over.field) {
         return outcome;
     }
-    go_on(traversal, tiles, start, way)
+    traverse_rest(over, tiles, start, way)
 }
 
 /// Follows a ray that has left its start's cell to its end.
-pub(crate) fn go_on(
-    traversal: &GridTraversal,
+pub(crate) fn traverse_rest(
+    over: &FieldRange,
     tiles: &impl Tiles,
     start: &SurfacePoint,
     mut way: RayState,
 ) -> Outcome {
-    let (field, d) = (traversal.field(), way.d);
-    let limit = traversal.step_limit(start.z, d) as f64;
-    let (lowest, highest) = traversal.range();
-    // Where the walk compares heights: 3 roundings of numbers up to the largest height, and a place on an edge that
+    let (field, d) = (over.field, way.d);
+    let limit = over.step_limit(start.z, d) as f64;
+    let FieldRange { lowest, highest, .. } = *over;
+    // Where the traversal compares heights: 3 roundings of numbers up to the largest height, and a place on an edge that
     // is off by 3 roundings of the edges crossed, times the steepest slope. 2^-53 each; 2^-49 leaves room.
     let unit = 2f64.powi(-49) * (highest - lowest + highest.abs().max(lowest.abs()).max(start.z.abs()));
     // Edges after which a ray along an axis comes back to where it is now.
@@ -59,7 +54,7 @@ pub(crate) fn go_on(
     let mut level = 0;
     let margin_at = |t: f64| unit * (1.0 + t * (d.x.abs() + d.y.abs()));
     let mut corridors = Corridors::new(field, d);
-    // After a jump, the axis across which the ray came into its cell: the walk goes on from that edge.
+    // After a jump, the axis across which the ray came into its cell: it continues from that edge.
     let mut jumped = None;
     while way.x.crossed + way.y.crossed < limit {
         if corridors.is_due() {
@@ -71,8 +66,8 @@ pub(crate) fn go_on(
         let exit = exit(&way, field, level);
         let low = way.height(if d.z < 0.0 { exit.t } else { way.entry.t });
         let margin = margin_at(exit.t);
-        // One round later over the same heights, higher by more than rounding, or level for ever: nothing was in its
-        // way, nothing will be.
+        // One round later over the same heights, higher by more than rounding, or level: nothing blocked it and
+        // nothing will.
         let been_round = way.x.crossed + way.y.crossed > begin + round;
         if been_round && (d.z == 0.0 || rise > margin) {
             return Outcome::Escaped;
@@ -89,7 +84,7 @@ pub(crate) fn go_on(
                 moved(&way.y, before.1, exit.y, field.cells_y()),
             ];
             if !field.is_periodic() && moved.iter().any(|&(_, over_the_edge)| over_the_edge) {
-                return Outcome::LeftMap;
+                return Outcome::LeftDomain;
             }
             way.cell = (moved[0].0, moved[1].0);
             way.entry.t = exit.t;
@@ -127,7 +122,7 @@ fn round(field: &Heightfield, d: DVec3) -> Option<f64> {
     }
 }
 
-/// The exit from the tile of 4^level x 4^level cells that the ray is in, and the edges that the walk crosses on the
+/// The exit from the tile of 4^level x 4^level cells that the ray is in, and the edges that the traversal crosses on the
 /// way there: an edge across x before one across y only if it comes strictly first.
 fn exit(way: &RayState, field: &Heightfield, level: usize) -> TileExit {
     let to_x = to_edge(&way.x, way.cell.0, level, field.cells_x());

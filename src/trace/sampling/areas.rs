@@ -1,7 +1,8 @@
-//! Where paths start: on the facets, in proportion to the area that they turn to the light.
+//! Surface samples, where paths begin: points on the facets, in proportion to the projected area, which is what a facet
+//! shows the light.
 //!
 //! A block is one systematic pass over the patch: equal steps along the running sum of max(0, wi.m) A over all
-//! facets, one offset, a uniform point in the facet. All starts of a block carry the same flux.
+//! facets, one offset, a uniform point in the facet. All samples of a block carry the same flux.
 
 use glam::DVec3;
 use rand_pcg::Pcg64Dxsm;
@@ -9,9 +10,9 @@ use rand_pcg::Pcg64Dxsm;
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::surface::Heightfield;
-use crate::trace::ray::grid_traversal::{Facet, SurfacePoint};
+use crate::trace::ray::surface_point::{Facet, SurfacePoint};
 
-/// Starts in a block.
+/// Surface samples in a block.
 pub const BLOCK: u64 = 65_536;
 
 /// A rectangle of cells.
@@ -35,11 +36,11 @@ impl Window {
     }
 }
 
-/// Cells whose turned areas are summed together: a start evaluates one such group.
+/// Cells whose projected areas are summed together: a sample evaluates one such group.
 const GROUP: usize = 4;
 
-/// The areas that the facets of a window turn to one light direction, summed by groups of cells: what a block steps
-/// along. Serves any number of blocks.
+/// The projected areas of a window's facets towards one light direction, summed by groups of cells: what a block
+/// steps along. Serves any number of blocks.
 pub struct AreaSampler<'a> {
     field: &'a Heightfield,
     window: Window,
@@ -50,8 +51,8 @@ pub struct AreaSampler<'a> {
 }
 
 impl<'a> AreaSampler<'a> {
-    /// Sums the areas that `field`'s facets in `window` turn to `light` (canonical, field coordinates): a facet of
-    /// slope (p, q) turns max(0, light.z - light.x p - light.y q)/2 of a cell's area to it.
+    /// Sums the projected areas of `field`'s facets in `window` towards `light` (canonical, field coordinates): that of
+    /// a facet of slope (p, q) is max(0, light.z - light.x p - light.y q)/2 of a cell's.
     pub fn new(field: &'a Heightfield, window: Window, light: DVec3) -> Self {
         let mut starts = AreaSampler { field, window, light, before: vec![0.0] };
         let mut areas = vec![[0.0; 2]; window.x.1 - window.x.0];
@@ -61,7 +62,7 @@ impl<'a> AreaSampler<'a> {
         for y in window.y.0..window.y.1 {
             std::mem::swap(&mut near, &mut far);
             copy_heights(field, y + 1, window.x.0, &mut far);
-            turned_areas(&near, &far, light, &mut areas);
+            projected_areas(&near, &far, light, &mut areas);
             for group in areas.chunks(GROUP) {
                 sum += group.as_flattened().iter().sum::<f64>();
                 starts.before.push(sum);
@@ -75,10 +76,10 @@ impl<'a> AreaSampler<'a> {
         size_of_val(&*self.before)
     }
 
-    /// The flux of one start of a block of `count`, as a share of the flux that falls on the window: the turned
-    /// area over light.z x cells x count. Over all starts it sums to at least 1: those that the light does not see
+    /// The flux of one sample of a block of `count`, as a fraction of the flux that falls on the window: the projected
+    /// area over light.z x cells x count. Over all samples it sums to at least 1: those that are shadowed
     /// are counted, and dropped.
-    pub fn share(&self, count: u64) -> f64 {
+    pub fn flux_fraction(&self, count: u64) -> f64 {
         self.total() / (self.light.z * self.window.cells() as f64 * count as f64)
     }
 
@@ -86,7 +87,7 @@ impl<'a> AreaSampler<'a> {
         self.before[self.before.len() - 1]
     }
 
-    /// Calls `visit` with `count` start points of equal flux, in the order of the facets.
+    /// Calls `visit` with `count` surface samples of equal flux, in the order of the facets.
     pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(SurfacePoint)) {
         let mut steps = SystematicSteps::new(count, self.total() / count as f64, rng::uniform(rng));
         let mut start = |facet: Facet| {
@@ -112,7 +113,7 @@ impl<'a> AreaSampler<'a> {
         }
     }
 
-    /// The facets of a group and the areas that they turn to the light.
+    /// The facets of a group and their projected areas.
     fn facets(&self, group: usize) -> Facets {
         let width = self.window.x.1 - self.window.x.0;
         let in_row = width.div_ceil(GROUP);
@@ -122,7 +123,7 @@ impl<'a> AreaSampler<'a> {
         copy_heights(self.field, y, first, &mut near[..=cells]);
         copy_heights(self.field, y + 1, first, &mut far[..=cells]);
         let mut areas = [[0.0; 2]; GROUP];
-        turned_areas(&near, &far, self.light, &mut areas);
+        projected_areas(&near, &far, self.light, &mut areas);
         areas[cells..].fill([0.0; 2]);
         Facets { first, y, areas }
     }
@@ -157,7 +158,7 @@ impl Facets {
 
 /// The areas of the lower and of the upper facet of neighbouring cells, from the heights along their two rows.
 #[inline]
-fn turned_areas(near: &[f64], far: &[f64], light: DVec3, areas: &mut [[f64; 2]]) {
+fn projected_areas(near: &[f64], far: &[f64], light: DVec3, areas: &mut [[f64; 2]]) {
     let cells = areas.len();
     let (near, far) = (&near[..=cells], &far[..=cells]);
     for k in 0..cells {

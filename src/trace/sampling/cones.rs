@@ -1,4 +1,4 @@
-//! Starts on those facets alone that can send light into one of a few cones.
+//! Surface samples on those facets alone that can send light into one of a few cones.
 //!
 //! A facet and a direction of the light fix where it sends light, so a facet is wanted or not as a whole. The
 //! directions of a cone about `a` of half-angle d lie in a ball of radius sin d about a cos d; wi + wo in the same ball
@@ -13,7 +13,7 @@ use super::slope_index::{SlopeIndex, Slopes};
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::trace::path::single::TracedPatch;
-use crate::trace::ray::grid_traversal::{Facet, SurfacePoint};
+use crate::trace::ray::surface_point::{Facet, SurfacePoint};
 
 /// Facets that are looked at together.
 const TOGETHER: usize = 64;
@@ -27,7 +27,7 @@ pub struct ConeSampler<'a> {
     slots: Vec<Slots>,
 }
 
-/// One bin: a slot of equal length for each of its facets, none of which turns more to the light.
+/// One bin: a slot of equal length for each of its facets, none of which has a larger projected area.
 struct Slots {
     bin: usize,
     length: f64,
@@ -40,7 +40,7 @@ impl<'a> ConeSampler<'a> {
     /// of `axes` (all in the sample's frame). Conservative: some of them do not.
     ///
     /// - Domain: wi.z > 0; the cones lie above the horizon, half-angle below 90 degrees (radians).
-    /// - Held by: `no_wanted_facet_is_left_out`, `the_facet_index_changes_nothing_but_noise`.
+    // Tested by `no_wanted_facet_is_left_out`, `the_facet_index_changes_nothing_but_noise`.
     pub fn new(
         index: &'a SlopeIndex,
         sample: TracedPatch<'a>,
@@ -71,23 +71,21 @@ impl<'a> ConeSampler<'a> {
 
     /// Appends a bin, unless it is empty or turned away.
     fn add(&mut self, bin: usize) {
-        let Slopes { low, high } = self.index.slopes(bin);
-        let across = self.light.truncate();
-        let length = 0.5 * (self.light.z - (across * low).min(across * high).element_sum());
+        let [_, length] = self.index.slopes(bin).projected_areas(self.light);
         if length > 0.0 && self.index.count(bin) > 0 {
             let end = self.total() + length * self.index.count(bin) as f64;
             self.slots.push(Slots { bin, length, end });
         }
     }
 
-    /// At least the area that the selected facets turn to the light, in cells.
+    /// At least the projected area of the selected facets, in cells.
     pub fn total(&self) -> f64 {
         self.slots.last().map_or(0.0, |slots| slots.end)
     }
 
-    /// Calls `visit` with the starts on the selected facets, one for every `step` of area that they turn to the
-    /// light: what lies beyond a facet's own area in its slot is passed over. So the density of starts is 1/step on
-    /// every facet, exactly, and no facet without a start is looked at.
+    /// Calls `visit` with the samples on the selected facets, one for every `step` of their projected
+    /// area: what lies beyond a facet's own area in its slot is passed over. So the density of samples is 1/step on
+    /// every facet, exactly, and no facet without a sample is looked at.
     pub fn each(&self, step: f64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(SurfacePoint)) {
         let mut steps = SystematicSteps::new(u64::MAX, step, rng::uniform(rng));
         let mut begin = 0.0;
@@ -107,7 +105,7 @@ impl<'a> ConeSampler<'a> {
         self.start(&mut candidates, rng, &mut visit);
     }
 
-    /// Starts on those of the candidates, each with a place in its slot, that reach so far, and drops them all.
+    /// Samples on those of the candidates, each with a place in its slot, that reach so far, and drops them all.
     fn start(
         &self,
         candidates: &mut Vec<(Facet, f64)>,
@@ -115,7 +113,7 @@ impl<'a> ConeSampler<'a> {
         visit: &mut impl FnMut(SurfacePoint),
     ) {
         let field = self.sample.traversal.field();
-        // All heights are asked for before the first start is followed: memory hits them side by side.
+        // All heights are asked for before the first path is followed, so that the accesses to memory overlap.
         let mut reached = [false; TOGETHER];
         for (reached, (facet, within)) in reached.iter_mut().zip(&*candidates) {
             let slope = field.corners(facet.x, facet.y).slope(facet.upper);

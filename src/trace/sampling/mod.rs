@@ -1,4 +1,4 @@
-//! Where paths start: points on the facets, in proportion to the area that the light sees.
+//! Surface samples, where paths begin: points on the facets, in proportion to their projected area.
 
 pub mod areas;
 pub mod cones;

@@ -1,13 +1,13 @@
 //! The facets of a field by their slopes: which of them can send light to where it is wanted.
 //!
-//! Enters: a periodic field. Leaves: its facets, both families, sorted into a grid over canonical slopes; one index
-//! serves every roughness, every stop and every block. Steep slopes are rare, so the grid is even in p/(1 + |p|).
+//! Input: a periodic field. Output: its facets, both families, sorted into a grid over canonical slopes; one index
+//! serves every roughness, every incidence and every block. Steep slopes are rare, so the grid is even in p/(1 + |p|).
 
 use glam::{DVec2, DVec3};
 
 use super::areas::copy_heights;
 use crate::surface::Heightfield;
-use crate::trace::ray::grid_traversal::Facet;
+use crate::trace::ray::surface_point::Facet;
 
 /// Bins along an axis of the grid: a bin's number has 16 bits.
 const SIDE: usize = 256;
@@ -39,10 +39,18 @@ pub struct Slopes {
     pub high: DVec2,
 }
 
+impl Slopes {
+    /// The smallest and the largest projected area of facets with these slopes towards `light` (canonical, field
+    /// coordinates), in cells: below 0 where they face away.
+    pub fn projected_areas(&self, light: DVec3) -> [f64; 2] {
+        let (low, high) = (light.truncate() * self.low, light.truncate() * self.high);
+        [low.max(high), low.min(high)].map(|along| 0.5 * (light.z - along.element_sum()))
+    }
+}
+
 impl SlopeIndex {
     /// Sorts the facets of `field`, by counting; `None` for an open field, or one with more than 2^32 facets.
-    ///
-    /// Held by: `every_facet_stands_in_the_bin_of_its_slope`.
+    // Tested by `every_facet_stands_in_the_bin_of_its_slope`.
     pub fn new(field: &Heightfield) -> Option<Self> {
         let (cells_x, cells_y) = (field.cells_x(), field.cells_y());
         let count = u32::try_from(2 * cells_x * cells_y).ok().filter(|_| field.is_periodic())?;
@@ -143,8 +151,8 @@ impl SlopeIndex {
         }
     }
 
-    /// About the area that all facets turn to `light` (canonical, field coordinates), in cells: as if all slopes of a
-    /// bin were its middle.
+    /// About the projected area of all facets towards `light` (canonical, field coordinates), in cells: as if all
+    /// slopes of a bin were its middle.
     pub fn turned_about(&self, light: DVec3) -> f64 {
         let filled = (0..self.bins()).filter(|&bin| self.count(bin) > 0);
         let turned = filled.map(|bin| {

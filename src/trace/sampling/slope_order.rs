@@ -1,19 +1,19 @@
-//! Starts in the order of the facets' slopes: equal steps along the running sum of the area turned to the light, as in
-//! `starts`, but from facet to facet of like slope instead of from neighbour to neighbour.
+//! Surface samples in the order of the facets' slopes: equal steps along the running sum of the projected area, as in
+//! `areas`, but from facet to facet of like slope instead of from neighbour to neighbour.
 //!
 //! A facet and a direction of the light fix where it sends light. Facets of like slope send it into the same bin of a
-//! sensor, so that equal steps in this order give every bin its share of the starts to within a few, where steps from
+//! sensor, so that equal steps in this order give every bin its part of the samples to within a few, where steps from
 //! place to place give it a random number: what is left of the noise is what is seen of the facets.
 
 use glam::DVec3;
 use rand_pcg::Pcg64Dxsm;
 
 use super::areas::point_in;
-use super::slope_index::{SlopeIndex, Slopes};
+use super::slope_index::SlopeIndex;
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::surface::Heightfield;
-use crate::trace::ray::grid_traversal::{Facet, SurfacePoint};
+use crate::trace::ray::surface_point::{Facet, SurfacePoint};
 
 /// The facets of a field, sorted by slope, under one light.
 pub struct SlopeSampler<'a> {
@@ -24,12 +24,12 @@ pub struct SlopeSampler<'a> {
     bins: Vec<VisibleBin>,
 }
 
-/// A bin of the index that is turned to the light, at least in part.
+/// A bin of the index whose facets face the light, at least in part.
 struct VisibleBin {
     bin: usize,
-    /// No facet of it turns more of a cell's area to the light.
+    /// No facet of it has a larger projected area.
     most: f64,
-    /// Nor less.
+    /// Nor a smaller one.
     least: f64,
     /// Running sum of the area up to its end.
     end: f64,
@@ -40,14 +40,15 @@ struct VisibleBin {
 const FACETS_LOOKED_AT: usize = 1 << 21;
 
 impl<'a> SlopeSampler<'a> {
-    /// Sums what the facets of `field`, which `index` holds, turn to `light` (canonical, field coordinates), bin by bin:
+    /// Sums the projected areas of the facets of `field`, which `index` holds, towards `light` (canonical, field
+    /// coordinates), bin by bin:
     /// exactly, from the sums of their slopes; where a bin is turned away in part, facet by facet, of large fields by
     /// equal steps over their facets from an offset of `stream`, whose mean over all offsets is exact.
     ///
-    /// Such bins turn 1e-4 of the whole area to the light (4e-5 at alpha 0.1 and 60 degrees, 4e-4 at 0.8 and 85). At
-    /// 4096^2, one facet of 16, a block's whole area has a standard error of 1e-5 to 8e-5 of it: its 65,536 starts have
+    /// Such bins have 1e-4 of the whole projected area (4e-5 at alpha 0.1 and 60 degrees, 4e-4 at 0.8 and 85). At
+    /// 4096^2, one facet of 16, a block's whole area has a standard error of 1e-5 to 8e-5 of it: its 65,536 samples have
     /// one of some 2e-3.
-    /// Held by: `areas_looked_at_in_steps_are_exact_in_the_mean`.
+    // Tested by `areas_looked_at_in_steps_are_exact_in_the_mean`.
     pub fn new(index: &'a SlopeIndex, field: &'a Heightfield, light: DVec3, stream: &mut Pcg64Dxsm) -> Self {
         let facets = 2 * field.cells_x() * field.cells_y();
         let step = facets.div_ceil(FACETS_LOOKED_AT);
@@ -67,19 +68,16 @@ impl<'a> SlopeSampler<'a> {
         let mut wait = offset;
         for bin in index.in_rows_there_and_back() {
             let count = index.count(bin);
-            let Slopes { low, high } = index.slopes(bin);
-            let across = light.truncate();
-            let most = 0.5 * (light.z - (across * low).min(across * high).element_sum());
+            let [least, most] = index.slopes(bin).projected_areas(light);
             if count == 0 || most <= 0.0 {
                 continue;
             }
-            let least = 0.5 * (light.z - (across * low).max(across * high).element_sum());
             let area = if least >= 0.0 {
-                0.5 * (count as f64 * light.z - across.dot(index.slope_sum(bin)))
+                0.5 * (count as f64 * light.z - light.truncate().dot(index.slope_sum(bin)))
             } else {
                 let seen = (wait..count).step_by(step);
                 wait = wait + seen.len() * step - count;
-                step as f64 * seen.map(|k| starts.turned(&index.facet(bin, k))).sum::<f64>()
+                step as f64 * seen.map(|k| starts.projected_area(&index.facet(bin, k))).sum::<f64>()
             };
             if area > 0.0 {
                 let end = starts.total() + area;
@@ -89,8 +87,8 @@ impl<'a> SlopeSampler<'a> {
         starts
     }
 
-    /// The area that a facet turns to the light, in cells.
-    fn turned(&self, facet: &Facet) -> f64 {
+    /// The projected area of a facet, in cells.
+    fn projected_area(&self, facet: &Facet) -> f64 {
         let slope = self.field.corners(facet.x, facet.y).slope(facet.upper);
         (0.5 * (self.light.z - self.light.truncate().dot(slope))).max(0.0)
     }
@@ -99,13 +97,13 @@ impl<'a> SlopeSampler<'a> {
         self.bins.last().map_or(0.0, |bin| bin.end)
     }
 
-    /// The flux of one start of a block of `count`, as in `Starts::share`.
-    pub fn share(&self, count: u64) -> f64 {
+    /// The flux fraction of one sample of a block of `count`, as in `AreaSampler::flux_fraction`.
+    pub fn flux_fraction(&self, count: u64) -> f64 {
         let cells = self.field.cells_x() * self.field.cells_y();
         self.total() / (self.light.z * cells as f64 * count as f64)
     }
 
-    /// The facets of `count` starts, by slope.
+    /// The facets of `count` samples, by slope.
     fn facets(&self, count: u64, rng: &mut Pcg64Dxsm) -> Vec<u32> {
         let mut steps = SystematicSteps::new(count, self.total() / count as f64, rng::uniform(rng));
         let mut facets = Vec::with_capacity(count as usize);
@@ -129,7 +127,7 @@ impl<'a> SlopeSampler<'a> {
             let candidate = self.index.number(bin.bin, ((share * count as f64) as usize).min(count - 1));
             let wanted = rng::uniform(rng) * bin.most;
             // Most are taken unseen.
-            if wanted < bin.least || wanted < self.turned(&self.index.at(candidate)) {
+            if wanted < bin.least || wanted < self.projected_area(&self.index.at(candidate)) {
                 return candidate;
             }
             share = rng::uniform(rng);
@@ -137,7 +135,7 @@ impl<'a> SlopeSampler<'a> {
     }
 }
 
-/// The starts of several blocks, to be followed together: rays that start in one part of a patch look at the same
+/// The surface samples of several blocks, to be followed together: rays that begin in one part of a patch look at the same
 /// heights, whichever block they belong to.
 #[derive(Default)]
 pub struct BatchedStarts {
@@ -147,7 +145,7 @@ pub struct BatchedStarts {
     streams: Vec<Pcg64Dxsm>,
 }
 
-/// Starts of one tile of so many cells a side follow each other: the heights around it fit a core's cache.
+/// Samples of one tile of so many cells a side follow each other: the heights around it fit a core's cache.
 const TILE: usize = 64;
 /// Bits of a block's number in `BatchedStarts`.
 const BLOCK_BITS: u32 = 8;
@@ -155,10 +153,10 @@ const BLOCK_BITS: u32 = 8;
 impl BatchedStarts {
     /// Blocks that can be followed together.
     pub const MOST_BLOCKS: usize = 1 << BLOCK_BITS;
-    /// Bytes of a start, and as many again while starts are sorted.
+    /// Bytes of a sample, and as many again while samples are sorted.
     pub const BYTES: usize = 16;
 
-    /// Adds `count` starts of equal flux; its number is how many blocks there were before. How many of them a bin of
+    /// Adds `count` samples of equal flux; its number is how many blocks there were before. How many of them a bin of
     /// the index gets follows from equal steps; which of its facets, from their areas, by rejection.
     pub fn add(&mut self, starts: &SlopeSampler, count: u64, mut stream: Pcg64Dxsm) {
         let block = self.streams.len() as u64;
@@ -172,10 +170,9 @@ impl BatchedStarts {
         self.streams.push(stream);
     }
 
-    /// Calls `visit` with every start and its block, in the order of the places: for each block the same starts in the
+    /// Calls `visit` with every sample and its block, in the order of the places: for each block the same samples in the
     /// same order as if it were alone.
-    ///
-    /// Held by: `blocks_together_start_where_each_starts_alone`.
+    // Tested by `blocks_together_start_where_each_starts_alone`.
     pub fn each(
         mut self,
         index: &SlopeIndex,
@@ -215,7 +212,7 @@ mod tests {
                 |step, offset| SlopeSampler::with_steps(&index, &field, light, (step, offset)).total();
             let facets = (0..2 * SIDE * SIDE).map(|number| index.at(number as u32));
             let all = SlopeSampler::with_steps(&index, &field, light, (1, 0));
-            let exact: f64 = facets.map(|facet| all.turned(&facet)).sum();
+            let exact: f64 = facets.map(|facet| all.projected_area(&facet)).sum();
             let mean = (0..step).map(|offset| total(step, offset)).sum::<f64>() / step as f64;
             // Sums of 2,048 areas up to 4, each rounded: 2048^2 2^-53 of the mean at most.
             assert!((mean / exact - 1.0).abs() < 5e-10, "{theta}: {mean}, {exact}");

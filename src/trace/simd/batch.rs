@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::trace::ray::grid_traversal::SurfacePoint;
+use crate::trace::ray::surface_point::SurfacePoint;
 
 /// Lanes of the widest vector.
 pub(crate) const LANES: usize = 32;

@@ -1,8 +1,9 @@
 //! Rays against the two facets of the cells that they are in.
 
 use super::batch::LANES;
-use super::kernel::{CellExit, HitBuffer, LaneHit, RayLanes};
+use super::hit_buffer::{HitBuffer, LaneHit};
 use super::max_pyramid::MaxPyramid;
+use super::ray_lanes::{CellExit, RayLanes};
 use super::vector::Lanes;
 
 /// How rays cross their cells.

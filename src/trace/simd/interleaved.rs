@@ -6,12 +6,52 @@ use super::vector::{Gathered, Lanes};
 #[derive(Clone, Copy)]
 pub(crate) struct Interleaved<S>(pub S);
 
+/// Operations that each vector does with its own arguments.
+macro_rules! both {
+    ($($name:ident($($argument:ident: $kind:ident),*) -> $result:ident;)*) => {$(
+        #[inline(always)]
+        fn $name(self, $($argument: Self::$kind),*) -> Self::$result {
+            [self.0.$name($($argument[0]),*), self.0.$name($($argument[1]),*)]
+        }
+    )*};
+}
+
 impl<S: Lanes> Lanes for Interleaved<S> {
     type F = [S::F; 2];
     type I = [S::I; 2];
     type M = [S::M; 2];
     const WIDTH: usize = 2 * S::WIDTH;
 
+    both! {
+        add(a: F, b: F) -> F;
+        sub(a: F, b: F) -> F;
+        mul(a: F, b: F) -> F;
+        div(a: F, b: F) -> F;
+        min(a: F, b: F) -> F;
+        max(a: F, b: F) -> F;
+        abs(a: F) -> F;
+        lt(a: F, b: F) -> M;
+        to_f(a: I) -> F;
+        trunc(a: F) -> I;
+        add_i(a: I, b: I) -> I;
+        sub_i(a: I, b: I) -> I;
+        and_i(a: I, b: I) -> I;
+        or_i(a: I, b: I) -> I;
+        xor_i(a: I, b: I) -> I;
+        min_i(a: I, b: I) -> I;
+        max_i(a: I, b: I) -> I;
+        shl(a: I, by: I) -> I;
+        shr(a: I, by: I) -> I;
+        nonzero(a: I) -> M;
+        sign(a: I) -> I;
+        negative(a: I) -> M;
+        pick(m: M, a: F, b: F) -> F;
+        pick_i(m: M, a: I, b: I) -> I;
+        and(a: M, b: M) -> M;
+        or(a: M, b: M) -> M;
+        xor(a: M, b: M) -> M;
+        without(a: M, b: M) -> M;
+    }
     #[inline(always)]
     fn splat(self, value: f32) -> Self::F {
         [self.0.splat(value); 2]
@@ -19,118 +59,6 @@ impl<S: Lanes> Lanes for Interleaved<S> {
     #[inline(always)]
     fn splat_i(self, value: i32) -> Self::I {
         [self.0.splat_i(value); 2]
-    }
-    #[inline(always)]
-    fn add(self, a: Self::F, b: Self::F) -> Self::F {
-        [self.0.add(a[0], b[0]), self.0.add(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
-        [self.0.sub(a[0], b[0]), self.0.sub(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
-        [self.0.mul(a[0], b[0]), self.0.mul(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn div(self, a: Self::F, b: Self::F) -> Self::F {
-        [self.0.div(a[0], b[0]), self.0.div(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn min(self, a: Self::F, b: Self::F) -> Self::F {
-        [self.0.min(a[0], b[0]), self.0.min(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn max(self, a: Self::F, b: Self::F) -> Self::F {
-        [self.0.max(a[0], b[0]), self.0.max(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn abs(self, a: Self::F) -> Self::F {
-        [self.0.abs(a[0]), self.0.abs(a[1])]
-    }
-    #[inline(always)]
-    fn lt(self, a: Self::F, b: Self::F) -> Self::M {
-        [self.0.lt(a[0], b[0]), self.0.lt(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn to_f(self, a: Self::I) -> Self::F {
-        [self.0.to_f(a[0]), self.0.to_f(a[1])]
-    }
-    #[inline(always)]
-    fn trunc(self, a: Self::F) -> Self::I {
-        [self.0.trunc(a[0]), self.0.trunc(a[1])]
-    }
-    #[inline(always)]
-    fn add_i(self, a: Self::I, b: Self::I) -> Self::I {
-        [self.0.add_i(a[0], b[0]), self.0.add_i(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn sub_i(self, a: Self::I, b: Self::I) -> Self::I {
-        [self.0.sub_i(a[0], b[0]), self.0.sub_i(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn and_i(self, a: Self::I, b: Self::I) -> Self::I {
-        [self.0.and_i(a[0], b[0]), self.0.and_i(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn or_i(self, a: Self::I, b: Self::I) -> Self::I {
-        [self.0.or_i(a[0], b[0]), self.0.or_i(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn xor_i(self, a: Self::I, b: Self::I) -> Self::I {
-        [self.0.xor_i(a[0], b[0]), self.0.xor_i(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn min_i(self, a: Self::I, b: Self::I) -> Self::I {
-        [self.0.min_i(a[0], b[0]), self.0.min_i(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn max_i(self, a: Self::I, b: Self::I) -> Self::I {
-        [self.0.max_i(a[0], b[0]), self.0.max_i(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn shl(self, a: Self::I, by: Self::I) -> Self::I {
-        [self.0.shl(a[0], by[0]), self.0.shl(a[1], by[1])]
-    }
-    #[inline(always)]
-    fn shr(self, a: Self::I, by: Self::I) -> Self::I {
-        [self.0.shr(a[0], by[0]), self.0.shr(a[1], by[1])]
-    }
-    #[inline(always)]
-    fn nonzero(self, a: Self::I) -> Self::M {
-        [self.0.nonzero(a[0]), self.0.nonzero(a[1])]
-    }
-    #[inline(always)]
-    fn sign(self, a: Self::I) -> Self::I {
-        [self.0.sign(a[0]), self.0.sign(a[1])]
-    }
-    #[inline(always)]
-    fn negative(self, a: Self::I) -> Self::M {
-        [self.0.negative(a[0]), self.0.negative(a[1])]
-    }
-    #[inline(always)]
-    fn pick(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F {
-        [self.0.pick(m[0], a[0], b[0]), self.0.pick(m[1], a[1], b[1])]
-    }
-    #[inline(always)]
-    fn pick_i(self, m: Self::M, a: Self::I, b: Self::I) -> Self::I {
-        [self.0.pick_i(m[0], a[0], b[0]), self.0.pick_i(m[1], a[1], b[1])]
-    }
-    #[inline(always)]
-    fn and(self, a: Self::M, b: Self::M) -> Self::M {
-        [self.0.and(a[0], b[0]), self.0.and(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn or(self, a: Self::M, b: Self::M) -> Self::M {
-        [self.0.or(a[0], b[0]), self.0.or(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn xor(self, a: Self::M, b: Self::M) -> Self::M {
-        [self.0.xor(a[0], b[0]), self.0.xor(a[1], b[1])]
-    }
-    #[inline(always)]
-    fn without(self, a: Self::M, b: Self::M) -> Self::M {
-        [self.0.without(a[0], b[0]), self.0.without(a[1], b[1])]
     }
     #[inline(always)]
     fn bits(self, m: Self::M) -> u32 {

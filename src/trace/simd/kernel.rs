@@ -1,125 +1,25 @@
 //! The ray kernel, written once over vectors of any width.
 //!
-//! A ray is walked in its own frame: axes mirrored so that it runs towards +x and +y (a mirrored coordinate is
+//! A ray is traversed in its own frame: axes mirrored so that it runs towards +x and +y (a mirrored coordinate is
 //! !x, which keeps tiles of 4^L cells whole), and its direction scaled to |dx| + |dy| = 1, so that its parameter counts
 //! the edges it crosses. It skips a cell or a tile of 4 x 4, 16 x 16, ... cells wherever it stays above the highest
 //! corner there; in a cell where it does not, its clearance is looked at where it leaves each facet (`CellCrossing`), as in
-//! `walk`. What happens to a ray depends on that ray alone: lanes that want a facet test wait until enough do, and
+//! `GridTraversal`. What happens to a ray depends on that ray alone: lanes that want a facet test wait until enough do, and
 //! lanes that are done are refilled from the batch.
 
 use super::batch::{LANES, RayBatch};
 use super::cell::CellCrossing;
+use super::hit_buffer::{HitBuffer, LONGEST, LaneHit, RayOutcome};
 use super::max_pyramid::MaxPyramid;
 use super::queue::Queue;
+use super::ray_lanes::{CellExit, RayLanes};
 use super::vector::Lanes;
-
-/// Edges that a ray crosses at most in f32 before its place is told anew; one that would go on is `Beyond`.
-///
-/// A position t d is rounded twice (relative 2^-23 together): at 4096 edges to 5e-4 of a cell. A visibility answer
-/// can change only where the ray passes a facet's edge that closely; heights vary over several cells, so that this
-/// concerns a share below 5e-4/cells per ray even if every ray were so long.
-pub const LONGEST: f32 = 4096.0;
-
-/// What became of a ray.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u8)]
-pub enum RayOutcome {
-    /// It rises above every height.
-    Escaped,
-    /// It hits a facet.
-    Blocked,
-    /// It is longer than f32 can follow: another leg or the f64 walk must say.
-    Beyond,
-}
-
-/// Where a ray meets a facet: cells from the start's cell, and the stretch of the ray over the facet, its parameter
-/// with |dx| + |dy| = 1.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct LaneHit {
-    /// Cells along x from the start's cell.
-    pub cells_x: i32,
-    /// Cells along y from the start's cell.
-    pub cells_y: i32,
-    /// The upper facet.
-    pub upper: bool,
-    /// Where the ray comes over the facet.
-    pub from: f32,
-    /// Where its clearance is negative.
-    pub to: f32,
-}
-
-/// The hits to a batch, in its order.
-#[derive(Debug, Default, Clone, PartialEq)]
-pub struct HitBuffer {
-    /// One for each ray.
-    pub fates: Vec<RayOutcome>,
-    /// Valid where the fate is `Blocked`, if hits were asked for.
-    pub hits: Vec<LaneHit>,
-}
 
 /// Lanes that must be free before some are refilled, and that must wait before facets are tested, of each 16.
 const REFILL: usize = 4;
 const POSTPONE: usize = 6;
 
-/// The rays in the lanes.
-pub(crate) struct RayLanes<S: Lanes> {
-    /// Place in the batch.
-    pub id: S::I,
-    /// Cell of the start, and present cell, mirrored and unwrapped.
-    pub start_x: S::I,
-    pub start_y: S::I,
-    pub x: S::I,
-    pub y: S::I,
-    /// -1 where an axis is mirrored, else 0.
-    pub mirror_x: S::I,
-    pub mirror_y: S::I,
-    /// Start inside its cell, mirrored.
-    pub u: S::F,
-    pub v: S::F,
-    pub z: S::F,
-    /// Direction, mirrored: dx, dy >= 0, dx + dy = 1.
-    pub dx: S::F,
-    pub dy: S::F,
-    pub dz: S::F,
-    /// 1/dx and 1/dy, finite.
-    pub inverse_x: S::F,
-    pub inverse_y: S::F,
-    /// Ray parameter now, and where the ray is clear of everything (or too long).
-    pub t: S::F,
-    pub end: S::F,
-    /// Whether the present cell was entered by an edge across x.
-    pub by_x: S::M,
-}
-
-/// Where a ray leaves a cell or tile.
-pub(crate) struct CellExit<S: Lanes> {
-    /// First cell beyond, along each axis.
-    pub x: S::I,
-    pub y: S::I,
-    pub t: S::F,
-    /// Whether it leaves by an edge across x.
-    pub by_x: S::M,
-}
-
-impl<S: Lanes> RayLanes<S> {
-    /// The exit from the tile of 2^shift x 2^shift cells that the ray is in; `tile` is -1 << shift.
-    #[inline(always)]
-    pub fn exit(&self, s: S, tile: S::I) -> CellExit<S> {
-        let x = s.sub_i(s.and_i(self.x, tile), tile);
-        let y = s.sub_i(s.and_i(self.y, tile), tile);
-        let tx = s.mul(s.sub(s.to_f(s.sub_i(x, self.start_x)), self.u), self.inverse_x);
-        let ty = s.mul(s.sub(s.to_f(s.sub_i(y, self.start_y)), self.v), self.inverse_y);
-        CellExit { x, y, t: s.min(tx, ty), by_x: s.lt(tx, ty) }
-    }
-
-    /// The ray's height at `t`.
-    #[inline(always)]
-    pub fn height(&self, s: S, t: S::F) -> S::F {
-        s.add(self.z, s.mul(self.dz, t))
-    }
-}
-
-/// Walks a batch; see `Kernel::run`.
+/// Traverses a batch; see `Kernel::run`.
 #[inline(always)]
 pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
     s: S,
@@ -127,8 +27,8 @@ pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
     rays: &RayBatch,
     hits: &mut HitBuffer,
 ) {
-    hits.fates.clear();
-    hits.fates.resize(rays.len(), RayOutcome::Escaped);
+    hits.outcomes.clear();
+    hits.outcomes.resize(rays.len(), RayOutcome::Escaped);
     if CLOSEST {
         hits.hits.clear();
         hits.hits.resize(rays.len(), LaneHit::default());
@@ -156,7 +56,7 @@ pub(crate) fn run<S: Lanes, const CLOSEST: bool>(
     }
 }
 
-/// The lanes of one walk.
+/// The lanes of one traversal.
 struct Walk<S: Lanes> {
     rays: RayLanes<S>,
     /// 2 x level of the tile that each lane looks at.
@@ -292,7 +192,7 @@ impl<S: Lanes> Walk<S> {
     fn retire_clear(&mut self, s: S, done: u32, hits: &mut HitBuffer) {
         // No branch on `done`: most steps end some lane, no pattern says which.
         let beyond = done & !s.bits(s.lt(self.rays.end, s.splat(LONGEST)));
-        // Fates are `Escaped` unless said otherwise.
+        // Outcomes are `Escaped` unless said otherwise.
         if beyond != 0 {
             self.retire(s, beyond, RayOutcome::Beyond, hits);
         }
@@ -300,12 +200,12 @@ impl<S: Lanes> Walk<S> {
     }
 
     #[inline(always)]
-    fn retire(&mut self, s: S, lanes: u32, fate: RayOutcome, hits: &mut HitBuffer) {
+    fn retire(&mut self, s: S, lanes: u32, outcome: RayOutcome, hits: &mut HitBuffer) {
         let mut ids = [0; LANES];
         s.store_i(&mut ids, self.rays.id);
         let mut left = lanes;
         while left != 0 {
-            hits.fates[ids[left.trailing_zeros() as usize] as usize] = fate;
+            hits.outcomes[ids[left.trailing_zeros() as usize] as usize] = outcome;
             left &= left - 1;
         }
         self.live &= !lanes;

@@ -1,13 +1,11 @@
 //! What the lanes read: heights in f32, and the highest height of every cell, of 4 x 4, of 16 x 16 and of more cells.
 //!
-//! Enters: a periodic field whose sides are powers of two. Leaves: two tables whose lengths are powers of two, so
+//! Input: a periodic field whose sides are powers of two. Output: two tables whose lengths are powers of two, so
 //! that an index is made valid by a mask alone.
 
 use rayon::prelude::*;
 
-use super::batch::RayBatch;
-use super::kernel::{HitBuffer, LaneHit};
-use super::lanes::Kernel;
+use super::hit_buffer::LaneHit;
 use super::vector::Gathered;
 use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
@@ -38,7 +36,7 @@ pub struct MaxPyramid {
 }
 
 impl MaxPyramid {
-    /// The lanes' copy of `field`; `None` where only the f64 walk serves: an open map, sides that are no powers of
+    /// The lanes' copy of `field`; `None` where only the f64 traversal serves: an open map, sides that are no powers of
     /// two, heights that f32 would round.
     pub fn new(field: &Heightfield) -> Option<Self> {
         let (cells_x, cells_y) = (field.cells_x(), field.cells_y());
@@ -84,20 +82,6 @@ impl MaxPyramid {
     pub(crate) fn level_of_lanes(&self) -> usize {
         let side = self.cells_x.min(self.cells_y) / LARGEST_SHARE;
         (side.checked_ilog2().unwrap_or(0) as usize / 2).max(2)
-    }
-
-    /// Whether anything stops each ray.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
-    pub fn any_hit(&self, kernel: Kernel, rays: &RayBatch, hits: &mut HitBuffer) {
-        kernel.run::<false>(self, rays, hits);
-    }
-
-    /// What each ray meets first.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs`, kernel against kernel and against the f64 walk.
-    pub fn closest_hit(&self, kernel: Kernel, rays: &RayBatch, hits: &mut HitBuffer) {
-        kernel.run::<true>(self, rays, hits);
     }
 }
 
@@ -185,14 +169,14 @@ mod tests {
 
     #[test]
     fn fields_that_f32_or_masks_cannot_hold_are_left_to_the_walk() {
-        let of = |nx: usize, ny: usize, periodic: bool, h: f64| {
+        let pyramid = |nx: usize, ny: usize, periodic: bool, h: f64| {
             let extra = usize::from(!periodic);
             MaxPyramid::new(&Heightfield::new(nx, ny, periodic, vec![h; (nx + extra) * (ny + extra)]))
         };
-        assert!(of(8, 16, true, 0.25).is_some());
-        assert!(of(8, 16, false, 0.25).is_none());
-        assert!(of(12, 16, true, 0.25).is_none());
-        assert!(of(4, 16, true, 0.25).is_none());
-        assert!(of(8, 8, true, 0.1).is_none());
+        assert!(pyramid(8, 16, true, 0.25).is_some());
+        assert!(pyramid(8, 16, false, 0.25).is_none());
+        assert!(pyramid(12, 16, true, 0.25).is_none());
+        assert!(pyramid(4, 16, true, 0.25).is_none());
+        assert!(pyramid(8, 8, true, 0.1).is_none());
     }
 }

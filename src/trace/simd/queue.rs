@@ -4,8 +4,9 @@
 
 use super::batch::{BatchPart, LANES, RayBatch};
 use super::cell::CellCrossing;
-use super::kernel::{HitBuffer, LONGEST, RayLanes, RayOutcome};
+use super::hit_buffer::{HitBuffer, LONGEST, RayOutcome};
 use super::max_pyramid::MaxPyramid;
+use super::ray_lanes::RayLanes;
 use super::vector::Lanes;
 
 /// Room of the queue: what may be left, what is added, and what a vector writes beyond.
@@ -94,9 +95,9 @@ impl<'a> Queue<'a> {
         let walked = present & s.bits(fits) & !s.bits(rises);
         let hit = walked & s.bits(cell.hit_last);
         let ends = walked & !hit & !s.bits(s.lt(cell.exit.t, rays.end));
-        // Fates are `Escaped` unless said otherwise. A first cell is never too long.
-        each(hit, |k| hits.fates[at + k] = RayOutcome::Blocked);
-        each(present & !s.bits(fits) & !s.bits(rises), |k| hits.fates[at + k] = RayOutcome::Beyond);
+        // Outcomes are `Escaped` unless said otherwise. A first cell is never too long.
+        each(hit, |k| hits.outcomes[at + k] = RayOutcome::Blocked);
+        each(present & !s.bits(fits) & !s.bits(rises), |k| hits.outcomes[at + k] = RayOutcome::Beyond);
         if CLOSEST && hit != 0 {
             cell.record(s, &rays, hit, hits);
         }
@@ -150,7 +151,7 @@ fn mirrored<S: Lanes>(
     let start_y = s.xor_i(s.load_i(&part.cell_y[within..]), mirror_y);
     let (dx, dy) = (s.mul(s.abs(d[0]), scale), s.mul(s.abs(d[1]), scale));
     let dz = s.mul(d[2], scale);
-    // A ray along the other axis takes "for ever" to cross: any finite time will do.
+    // A ray along the other axis never crosses: any finite time will do.
     let slowest = s.splat(1e-30);
     let rise = s.sub(s.splat(highest), z);
     let never = s.splat(LONGEST);

@@ -1,19 +1,20 @@
 //! Many rays at once: the question of what they meet goes to the lanes, geometry stays in f64.
 //!
-//! Enters: rays by index. Leaves: hits in the same order. A ray that is too long for f32 goes on in further legs,
-//! each of which starts where f64 says; what is then still under way is walked in f64.
+//! Input: rays by index. Output: hits in the same order. A ray that is too long for f32 is followed
+//! in further segments, each of which begins where f64 says; what is then still under way is traversed in f64.
 
 use glam::DVec3;
 
 use super::batch::RayBatch;
-use super::kernel::{HitBuffer, LONGEST, LaneHit, RayOutcome};
-use super::lanes::Kernel;
+use super::dispatch::Kernel;
+use super::hit_buffer::{HitBuffer, LONGEST, LaneHit, RayOutcome};
 use super::max_pyramid::MaxPyramid;
 use crate::surface::heightfield::Corners;
-use crate::trace::ray::grid_traversal::{Facet, GridTraversal, Outcome, SurfacePoint};
+use crate::trace::ray::grid_traversal::GridTraversal;
+use crate::trace::ray::surface_point::{Facet, Outcome, SurfacePoint};
 use crate::trace::ray::tile_traversal;
 
-/// A field that both the lanes and the f64 walk know.
+/// A field that both the lanes and the f64 traversal know.
 #[derive(Debug, Clone, Copy)]
 pub struct SimdTraversal<'a> {
     traversal: GridTraversal<'a>,
@@ -27,33 +28,32 @@ impl<'a> SimdTraversal<'a> {
         SimdTraversal { traversal, lanes, kernel }
     }
 
-    /// The f64 walk.
+    /// The f64 traversal.
     pub fn traversal(&self) -> &GridTraversal<'a> {
         &self.traversal
     }
 
-    /// The f64 walk of a ray that is too long for the lanes: the answer of `GridTraversal::walk`, sooner.
-    ///
-    /// Held by: `tests/it/trace/long_rays.rs`.
+    /// The f64 traversal of a ray that is too long for the lanes: the answer of `GridTraversal::traverse`, sooner.
+    // Tested by `tests/it/trace/long_rays.rs`.
     pub fn traverse_long(&self, start: &SurfacePoint, d: DVec3) -> Outcome {
-        tile_traversal::traverse(&self.traversal, self.lanes, start, d)
+        tile_traversal::traverse(&self.traversal.over, self.lanes, start, d)
     }
 
-    /// Whether a ray crosses more than one leg's edges before it is above everything.
+    /// Whether a ray crosses more than one segment's edges before it is above everything.
     fn is_long(&self, start: &SurfacePoint, d: DVec3) -> bool {
-        self.traversal.clear_at(start.z, d.z) * (d.x.abs() + d.y.abs()) > f64::from(LONGEST)
+        self.traversal.over.clear_at(start.z, d.z) * (d.x.abs() + d.y.abs()) > f64::from(LONGEST)
     }
 
     /// The point of a ray after about so many `edges`, over the facet there.
     fn further(&self, start: &SurfacePoint, d: DVec3, edges: f64) -> SurfacePoint {
         let t = edges / (d.x.abs() + d.y.abs());
         let field = self.traversal.field();
-        let of = |cell: usize, place: f64, d: f64, cells: usize| {
+        let moved = |cell: usize, place: f64, d: f64, cells: usize| {
             let to = place + t * d;
             ((cell as i64 + to.floor() as i64).rem_euclid(cells as i64) as usize, to - to.floor())
         };
-        let (x, u) = of(start.facet.x, start.u, d.x, field.cells_x());
-        let (y, v) = of(start.facet.y, start.v, d.y, field.cells_y());
+        let (x, u) = moved(start.facet.x, start.u, d.x, field.cells_x());
+        let (y, v) = moved(start.facet.y, start.v, d.y, field.cells_y());
         SurfacePoint { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z: start.z + t * d.z }
     }
 
@@ -94,26 +94,25 @@ impl<'a> SimdTraversal<'a> {
     }
 }
 
-/// Edges from the start of a leg to that of the next, which begins where the last one has seen that nothing is near.
-const LEG: f64 = LONGEST as f64 - 16.0;
-/// Legs of a ray after its first, 2.6e5 edges: those of light from 89.7 degrees that crosses the whole height of a GGX
+/// Edges from the start of a segment to that of the next, which begins where the last one has seen that nothing is near.
+const SEGMENT: f64 = LONGEST as f64 - 16.0;
+/// Segments of a ray after its first, 2.6e5 edges: those of light from 89.7 degrees that crosses the whole height of a GGX
 /// patch of 1024 x 1024 cells, alpha 1.
-const FURTHER_LEGS: u32 = 64;
+const FURTHER_SEGMENTS: u32 = 64;
 
 /// Memory for batches of rays, to be used again.
 #[derive(Debug, Default)]
 pub struct Waves {
     rays: RayBatch,
     hits: HitBuffer,
-    /// Rays that are under way, and what became of their last leg.
+    /// Rays that are under way, and what became of their last segment.
     under_way: Vec<usize>,
-    leg: HitBuffer,
+    segment: HitBuffer,
 }
 
 impl Waves {
-    /// Whether each of `count` rays is blocked, in order; `Beyond` is left for rays that even the f64 walk loses.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs`.
+    /// Whether each of `count` rays is blocked, in order; `Beyond` is left for rays that even the f64 traversal loses.
+    // Tested by `tests/it/trace/lanes.rs`.
     pub fn any_hit<'p>(
         &mut self,
         over: &SimdTraversal,
@@ -121,50 +120,55 @@ impl Waves {
         ray: impl Fn(usize) -> (&'p SurfacePoint, DVec3),
     ) -> &[RayOutcome] {
         self.load(count, &ray);
-        over.lanes.any_hit(over.kernel, &self.rays, &mut self.hits);
-        self.go_on(over, &ray);
-        &self.hits.fates
+        over.kernel.any_hit(over.lanes, &self.rays, &mut self.hits);
+        self.follow_further(over, &ray);
+        &self.hits.outcomes
     }
 
-    /// Follows the rays that are too long for one leg.
-    fn go_on<'p>(&mut self, over: &SimdTraversal, ray: &impl Fn(usize) -> (&'p SurfacePoint, DVec3)) {
-        let Waves { rays, hits: HitBuffer { fates, .. }, under_way, leg } = self;
-        let too_long = |&(index, fate): &(usize, &RayOutcome)| {
-            *fate == RayOutcome::Beyond && {
+    /// Follows the rays that are too long for one segment.
+    fn follow_further<'p>(
+        &mut self,
+        over: &SimdTraversal,
+        ray: &impl Fn(usize) -> (&'p SurfacePoint, DVec3),
+    ) {
+        let Waves { rays, hits: HitBuffer { outcomes, .. }, under_way, segment } = self;
+        let too_long = |&(index, outcome): &(usize, &RayOutcome)| {
+            *outcome == RayOutcome::Beyond && {
                 let (start, d) = ray(index);
                 over.is_long(start, d)
             }
         };
         under_way.clear();
-        under_way.extend(fates.iter().enumerate().filter(too_long).map(|(index, _)| index));
-        for number in 1..=FURTHER_LEGS {
+        under_way.extend(outcomes.iter().enumerate().filter(too_long).map(|(index, _)| index));
+        for number in 1..=FURTHER_SEGMENTS {
             if under_way.is_empty() {
                 break;
             }
             rays.clear();
             for &index in &*under_way {
                 let (start, d) = ray(index);
-                rays.push(&over.further(start, d, f64::from(number) * LEG), d);
+                rays.push(&over.further(start, d, f64::from(number) * SEGMENT), d);
             }
-            over.lanes.any_hit(over.kernel, rays, leg);
-            for (&index, &fate) in under_way.iter().zip(&leg.fates) {
-                fates[index] = fate;
+            over.kernel.any_hit(over.lanes, rays, segment);
+            for (&index, &outcome) in under_way.iter().zip(&segment.outcomes) {
+                outcomes[index] = outcome;
             }
-            under_way.retain(|&index| fates[index] == RayOutcome::Beyond);
+            under_way.retain(|&index| outcomes[index] == RayOutcome::Beyond);
         }
-        for (index, fate) in fates.iter_mut().enumerate().filter(|(_, fate)| **fate == RayOutcome::Beyond) {
+        for (index, outcome) in
+            outcomes.iter_mut().enumerate().filter(|(_, outcome)| **outcome == RayOutcome::Beyond)
+        {
             let (start, d) = ray(index);
-            *fate = match over.traverse_long(start, d) {
+            *outcome = match over.traverse_long(start, d) {
                 Outcome::Escaped => RayOutcome::Escaped,
                 Outcome::Hit(_) => RayOutcome::Blocked,
-                Outcome::LeftMap | Outcome::Lost => RayOutcome::Beyond,
+                Outcome::LeftDomain | Outcome::Lost => RayOutcome::Beyond,
             };
         }
     }
 
     /// What each of `count` rays meets first: calls `visit` with index and outcome, in order.
-    ///
-    /// Held by: `tests/it/trace/lanes.rs`.
+    // Tested by `tests/it/trace/lanes.rs`.
     pub fn closest_hit<'p>(
         &mut self,
         over: &SimdTraversal,
@@ -173,9 +177,9 @@ impl Waves {
         mut visit: impl FnMut(usize, Outcome),
     ) {
         self.load(count, &ray);
-        over.lanes.closest_hit(over.kernel, &self.rays, &mut self.hits);
-        for (index, (fate, hit)) in self.hits.fates.iter().zip(&self.hits.hits).enumerate() {
-            let outcome = match fate {
+        over.kernel.closest_hit(over.lanes, &self.rays, &mut self.hits);
+        for (index, (outcome, hit)) in self.hits.outcomes.iter().zip(&self.hits.hits).enumerate() {
+            let outcome = match outcome {
                 RayOutcome::Escaped => Outcome::Escaped,
                 RayOutcome::Blocked => {
                     let (start, d) = ray(index);

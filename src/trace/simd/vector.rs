@@ -1,4 +1,4 @@
-//! The operations that the ray kernel is written in, and the plain one-lane kind of them.
+//! The operations that the ray kernel is written in.
 
 use std::ops::Deref;
 
@@ -8,8 +8,7 @@ pub(crate) struct Gathered(Vec<f32>);
 
 impl Gathered {
     /// The table of 1 to 2^31 values; another number is a fault of the program.
-    ///
-    /// Held by: `an_empty_table_cannot_be_gathered_from`.
+    // Tested by `an_empty_table_cannot_be_gathered_from`.
     pub fn new(values: Vec<f32>) -> Self {
         assert!((1..=1usize << 31).contains(&values.len()), "{} values to gather from", values.len());
         Gathered(values)
@@ -103,182 +102,13 @@ pub(crate) trait Lanes: Copy {
     fn compress_i(self, to: &mut [i32], bits: u32, a: Self::I);
 }
 
-/// One lane, in plain Rust.
-#[derive(Clone, Copy)]
-pub(crate) struct One;
-
-impl Lanes for One {
-    type F = f32;
-    type I = i32;
-    type M = bool;
-    const WIDTH: usize = 1;
-
-    #[inline(always)]
-    fn splat(self, value: f32) -> Self::F {
-        value
-    }
-    #[inline(always)]
-    fn splat_i(self, value: i32) -> Self::I {
-        value
-    }
-    #[inline(always)]
-    fn add(self, a: Self::F, b: Self::F) -> Self::F {
-        a + b
-    }
-    #[inline(always)]
-    fn sub(self, a: Self::F, b: Self::F) -> Self::F {
-        a - b
-    }
-    #[inline(always)]
-    fn mul(self, a: Self::F, b: Self::F) -> Self::F {
-        a * b
-    }
-    #[inline(always)]
-    fn div(self, a: Self::F, b: Self::F) -> Self::F {
-        a / b
-    }
-    #[inline(always)]
-    fn min(self, a: Self::F, b: Self::F) -> Self::F {
-        if a < b { a } else { b }
-    }
-    #[inline(always)]
-    fn max(self, a: Self::F, b: Self::F) -> Self::F {
-        if a > b { a } else { b }
-    }
-    #[inline(always)]
-    fn sign(self, a: Self::I) -> Self::I {
-        a >> 31
-    }
-    #[inline(always)]
-    fn abs(self, a: Self::F) -> Self::F {
-        a.abs()
-    }
-    #[inline(always)]
-    fn lt(self, a: Self::F, b: Self::F) -> Self::M {
-        a < b
-    }
-    #[inline(always)]
-    fn to_f(self, a: Self::I) -> Self::F {
-        a as f32
-    }
-    #[inline(always)]
-    fn trunc(self, a: Self::F) -> Self::I {
-        a as i32
-    }
-    #[inline(always)]
-    fn add_i(self, a: Self::I, b: Self::I) -> Self::I {
-        a.wrapping_add(b)
-    }
-    #[inline(always)]
-    fn sub_i(self, a: Self::I, b: Self::I) -> Self::I {
-        a.wrapping_sub(b)
-    }
-    #[inline(always)]
-    fn and_i(self, a: Self::I, b: Self::I) -> Self::I {
-        a & b
-    }
-    #[inline(always)]
-    fn or_i(self, a: Self::I, b: Self::I) -> Self::I {
-        a | b
-    }
-    #[inline(always)]
-    fn xor_i(self, a: Self::I, b: Self::I) -> Self::I {
-        a ^ b
-    }
-    #[inline(always)]
-    fn min_i(self, a: Self::I, b: Self::I) -> Self::I {
-        a.min(b)
-    }
-    #[inline(always)]
-    fn max_i(self, a: Self::I, b: Self::I) -> Self::I {
-        a.max(b)
-    }
-    #[inline(always)]
-    fn shl(self, a: Self::I, by: Self::I) -> Self::I {
-        a.wrapping_shl(by as u32)
-    }
-    #[inline(always)]
-    fn shr(self, a: Self::I, by: Self::I) -> Self::I {
-        (a as u32).wrapping_shr(by as u32) as i32
-    }
-    #[inline(always)]
-    fn nonzero(self, a: Self::I) -> Self::M {
-        a != 0
-    }
-    #[inline(always)]
-    fn negative(self, a: Self::I) -> Self::M {
-        a < 0
-    }
-    #[inline(always)]
-    fn pick(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F {
-        if m { a } else { b }
-    }
-    #[inline(always)]
-    fn pick_i(self, m: Self::M, a: Self::I, b: Self::I) -> Self::I {
-        if m { a } else { b }
-    }
-    #[inline(always)]
-    fn and(self, a: Self::M, b: Self::M) -> Self::M {
-        a & b
-    }
-    #[inline(always)]
-    fn or(self, a: Self::M, b: Self::M) -> Self::M {
-        a | b
-    }
-    #[inline(always)]
-    fn xor(self, a: Self::M, b: Self::M) -> Self::M {
-        a ^ b
-    }
-    #[inline(always)]
-    fn without(self, a: Self::M, b: Self::M) -> Self::M {
-        a & !b
-    }
-    #[inline(always)]
-    fn bits(self, m: Self::M) -> u32 {
-        u32::from(m)
-    }
-    #[inline(always)]
-    fn mask(self, bits: u32) -> Self::M {
-        bits & 1 != 0
-    }
-    #[inline(always)]
-    fn gather(self, table: &Gathered, index: Self::I) -> Self::F {
-        table[index as usize & table.last() as usize]
-    }
-    #[inline(always)]
-    fn load(self, from: &[f32]) -> Self::F {
-        from[0]
-    }
-    #[inline(always)]
-    fn load_i(self, from: &[i32]) -> Self::I {
-        from[0]
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f32], a: Self::F) {
-        to[0] = a;
-    }
-    #[inline(always)]
-    fn store_i(self, to: &mut [i32], a: Self::I) {
-        to[0] = a;
-    }
-    #[inline(always)]
-    fn expand(self, old: Self::F, bits: u32, from: &[f32]) -> Self::F {
-        if bits & 1 != 0 { from[0] } else { old }
-    }
-    #[inline(always)]
-    fn expand_i(self, old: Self::I, bits: u32, from: &[i32]) -> Self::I {
-        if bits & 1 != 0 { from[0] } else { old }
-    }
-    #[inline(always)]
-    fn compress(self, to: &mut [f32], bits: u32, a: Self::F) {
-        if bits & 1 != 0 {
-            to[0] = a;
+/// Operations of [`Lanes`] that are one expression of their arguments each.
+macro_rules! operations {
+    ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty = $value:expr;)*) => {$(
+        #[inline(always)]
+        fn $name(self, $($argument: $kind),*) -> $result {
+            $value
         }
-    }
-    #[inline(always)]
-    fn compress_i(self, to: &mut [i32], bits: u32, a: Self::I) {
-        if bits & 1 != 0 {
-            to[0] = a;
-        }
-    }
+    )*};
 }
+pub(crate) use operations;

@@ -80,9 +80,9 @@ fn alpha_outside_its_range_is_refused() {
 fn alpha_has_one_spelling() {
     let heading = "[surface.ggx]";
     let lone = with("alpha = 0.2", "alpha_x = 0.2");
-    one_fault(&lone, heading, "surface.ggx.alpha_y", "required beside alpha_x");
+    one_fault(&lone, heading, "surface.ggx.alpha_y", "required next to alpha_x");
     let lone = with("alpha = 0.2", "alpha_y = 0.2");
-    one_fault(&lone, heading, "surface.ggx.alpha_x", "required beside alpha_y");
+    one_fault(&lone, heading, "surface.ggx.alpha_x", "required next to alpha_y");
     one_fault(&with("alpha = 0.2", ""), heading, "surface.ggx.alpha", "required");
     let both = with("alpha = 0.2", "alpha = 0.2\nalpha_x = 0.1");
     one_fault(&both, "alpha = ", "surface.ggx.alpha", "ambiguous");
@@ -654,7 +654,7 @@ fn presets_are_checked() {
     one_fault(&brushed, heading, "preset.phi_i_deg", "the surface is not isotropic");
     accepted(&brushed.replace("\"in_plane\"", "\"in_plane\"\nphi_i_deg = [0, 90]"));
     let klems = with("theta_i_deg = [0, 15, 30]", "theta_i_deg = [0, 15, 30]\nazimuth = \"klems_full\"");
-    one_fault(&klems, "theta_i_deg", "light.theta_i_deg", "the basis names the stops");
+    one_fault(&klems, "theta_i_deg", "light.theta_i_deg", "the basis names the incidences");
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! The resolved campaign reads back as itself, whatever was accepted; and nothing makes the reader panic.
 
-use gonio::campaign::{Alpha, Azimuth, Campaign, HeightSpectrum, Optics, SurfaceKind, to_toml};
+use gonio::campaign::{Campaign, to_toml};
 use gonio::error::Error;
 use proptest::prelude::*;
 
+use crate::support::any_campaign::any_campaign;
 use crate::support::campaign_text::{ARM, FILE, GOOD, accepted, on, parse, with, with_arm};
 use crate::support::mutations::Bits;
 
@@ -59,28 +60,7 @@ proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn any_campaign_within_its_ranges_round_trips(
-        seed: u64,
-        samples in 1u64..=1 << 40,
-        rules in (proptest::option::of(1e-4f64..=1.0), proptest::option::of(1.0f64..=86_400.0)),
-        alpha in (1e-4f64..=10.0, 1e-4f64..=10.0),
-        f0 in prop::array::uniform3(0.0f64..=1.0),
-        thetas in prop::collection::btree_set(0u32..900_000, 1..40),
-        phis in prop::collection::btree_set(0u32..3_600_000, 1..40),
-        rotation_deg in 0.0f64..360.0,
-    ) {
-        let mut campaign = accepted(GOOD).campaign;
-        campaign.seed = seed;
-        campaign.stop.samples = samples;
-        (campaign.stop.relative_error, campaign.stop.seconds) = rules;
-        campaign.surface.kind = SurfaceKind::Beckmann {
-            alphas: vec![Alpha { x: alpha.0, y: alpha.1 }],
-            spectrum: HeightSpectrum::Exponential,
-        };
-        campaign.surface.rotation_deg = rotation_deg;
-        campaign.optics = Optics::Schlick { material: None, f0 };
-        campaign.light.theta_i_deg = thetas.into_iter().map(|t| f64::from(t) / 1e4).collect();
-        campaign.light.azimuth = Azimuth::Absolute(phis.into_iter().map(|p| f64::from(p) / 1e4).collect());
+    fn any_campaign_within_its_ranges_round_trips(campaign in any_campaign()) {
         round_trips(&campaign);
     }
 }

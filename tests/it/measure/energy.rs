@@ -159,7 +159,7 @@ fn lit_minus_turned_away_area_is_the_area_seen_from_the_light() {
         for (theta_deg, phi_deg) in [(0.0, 0.0), (50.0, 20.0), (85.0, 300.0)] {
             let light = sphere::direction_deg(theta_deg, phi_deg);
             let cells = 64.0 * 64.0;
-            let lit = AreaSampler::new(&field, Window::all(&field), light).share(1) * light.z * cells;
+            let lit = AreaSampler::new(&field, Window::all(&field), light).flux_fraction(1) * light.z * cells;
             let mut away = 0.0;
             for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
                 let corners = field.corners(x, y);

@@ -1,8 +1,9 @@
 //! Promise: a patch has the slopes that it was asked for, at every azimuth, whatever its height.
 
+use gonio::campaign::HeightSpectrum;
 use gonio::rng::{self, Purpose, StreamId};
 use gonio::stats::{mean_and_se, sidak, student_limit};
-use gonio::surface::{Certificate, Heightfield, SlopeLaw, Spectrum, Synthesiser};
+use gonio::surface::{Certificate, Heightfield, SlopeLaw, Synthesiser};
 use rayon::prelude::*;
 
 /// The patches that a campaign of seed 1 would be measured on.
@@ -164,7 +165,7 @@ fn patches_of_students_laws_hold_them() {
 #[test]
 fn gaussian_heights_of_another_spectrum_have_the_same_slopes() {
     let law = SlopeLaw::Beckmann;
-    let patches = made_by(&Synthesiser::with_spectrum(law, 512, 8.0, Spectrum::Exponential), law, 8);
+    let patches = made_by(&Synthesiser::with_spectrum(law, 512, 8.0, HeightSpectrum::Exponential), law, 8);
     let together = ks_together(&patches);
     println!("KS of all together {together:.5}");
     // As for the Gaussian spectrum on four times the cells and twice the patches.

@@ -64,9 +64,9 @@ fn every_kernel_gives_the_same_bits() {
             rays.iter().for_each(|(place, d)| batch.push(place, *d));
             let of = |kernel: Kernel| {
                 let (mut any, mut closest) = (HitBuffer::default(), HitBuffer::default());
-                lanes.any_hit(kernel, &batch, &mut any);
-                lanes.closest_hit(kernel, &batch, &mut closest);
-                assert_eq!(any.fates, closest.fates);
+                kernel.any_hit(&lanes, &batch, &mut any);
+                kernel.closest_hit(&lanes, &batch, &mut closest);
+                assert_eq!(any.outcomes, closest.outcomes);
                 closest
             };
             let expected = of(Kernel::Scalar);
@@ -74,7 +74,7 @@ fn every_kernel_gives_the_same_bits() {
                 // Parameters are finite: equal numbers are equal bits, but for the sign of zero.
                 assert!(of(kernel) == expected, "{kernel:?}, alpha {alpha}");
             }
-            blocked += expected.fates.iter().filter(|&&fate| fate == RayOutcome::Blocked).count();
+            blocked += expected.outcomes.iter().filter(|&&fate| fate == RayOutcome::Blocked).count();
             all += rays.len();
         }
     }
@@ -169,7 +169,12 @@ fn paths_in_waves_are_paths() {
         let mut endings = Vec::new();
         paths.trace(
             &over,
-            &Wave { starts: &starts, of: &vec![0; starts.len()], views: &[View { sample, wi }], bounces },
+            &Wave {
+                surface_samples: &starts,
+                view_of: &vec![0; starts.len()],
+                views: &[View { sample, wi }],
+                bounces,
+            },
             &mut visits,
             &mut endings,
         );
@@ -218,7 +223,12 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
         let mut endings = Vec::new();
         paths.trace(
             &over,
-            &Wave { starts: &starts, of: &vec![0; starts.len()], views: &[View { sample, wi }], bounces: 4 },
+            &Wave {
+                surface_samples: &starts,
+                view_of: &vec![0; starts.len()],
+                views: &[View { sample, wi }],
+                bounces: 4,
+            },
             &mut visits,
             &mut endings,
         );
@@ -276,9 +286,9 @@ fn rays_of_many_legs_end_as_in_one_walk() {
         let rays: Vec<(SurfacePoint, DVec3)> = std::iter::repeat_with(|| ray(&mut rng)).take(count).collect();
         let mut batch = RayBatch::default();
         rays.iter().for_each(|(place, d)| batch.push(place, *d));
-        lanes.any_hit(Kernel::widest(), &batch, &mut first);
+        Kernel::widest().any_hit(&lanes, &batch, &mut first);
         let fates = waves.any_hit(&over, count, |k| (&rays[k].0, rays[k].1));
-        let long = (0..count).filter(|&k| first.fates[k] == RayOutcome::Beyond);
+        let long = (0..count).filter(|&k| first.outcomes[k] == RayOutcome::Beyond);
         let (mut long, mut differ): (Vec<usize>, usize) = (long.collect(), 0);
         long.truncate(400);
         for &k in &long {
@@ -310,8 +320,12 @@ fn very_long_rays_are_left_to_the_f64_walk() {
     batch.push(&place, DVec3::new(1e-30, 0.0, 1.0));
     for kernel in Kernel::ALL.into_iter().filter(|kernel| kernel.available()) {
         let mut hits = HitBuffer::default();
-        lanes.any_hit(kernel, &batch, &mut hits);
-        assert_eq!(hits.fates, [RayOutcome::Beyond, RayOutcome::Escaped, RayOutcome::Escaped], "{kernel:?}");
+        kernel.any_hit(&lanes, &batch, &mut hits);
+        assert_eq!(
+            hits.outcomes,
+            [RayOutcome::Beyond, RayOutcome::Escaped, RayOutcome::Escaped],
+            "{kernel:?}"
+        );
         let over = SimdTraversal::new(traversal, &lanes, kernel);
         assert_eq!(Waves::default().any_hit(&over, 1, |_| (&place, d)), [RayOutcome::Escaped]);
     }

@@ -111,7 +111,7 @@ fn tiles_of_any_field_change_no_answer() {
                 let end = match expected {
                     Outcome::Escaped => 0,
                     Outcome::Hit(_) => 1,
-                    Outcome::LeftMap | Outcome::Lost => 2,
+                    Outcome::LeftDomain | Outcome::Lost => 2,
                 };
                 ends[end] += 1;
             }

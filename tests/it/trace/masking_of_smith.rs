@@ -5,10 +5,11 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
+use gonio::campaign::SmithNdf;
 use gonio::sphere::direction_deg;
 use gonio::stats::{chi_square_p, sidak};
 use gonio::theory::{ArmSide, Ndf};
-use gonio::trace::{Bounce, PathEnd, SmithWalk, WalkLaw};
+use gonio::trace::{Bounce, PathEnd, SmithWalk};
 
 use crate::support::measuring::test_rng;
 
@@ -22,7 +23,7 @@ const CLASSES: usize = (EDGES.len() + 1) * QUARTERS;
 /// What the tests vary.
 #[derive(Clone, Copy, Debug)]
 struct Case {
-    law: WalkLaw,
+    law: SmithNdf,
     alpha: DVec2,
     independent: bool,
     theta_deg: f64,
@@ -30,7 +31,7 @@ struct Case {
 
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for law in [WalkLaw::Ggx, WalkLaw::Beckmann] {
+    for law in [SmithNdf::Ggx, SmithNdf::Beckmann] {
         for alpha in [DVec2::splat(0.5), DVec2::new(0.15, 0.5)] {
             for independent in [false, true] {
                 cases.extend([30.0, 60.0, 80.0].map(|theta_deg| Case { law, alpha, independent, theta_deg }));
@@ -60,10 +61,10 @@ fn canonical(wi: DVec3, alpha: DVec2) -> (f64, f64, DVec2) {
 ///
 /// GGX: t = q/sqrt(1 + p^2) has density 2/(pi (1 + t^2)^2) for every p: half of it within |t| < 0.4416, where
 /// 2 (atan t + t/(1 + t^2))/pi = 1/2. Beckmann: normal, within 0.476936 (erf = 1/2).
-fn quarter(law: WalkLaw, p: f64, q: f64) -> usize {
+fn quarter(law: SmithNdf, p: f64, q: f64) -> usize {
     let (t, half) = match law {
-        WalkLaw::Ggx => (q / (1.0 + p * p).sqrt(), middle_half_of_ggx()),
-        WalkLaw::Beckmann => (q, 0.476_936_276_204_469_9),
+        SmithNdf::Ggx => (q / (1.0 + p * p).sqrt(), middle_half_of_ggx()),
+        SmithNdf::Beckmann => (q, 0.476_936_276_204_469_9),
     };
     2 * usize::from(t > 0.0) + usize::from(t.abs() > half)
 }
@@ -79,18 +80,18 @@ fn middle_half_of_ggx() -> f64 {
 
 /// Integral of (z - h p) over the law of p up to `p`, which may be infinite: the area of facets up to that slope that
 /// is turned to the light. GGX: p has density (1 + p^2)^(-3/2)/2; Beckmann: exp(-p^2)/sqrt pi.
-fn turned_area(law: WalkLaw, (z, h): (f64, f64), p: f64) -> f64 {
+fn turned_area(law: SmithNdf, (z, h): (f64, f64), p: f64) -> f64 {
     match law {
-        WalkLaw::Ggx if p == f64::NEG_INFINITY => -0.5 * z,
-        WalkLaw::Ggx => 0.5 * (z * p + h) / (1.0 + p * p).sqrt(),
-        WalkLaw::Beckmann if p == f64::NEG_INFINITY => -0.5 * z,
-        WalkLaw::Beckmann => 0.5 * z * libm::erf(p) + 0.5 * h * (-p * p).exp() / PI.sqrt(),
+        SmithNdf::Ggx if p == f64::NEG_INFINITY => -0.5 * z,
+        SmithNdf::Ggx => 0.5 * (z * p + h) / (1.0 + p * p).sqrt(),
+        SmithNdf::Beckmann if p == f64::NEG_INFINITY => -0.5 * z,
+        SmithNdf::Beckmann => 0.5 * z * libm::erf(p) + 0.5 * h * (-p * p).exp() / PI.sqrt(),
     }
 }
 
 /// Share of the first facets in each class if every turned facet is lit with Smith's G1: G1 turned area/cos.
 fn lit_shares(case: &Case, wi: DVec3) -> Vec<f64> {
-    let ndf = if case.law == WalkLaw::Ggx { Ndf::Ggx } else { Ndf::Beckmann };
+    let ndf = if case.law == SmithNdf::Ggx { Ndf::Ggx } else { Ndf::Beckmann };
     let g1 = ArmSide::new(ndf, wi, case.alpha.x, case.alpha.y).g1();
     let (z, h, _) = canonical(wi, case.alpha);
     let steepest = z / h;
@@ -111,7 +112,7 @@ struct Counts {
 /// kept, 1/(1 + Lo) if drawn anew, and never from below.
 fn counted(case: &Case, seed: u64) -> Counts {
     let wi = direction_deg(case.theta_deg, 25.0);
-    let ndf = if case.law == WalkLaw::Ggx { Ndf::Ggx } else { Ndf::Beckmann };
+    let ndf = if case.law == SmithNdf::Ggx { Ndf::Ggx } else { Ndf::Beckmann };
     let lambda = |w: DVec3| ArmSide::new(ndf, w, case.alpha.x, case.alpha.y).lambda();
     let walk = SmithWalk { law: case.law, alpha: case.alpha, independent_heights: case.independent };
     let (_, _, along) = canonical(wi, case.alpha);
@@ -186,7 +187,7 @@ fn facets_of_every_slope_are_lit_and_seen_as_smith_says() {
 #[test]
 fn a_wrong_roughness_or_height_rule_is_seen() {
     let level = sidak(0.01, 4 * cases().len());
-    for law in [WalkLaw::Ggx, WalkLaw::Beckmann] {
+    for law in [SmithNdf::Ggx, SmithNdf::Beckmann] {
         let case = Case { law, alpha: DVec2::splat(0.5), independent: false, theta_deg: 60.0 };
         let mut counts = counted(&case, 7);
         // Three per cent in the roughness that the light's side is held to.

@@ -18,7 +18,7 @@ struct ColumnHeader {
     unit: Option<f64>,
 }
 
-/// What stands between two numbers, and whether their point is a comma.
+/// What separates two numbers, and whether their point is a comma.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Separator {
     /// `;` or tabs: a comma inside a number is its point.
@@ -32,8 +32,7 @@ enum Separator {
 /// Lines that are empty or begin with # are left out. A line of words is a heading: it names the columns and the unit
 /// of the wavelengths (nm, um; `wl` is refractiveindex.info's, in um), and a second one begins another block. Without a
 /// heading two columns are wavelength_nm, n and three wavelength_nm, n, k.
-///
-/// Held by: `lists_of_n_and_k_are_read_or_refused_by_line`, `headings_say_what_columns_are`.
+// Tested by `lists_of_n_and_k_are_read_or_refused_by_line`, `headings_say_what_columns_are`.
 pub(crate) fn parse(text: &str) -> Result<Dispersion, String> {
     let style = style_of(text)?;
     let (mut n, mut k) = (Points::default(), Points::default());
@@ -157,7 +156,7 @@ fn named(columns: &[Column]) -> String {
     columns.iter().map(name).collect::<Vec<_>>().join(",")
 }
 
-/// What a line of words says of the columns below it.
+/// The columns that a line of words names.
 fn heading_of(fields: &[&str]) -> Result<ColumnHeader, String> {
     let mut heading = ColumnHeader { columns: Vec::new(), unit: None };
     for field in fields.iter().filter(|field| !is_unit(field)) {

@@ -78,8 +78,7 @@ impl Dispersion {
     }
 
     /// The medium at a wavelength; `None` where n or k is not known.
-    ///
-    /// Held by: `a_formula_is_the_published_glass`, `lists_of_n_and_k_are_read_or_refused_by_line`.
+    // Tested by `a_formula_is_the_published_glass`, `lists_of_n_and_k_are_read_or_refused_by_line`.
     pub(crate) fn at(&self, nm: f64) -> Option<Medium> {
         let k = self.k.as_ref().map_or(Some(0.0), |k| k.at(nm))?;
         Some(Medium { wavelength_nm: Some(nm), eta: self.eta.at(nm)?, k })

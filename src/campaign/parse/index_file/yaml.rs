@@ -22,8 +22,7 @@ struct DataEntry<'a> {
 }
 
 /// n and k of the file.
-///
-/// Held by: `a_formula_is_the_published_glass`, `tabulated_metals_are_read`.
+// Tested by `a_formula_is_the_published_glass`, `tabulated_metals_are_read`.
 pub(crate) fn parse(text: &str) -> Result<Dispersion, String> {
     let (mut eta, mut k) = (None, None);
     for entry in entries(text)? {

@@ -1,0 +1,263 @@
+//! Valid campaigns of every kind of surface, arms, optics and rules, for property tests.
+
+use std::collections::BTreeSet;
+
+use gonio::campaign::materials::{MATERIALS, names_with_index, rgb_of};
+use gonio::campaign::*;
+use proptest::collection::{btree_set, vec};
+use proptest::prelude::*;
+use proptest::sample::{select, subsequence};
+
+/// Middles of the rings of the Klems full basis, degrees.
+const KLEMS_RINGS: [f64; 9] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 82.5];
+
+/// A campaign that a file in `folder` could hold, resolved.
+pub fn any_campaign() -> impl Strategy<Value = Campaign> {
+    surface().prop_flat_map(|surface| {
+        let arms = light(&surface).prop_flat_map(|light| (sensor(&light), Just(light)));
+        let kind = surface.kind.clone();
+        let path = optics().prop_flat_map(move |optics| (trace(&kind, &optics), Just(optics)));
+        let name = "[a-zA-Z0-9_][a-zA-Z0-9_.-]{0,20}";
+        let rest = (name, any::<u64>(), stop(&surface), expect(), bench(&surface));
+        (Just(surface.clone()), arms, path, rest).prop_map(
+            |(surface, (sensor, light), (trace, optics), (name, seed, stop, expect, bench))| Campaign {
+                name,
+                seed,
+                surface,
+                light,
+                sensor,
+                optics,
+                trace,
+                stop,
+                expect,
+                bench,
+            },
+        )
+    })
+}
+
+fn alpha() -> impl Strategy<Value = f64> {
+    prop_oneof![1e-4..=10.0, Just(1e-4), Just(10.0)]
+}
+
+/// One roughness for each axis, or isotropic ones that increase.
+fn alphas() -> impl Strategy<Value = Vec<Alpha>> {
+    let several = btree_set(1u32..=100_000, 1..5);
+    prop_oneof![
+        (alpha(), alpha()).prop_map(|(x, y)| vec![Alpha { x, y }]),
+        several.prop_map(|all| all.into_iter().map(|a| 1e-4 * f64::from(a)).map(isotropic).collect()),
+    ]
+}
+
+fn isotropic(alpha: f64) -> Alpha {
+    Alpha { x: alpha, y: alpha }
+}
+
+fn surface() -> impl Strategy<Value = Surface> {
+    let patch = (1u32..=4096, 8u32..=16384, 0.0..=1.0, any::<bool>());
+    let random = (random_heights(), patch, rotation()).prop_map(|(kind, patch, rotation_deg)| {
+        let (realisations, cells, share, mirror_images) = patch;
+        let longest = f64::from(cells) / 8.0;
+        let shortest = longest.min(2.0);
+        let correlation_cells = shortest + share * (longest - shortest);
+        Surface { realisations, cells, correlation_cells, rotation_deg, mirror_images, kind }
+    });
+    let other = (without_heights(), 1u32..=4096, rotation()).prop_map(|(kind, groups, rotation_deg)| {
+        let realisations = if let SurfaceKind::File(map) = &kind { map.tiles * map.tiles } else { groups };
+        let (cells, correlation_cells) = (1024, 8.0);
+        Surface { realisations, cells, correlation_cells, rotation_deg, mirror_images: false, kind }
+    });
+    prop_oneof![random, other]
+}
+
+fn rotation() -> impl Strategy<Value = f64> {
+    prop_oneof![Just(0.0), 0.0..360.0]
+}
+
+fn random_heights() -> impl Strategy<Value = SurfaceKind> {
+    let spectrum = select(vec![HeightSpectrum::Gaussian, HeightSpectrum::Exponential]);
+    prop_oneof![
+        alphas().prop_map(SurfaceKind::Ggx),
+        (alphas(), spectrum).prop_map(|(alphas, spectrum)| SurfaceKind::Beckmann { alphas, spectrum }),
+        (alphas(), 2.0..=100.0).prop_map(|(alphas, gamma)| SurfaceKind::StudentT { alphas, gamma }),
+        (0.0f64..=20_000.0).prop_map(|exponent| {
+            let alphas = vec![isotropic((2.0 / (exponent + 2.0)).sqrt())];
+            SurfaceKind::BlinnPhong { exponent, alphas }
+        }),
+    ]
+}
+
+fn without_heights() -> impl Strategy<Value = SurfaceKind> {
+    let ndf = select(vec![SmithNdf::Ggx, SmithNdf::Beckmann]);
+    let heights = select(vec![SmithHeights::Correlated, SmithHeights::Independent]);
+    prop_oneof![
+        Just(SurfaceKind::Mirror),
+        alpha().prop_map(|slope| SurfaceKind::VGroove { slope }),
+        (ndf, alphas(), heights).prop_map(|(ndf, alphas, heights)| SurfaceKind::Smith(Smith {
+            ndf,
+            alphas,
+            heights
+        })),
+        height_map().prop_map(SurfaceKind::File),
+    ]
+}
+
+fn height_map() -> impl Strategy<Value = HeightMap> {
+    let length = || 1e-9..=1e9;
+    let name = "([a-z é]{1,6}/)?[a-z \"'\\\\é]{1,12}\\.(exr|gsf|xyz|txt|asc|npy)";
+    let detrend = select(vec![Detrend::Plane, Detrend::None]);
+    let refine = proptest::option::of((0u32..=6).prop_map(|power| 1 << power));
+    let lengths = proptest::option::of([length(), length(), length()]);
+    (name, lengths, any::<bool>(), detrend, refine, 1u32..=64).prop_map(
+        |(path, lengths, periodic, detrend, refine, tiles)| {
+            // An NPY file has no pitches of its own.
+            let lengths = lengths.or(path.ends_with(".npy").then_some([0.5, 0.25, 1e-3]));
+            let [pitch_x_um, pitch_y_um, height_unit_um] = [0, 1, 2].map(|k| lengths.map(|all| all[k]));
+            let resolved_path = std::path::Path::new("folder").join(&path);
+            let resolved_path = resolved_path.components().filter(|part| part.as_os_str() != ".").collect();
+            HeightMap {
+                path,
+                resolved_path,
+                pitch_x_um,
+                pitch_y_um,
+                height_unit_um,
+                periodic,
+                detrend,
+                refine,
+                tiles,
+            }
+        },
+    )
+}
+
+/// Angles that increase, in steps of 1e-4 degrees.
+fn angles(range: std::ops::Range<i32>) -> impl Strategy<Value = Vec<f64>> {
+    let degrees = |all: BTreeSet<i32>| all.into_iter().map(|angle| f64::from(angle) / 1e4).collect();
+    btree_set(range, 1..8).prop_map(degrees)
+}
+
+/// A half-angle that leaves cones about all of `angles` above the horizon; `share` in [0, 1) of the largest.
+fn aperture(angles: &[f64], share: f64) -> f64 {
+    let widest = angles.iter().fold(0.0, |widest: f64, angle| widest.max(angle.abs()));
+    share * (90.0 - widest).min(45.0)
+}
+
+fn light(surface: &Surface) -> impl Strategy<Value = LightArm> + use<> {
+    let isotropic = surface.kind.is_isotropic();
+    let azimuth = prop_oneof![
+        any::<bool>().prop_map(move |average| (Azimuth::Relative, average || !isotropic)),
+        angles(0..3_600_000).prop_map(|phis| (Azimuth::Absolute(phis), false)),
+        Just((Azimuth::KlemsFull, false)),
+    ];
+    let share = prop_oneof![Just(0.0), 0.0..1.0];
+    (angles(0..900_000), azimuth, share).prop_map(|(angles, (azimuth, average_azimuth), share)| {
+        let theta_i_deg = if azimuth == Azimuth::KlemsFull { KLEMS_RINGS.to_vec() } else { angles };
+        let aperture_deg = aperture(&theta_i_deg, share);
+        LightArm { theta_i_deg, azimuth, average_azimuth, aperture_deg }
+    })
+}
+
+fn sensor(light: &LightArm) -> impl Strategy<Value = SensorArm> + use<> {
+    let bins = select(vec![BinLayout::Centred, BinLayout::Aligned]);
+    let origins = if light.azimuth == Azimuth::Relative {
+        vec![PhiFrom::Light]
+    } else {
+        vec![PhiFrom::Light, PhiFrom::Sample]
+    };
+    let arm = (angles(-899_999..899_999), angles(0..3_600_000), 0.1..1.0, select(origins));
+    prop_oneof![
+        (1u32..=900, 1u32..=3600, bins).prop_map(|(theta_r_bins, phi_r_bins, bins)| {
+            SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins }
+        }),
+        arm.prop_map(|(theta_r_deg, phi_r_deg, share, phi_r_from)| {
+            let aperture_deg = aperture(&theta_r_deg, share);
+            SensorArm::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from }
+        }),
+        Just(SensorArm::KlemsFull),
+    ]
+}
+
+fn optics() -> impl Strategy<Value = Optics> {
+    let named = |(name, f0): (&str, [f64; 3])| Optics::Schlick { material: Some(name.into()), f0 };
+    let all = subsequence(MATERIALS.to_vec(), 1..=MATERIALS.len());
+    prop_oneof![
+        Just(Optics::PerfectMirror),
+        [0.0..=1.0, 0.0..=1.0, 0.0..=1.0].prop_map(|f0| Optics::Schlick { material: None, f0 }),
+        all.prop_map(move |all| one_or_several(all.into_iter().map(named).collect())),
+        indices(),
+    ]
+}
+
+fn one_or_several(mut all: Vec<Optics>) -> Optics {
+    if all.len() == 1 { all.remove(0) } else { Optics::Several(all) }
+}
+
+/// Materials by their index, each in each of some polarisations.
+fn indices() -> impl Strategy<Value = Optics> {
+    let number = || (0.01..=100.0, 1e-3..=100.0);
+    let medium = |wavelength_nm, (eta, k)| Medium { wavelength_nm, eta, k };
+    let listed = (btree_set(1u32..=1_000_000, 1..6), vec(number(), 6)).prop_map(move |(nm, numbers)| {
+        let media = nm.into_iter().zip(numbers).map(|(nm, number)| medium(Some(f64::from(nm)), number));
+        vec![(None, media.collect())]
+    });
+    let single = number().prop_map(move |number| vec![(None, vec![medium(None, number)])]);
+    let named = subsequence(names_with_index().to_vec(), 1..=8).prop_map(|names| {
+        let media = |name: &str| rgb_of(name).expect("an index").into_iter().rev().collect::<Vec<Medium>>();
+        names.into_iter().map(|name| (Some(name.to_string()), media(name))).collect()
+    });
+    let polarisations = vec![Polarisation::None, Polarisation::S, Polarisation::P];
+    let exact = subsequence(polarisations, 1..=3).prop_map(|some| (FresnelLaw::Exact, some));
+    let laws = prop_oneof![exact, Just((FresnelLaw::Schlick, vec![Polarisation::None]))];
+    (prop_oneof![listed, single, named], laws).prop_map(|(materials, (law, polarisations))| {
+        // Schlick's law takes the F0 of a name.
+        let law = if materials[0].0.is_some() { FresnelLaw::Exact } else { law };
+        let all = materials.iter().flat_map(|(material, media): &(Option<String>, Vec<Medium>)| {
+            polarisations.iter().map(move |&polarisation| {
+                let (material, media) = (material.clone(), media.clone());
+                Optics::Index(RefractiveIndex { material, media, law, polarisation })
+            })
+        });
+        one_or_several(all.collect())
+    })
+}
+
+fn trace(kind: &SurfaceKind, optics: &Optics) -> impl Strategy<Value = Trace> + use<> {
+    let statistical = matches!(kind, SurfaceKind::Smith(_));
+    let polarised = optics
+        .each()
+        .iter()
+        .any(|one| matches!(one, Optics::Index(index) if index.polarisation != Polarisation::None));
+    let orders = if polarised { 1..=1 } else { 1..=10_000u32 };
+    (prop_oneof![Just(1), orders], any::<[bool; 3]>()).prop_map(move |(bounces, [visible, fold, apart])| {
+        let visibility = visible || statistical || bounces > 1;
+        Trace { bounces, visibility, fold, by_order: apart && (2..=16).contains(&bounces) }
+    })
+}
+
+fn stop(surface: &Surface) -> impl Strategy<Value = Stop> + use<> {
+    let may_spread = surface.realisations > 1;
+    let rules = (proptest::option::of(1e-4..=1.0), proptest::option::of(1.0..=1e6));
+    (1u64..=1 << 40, rules).prop_map(move |(samples, (relative_error, seconds))| Stop {
+        samples,
+        relative_error: relative_error.filter(|_| may_spread),
+        seconds,
+    })
+}
+
+fn expect() -> impl Strategy<Value = Expect> {
+    let maskings =
+        [ExpectedMasking::Separable, ExpectedMasking::HeightCorrelated, ExpectedMasking::DirectionCorrelated];
+    let masking = proptest::option::of(select(maskings.to_vec()));
+    (masking, proptest::option::of(1e-9..=10.0)).prop_map(|(masking, l1_model)| Expect { masking, l1_model })
+}
+
+fn bench(surface: &Surface) -> impl Strategy<Value = Option<Resolution>> + use<> {
+    let resolution = (vec(8u32..=16384, 1..4), vec(0.0..=1.0, 1..4)).prop_map(|(cells, shares)| {
+        let longest = f64::from(cells.iter().copied().min().expect("one at least")) / 8.0;
+        let shortest = longest.min(2.0);
+        let between = |share: f64| shortest + share * (longest - shortest);
+        Resolution { cells, correlation_cells: shares.into_iter().map(between).collect() }
+    });
+    let varied = surface.kind.is_random_heights();
+    proptest::option::of(resolution).prop_map(move |resolution| resolution.filter(|_| varied))
+}
