@@ -1,19 +1,15 @@
 //! A table from its first band of stops to its files in their places: taken band by band, or all at once.
 
-use serde_json::Value;
-
 use super::report::{Sources, page_of};
 use super::results::{Results, files_written, lobes, report};
 use super::targets::TablePaths;
 use super::text::optics;
-use super::text::output;
 use super::text::output::{Output, json_text, warn};
 use crate::error::Result;
 use crate::files::{self, NewFile};
 use crate::measure::{Cost, Measured, Plan};
 use crate::report::html::specimen::ShownSpecimen;
-use crate::report::summary::summary;
-use crate::report::{self as pages, Facts};
+use crate::report::{self as pages, Facts, Summary};
 use crate::table::realisations::{self, GROUPS, StoredRealisations};
 use crate::table::{BrdfTable, Realisations, TableRows, TableWriter};
 use crate::validate::prediction::schlick_error::SchlickError;
@@ -99,20 +95,18 @@ impl<'a> TableOutput<'a> {
     ) -> Result<()> {
         let TableOutput { target, plan, writer, examination, facts, schlick, kept, measured, whole } = self;
         let verdict = examination.verdict();
-        let mut document = summary(&measured, plan, cost, &verdict);
-        document["fresnel"] = output::to_json(&schlick)?;
         let (file, digest) = writer.finish()?;
-        document["table_digest"] = digest.clone().into();
+        let summary = Summary::measured(&measured, (plan, cost), &verdict, schlick.clone(), digest.clone())?;
         let file = file.on_disk()?;
         let shown = match whole {
-            Some((table, prediction)) => ShownTable { table, prediction, document: document.clone() },
-            None => ShownTable::of_rows(&file, &measured, &document, job.memory)?,
+            Some((table, prediction)) => ShownTable { table, prediction, summary: summary.clone() },
+            None => ShownTable::of_rows(&file, &measured, summary.clone(), job.memory)?,
         };
         let ShownTable { table, prediction, .. } = &shown;
         let specimen = specimen(&measured)?;
         let (campaign, predicted) = (Some(&measured.campaign), prediction.as_ref());
         let page =
-            page_of(Sources { table, campaign, prediction: predicted, specimen }, &shown.document, None);
+            page_of(Sources { table, campaign, prediction: predicted, specimen }, &shown.summary, None);
         let staged = Staged {
             table: file,
             realisations: staged_realisations(&measured, target, &digest, (kept, plan))?,
@@ -120,9 +114,9 @@ impl<'a> TableOutput<'a> {
                 NewFile::with(&target.page, page.as_bytes())?,
                 NewFile::with(
                     &target.card,
-                    pages::card_of(&measured.table, &digest, facts, &document).as_bytes(),
+                    pages::card(&measured.table, &digest, facts, &summary).as_bytes(),
                 )?,
-                NewFile::with(&target.summary, format!("{}\n", json_text(&document)?).as_bytes())?,
+                NewFile::with(&target.summary, format!("{}\n", json_text(&summary)?).as_bytes())?,
             ],
         };
         staged.commit(target)?;
@@ -140,14 +134,14 @@ struct ShownTable {
     table: BrdfTable,
     prediction: Option<Prediction>,
     /// The summary of these stops.
-    document: Value,
+    summary: Summary,
 }
 
 impl ShownTable {
-    fn of_rows(file: &NewFile, measured: &Measured, document: &Value, memory: u64) -> Result<Self> {
+    fn of_rows(file: &NewFile, measured: &Measured, summary: Summary, memory: u64) -> Result<Self> {
         let (table, stops) = pages::thinned(&mut TableRows::open(file.under_way())?, memory)?;
         let prediction = Prediction::of(&measured.campaign, &table.grid);
-        Ok(ShownTable { table, prediction, document: pages::thinned_summary(document, &stops) })
+        Ok(ShownTable { table, prediction, summary: summary.thinned(&stops) })
     }
 }
 

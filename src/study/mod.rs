@@ -17,7 +17,6 @@ use serde::Serialize;
 use crate::campaign::{SmithNdf, SurfaceKind};
 use crate::fit::{self, FitData, FitLaw};
 use crate::measure::Measured;
-use crate::stats;
 use crate::theory::{Masking, Ndf};
 
 /// Level of the test of isotropy.
@@ -136,12 +135,4 @@ fn laws(measured: &Measured, anisotropic: bool) -> Vec<FitLaw> {
         maskings.iter().map(move |&masking| FitLaw::Microfacet { ndf, masking, anisotropic })
     });
     laws.collect()
-}
-
-/// Standard error of a statistic by leaving out one at a time: sqrt((n-1)/n sum (s_k - mean)^2).
-fn jackknife_se(without: &[f64]) -> f64 {
-    let mean = stats::mean(without);
-    let squares: f64 = without.iter().map(|value| (value - mean) * (value - mean)).sum();
-    let count = without.len() as f64;
-    ((count - 1.0) / count * squares).sqrt()
 }

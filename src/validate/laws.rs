@@ -1,6 +1,6 @@
 //! The laws that any table obeys, whatever its surface: energy and reciprocity.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::pairs::PairValues;
 use crate::instrument::GridKind;
@@ -11,7 +11,8 @@ use crate::table::{BrdfTable, Realisations};
 const LEVEL: f64 = 0.01;
 
 /// Energy: no stop reflects more than it gets.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Energy {
     /// Why the law does not apply, where it does not.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -28,7 +29,8 @@ pub struct Energy {
 }
 
 /// Reciprocity: f(wi, wo) = f(wo, wi) over pairs of stops.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Reciprocity {
     /// `exact`: equal apertures on both arms; `bin_means`: bins of different shape, corrected by the model.
     pub kind: String,
@@ -72,11 +74,6 @@ impl<'a> Parts<'a> {
 }
 
 impl Energy {
-    /// No stop yet.
-    pub fn none() -> Self {
-        Energy { skipped: None, largest_albedo: None, largest_albedo_se: None, violations: 0, counted: false }
-    }
-
     /// Takes further stops in.
     pub fn join(&mut self, other: Energy) {
         self.skipped = other.skipped;
@@ -89,7 +86,7 @@ impl Energy {
 
     /// The law for a hemisphere table or some of its stops; arms see too little to judge.
     pub fn of(table: &BrdfTable, visibility: bool) -> Self {
-        let none = Energy::none();
+        let none = Energy::default();
         if !visibility {
             return Energy { skipped: Some("visibility is switched off".into()), ..none };
         }

@@ -21,7 +21,7 @@ const OWN_SLOPES: &str = "; without shadowing and masking only the patches' own 
                           `gonio surface` prints how far they are off, `expect.l1_model` sets another bar";
 
 /// Everything that validation finds.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Verdict {
     /// Whether no law is broken and every expectation met, as far as they could be judged.
     pub ok: bool,
@@ -148,7 +148,7 @@ impl Examination {
             grid: grid.clone(),
             model: String::new(),
             compared: Vec::new(),
-            energy: Energy::none(),
+            energy: Energy::default(),
             seen: SeenLight::default(),
             pairs: visibility.then(|| PairValues::new(grid, exact, campaign.and_then(independent_facets))),
         }

@@ -10,7 +10,7 @@ use gonio::campaign::{self, Campaign};
 use gonio::instrument::Grid;
 use gonio::instrument::grid::GridKind;
 use gonio::report::page;
-use gonio::report::{Page, Scene, summary};
+use gonio::report::{Page, Scene, StopSummary, Summary};
 use gonio::table::{BrdfTable, ColourChannels};
 use gonio::validate::prediction::bin_mean::MASKINGS;
 use gonio::validate::prediction::model::{Model, StopMeans};
@@ -172,16 +172,22 @@ fn made(colours: usize, angles: usize, azimuths: usize, bins: [usize; 2]) -> Mad
     Made { prediction: Prediction { model, means: (0..stops).map(means).collect() }, table, campaign }
 }
 
+/// What a table without a campaign says of itself.
+fn summary_of(name: &str, table: &BrdfTable) -> Summary {
+    Summary::of_table(name, table, None, None, StopSummary::of_bins(table)).expect("a summary")
+}
+
 /// The page of a made table under a name.
 fn page_of(made: &Made, name: &str, bench: Option<&Value>) -> String {
     let Made { table, campaign, prediction } = made;
     let verdict = examine_against(table, campaign, None, Some(prediction));
-    let summary = summary::of_table(name, table, Some(&campaign.surface), Some(&verdict));
+    let stops = StopSummary::of_bins(table);
+    let summary = Summary::of_table(name, table, Some(&campaign.surface), Some(&verdict), stops);
     page(&Page {
         scene: Scene { table, prediction: Some(prediction), realisations: 4 },
         campaign: Some(campaign),
         masking: Some("direction_correlated"),
-        summary: &summary,
+        summary: &summary.expect("a summary"),
         specimen: Err("no patch: <none>".into()),
         bench,
     })
@@ -281,7 +287,7 @@ fn what_a_table_lacks_is_said() {
         scene: Scene { table: &arm.table, prediction: None, realisations: 0 },
         campaign: None,
         masking: None,
-        summary: &summary::of_table("imported", &arm.table, None, None),
+        summary: &summary_of("imported", &arm.table),
         specimen: Err("The table holds no campaign.".into()),
         bench: Some(&json!({})),
     };
@@ -332,7 +338,7 @@ fn page_on(grid: Grid) -> String {
         scene: Scene { table: &table, prediction: None, realisations: 0 },
         campaign: None,
         masking: None,
-        summary: &summary::of_table("other", &table, None, None),
+        summary: &summary_of("other", &table),
         specimen: Err("The table holds no campaign.".into()),
         bench: None,
     })

@@ -47,7 +47,7 @@ impl Output {
     }
 
     /// Prints a JSON document.
-    pub fn json(&mut self, document: &Value) -> Result<()> {
+    pub fn json(&mut self, document: &impl Serialize) -> Result<()> {
         self.print(&seen_in_json(&json_text(document)?))
     }
 }
@@ -64,7 +64,7 @@ fn seen(text: impl Display) -> String {
 }
 
 /// A JSON document as text, without an end of line.
-pub fn json_text(document: &Value) -> Result<String> {
+pub fn json_text(document: &impl Serialize) -> Result<String> {
     serde_json::to_string_pretty(document).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
 }
 

@@ -1,8 +1,6 @@
 //! A table for the page that does not fit the memory: fewer stops, evenly spread.
 //!
-//! Enters: the geometry of a stored table. Leaves: the stops that are kept, and the summary of those.
-
-use serde_json::{Value, json};
+//! Input: the geometry of a stored table. Output: the stops that are kept.
 
 use crate::error::Result;
 use crate::instrument::Grid;
@@ -53,23 +51,4 @@ pub fn thinned(rows: &mut TableRows, bytes: u64) -> Result<(BrdfTable, Vec<usize
     };
     let table = rows.take(&stops)?;
     Ok((BrdfTable { grid: grid.unwrap_or_else(|| table.grid.clone()), ..table }, stops))
-}
-
-/// The summary with the kept stops alone, and a word about it.
-pub fn thinned_summary(summary: &Value, stops: &[usize]) -> Value {
-    let mut summary = summary.clone();
-    let all = summary["stops"].as_array().map_or(0, Vec::len);
-    if all > stops.len() {
-        summary["page_stops"] = json!([stops.len(), all]);
-    }
-    let thin = |list: &mut Value| {
-        if let Some(all) = list.as_array_mut().filter(|all| all.len() > stops.len()) {
-            *all = stops.iter().filter_map(|&stop| all.get(stop).cloned()).collect();
-        }
-    };
-    thin(&mut summary["stops"]);
-    for comparison in summary["comparisons"].as_array_mut().into_iter().flatten() {
-        thin(&mut comparison["stops"]);
-    }
-    summary
 }

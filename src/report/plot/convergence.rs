@@ -5,6 +5,7 @@ use serde_json::Value;
 use super::chart::{Chart, ChartAxis, Marker, Series, SeriesStyle, model_style, series_style};
 use super::plots::{spread, stop_name};
 use crate::report::slices::Scene;
+use crate::report::summary::{ErrorLook, StopSummary};
 
 /// Points of a fitted curve.
 const CURVE: u32 = 60;
@@ -24,23 +25,24 @@ const MOST_ANGLES: usize = 4;
 /// The errors that a run looked at on its way, from the stops of its summary; `None` where it looked fewer than twice.
 ///
 /// The lines are least squares of err^2 = a/N + p^2 with relative weights: p is the patches' own spread.
-pub fn looks(scene: &Scene, stops: &Value) -> Option<Chart> {
+pub fn looks(scene: &Scene, stops: &[StopSummary]) -> Option<Chart> {
     // A summary is a file that anybody may have changed: what has no logarithm is no point.
-    let point = |look: &Value| {
-        let point = [look["samples"].as_f64()?, look["relative_error"].as_f64()?];
+    let point = |look: &ErrorLook| {
+        let point = [look.samples as f64, look.relative_error];
         point.iter().all(|value| *value > 0.0 && value.is_finite()).then_some(point)
     };
-    let of = |stop: usize| {
-        stops[stop]["looks"].as_array().into_iter().flatten().filter_map(point).collect::<Vec<_>>()
+    let points = |stop: usize| -> Option<(usize, Vec<[f64; 2]>)> {
+        let points: Vec<_> = stops.get(stop)?.looks.iter().filter_map(point).collect();
+        (points.len() > 1).then_some((stop, points))
     };
     let sweep = scene.sweeps().into_iter().next()?;
-    let looked: Vec<usize> = sweep.stops.into_iter().filter(|&stop| of(stop).len() > 1).collect();
+    let looked: Vec<(usize, Vec<[f64; 2]>)> = sweep.stops.into_iter().filter_map(points).collect();
     let mut series = Vec::new();
     for (index, at) in spread(looked.len(), MOST_ANGLES).into_iter().enumerate() {
-        let points = of(looked[at]);
+        let (stop, points) = looked[at].clone();
         let style = SeriesStyle { line: false, ..series_style(index) };
         let curve = SeriesStyle { colour: style.colour, ..model_style(index) };
-        let label = stop_name(scene, looked[at]);
+        let label = stop_name(scene, stop);
         let fit = fitted(&points);
         let (first, last) = (points[0][0], points[points.len() - 1][0]);
         series.push(Series { label, points, error: vec![], style });
