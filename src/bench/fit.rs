@@ -7,7 +7,7 @@
 //! the ratio of the sandwich variance (Huber 1967) to that of equal scatter. By simulation the interval of a then holds
 //! the truth in 90 to 95 % of the trials, that of b in 99 %.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::stats;
 
@@ -21,7 +21,7 @@ pub struct Point {
 }
 
 /// err^2 = a/N + b^2, and the slope.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LadderFit {
     /// Squared error times samples: the noise.
     pub a: f64,

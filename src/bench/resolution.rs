@@ -127,7 +127,7 @@ fn row(
 
 /// The figures against the masking that the campaign is held to.
 fn discrepancy(measured: &Measured, (model, means): (&Model, &[StopMeans])) -> Option<Figures> {
-    let parts = Parts::of(Some(&measured.realisations));
+    let parts = Some(Parts { all: &measured.realisations, first_stop: 0 });
     let comparisons = verdict::compare(&measured.table, &measured.campaign, parts, model, means);
     let wanted = expect::masking(&measured.campaign);
     comparisons.iter().find(|comparison| comparison.masking == wanted).map(|comparison| comparison.figures)

@@ -1,9 +1,7 @@
 //! What the errors of a ladder are counted from, and the error itself.
 
-use std::fmt;
-
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -12,8 +10,11 @@ use crate::table::BrdfTable;
 use crate::validate::expect;
 use crate::validate::prediction::model::Model;
 
+/// The error measure by its name in tables, JSON and plot.
+pub const ERROR_MEASURE: &str = "flux-weighted L1 of order 1, mean over stops";
+
 /// The kinds of truth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TruthKind {
     /// The bin means of the microfacet model.
@@ -30,15 +31,6 @@ pub struct Truth {
     values: Vec<Vec<Vec<f64>>>,
     /// [stop][bin]: projected solid angles.
     sizes: Vec<Vec<f64>>,
-}
-
-impl fmt::Display for TruthKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            TruthKind::Model => "model",
-            TruthKind::Reference => "reference",
-        })
-    }
 }
 
 impl Truth {

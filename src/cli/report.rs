@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Deserialize;
-use serde_json::Value;
 
 use super::table_file::{self, Opened};
 use super::targets;
 use super::text::output;
 use super::text::output::{Output, bytes, say, warn};
+use crate::bench::{BenchAnswer, answer};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
@@ -68,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";
 
 /// The card or the page of a table in memory.
-fn whole(path: &Path, table: &BrdfTable, is_card: bool, bench: Option<&Value>) -> Result<String> {
+fn whole(path: &Path, table: &BrdfTable, is_card: bool, bench: Option<&BenchAnswer>) -> Result<String> {
     let campaign = table_file::campaign_if_any(path, table)?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
     let summary = match summary_beside(path, table, || store::digest(table))? {
@@ -92,7 +92,7 @@ fn whole(path: &Path, table: &BrdfTable, is_card: bool, bench: Option<&Value>) -
 }
 
 /// The card or the page of a table that does not fit the memory.
-fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&Value>) -> Result<String> {
+fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&BenchAnswer>) -> Result<String> {
     let path = rows.path().to_path_buf();
     let campaign = table_file::campaign_if_any(&path, rows.header())?;
     let digest = rows.digest().unwrap_or_default().to_string();
@@ -171,7 +171,7 @@ impl<'a> Sources<'a> {
 }
 
 /// The page, alike for a table just measured and for one from its file.
-pub fn page_of(sources: Sources, summary: &Summary, bench: Option<&Value>) -> String {
+pub fn page_of(sources: Sources, summary: &Summary, bench: Option<&BenchAnswer>) -> String {
     let Sources { table, campaign, prediction, specimen } = sources;
     let realisations = campaign.map_or(0, |campaign| campaign.surface.realisations as usize);
     let masking = campaign.map(validate::expect::masking);
@@ -180,13 +180,15 @@ pub fn page_of(sources: Sources, summary: &Summary, bench: Option<&Value>) -> St
 }
 
 /// The answer of `gonio bench` in a file. Errors: of a file that is none, or of another version.
-fn bench_in(path: &Path) -> Result<Value> {
-    let bench = output::read_json(path)?;
-    if bench["schema"] != SCHEMA || !bench["ladders"].is_array() || !bench["rows"].is_array() {
-        let why = format!("is no answer of `gonio bench` (schema {SCHEMA}, rows and ladders needed)");
-        return Err(Error::format(path, why));
+fn bench_in(path: &Path) -> Result<BenchAnswer> {
+    match BenchAnswer::deserialize(output::read_json(path)?) {
+        Ok(bench) if bench.schema == answer::SCHEMA => Ok(bench),
+        other => {
+            let why = other.err().map_or(String::new(), |why| format!(": {why}"));
+            let schema = answer::SCHEMA;
+            Err(Error::format(path, format!("is no answer of `gonio bench` of schema {schema}{why}")))
+        }
     }
-    Ok(bench)
 }
 
 /// The summary that `measure` wrote beside the table, if it is this table's: by its digest and, as older summaries have

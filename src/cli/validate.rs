@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::table::BrdfTable;
 use crate::validate::{self, verdict};
 
-/// Hold a table to the laws of energy and reciprocity and to every named model
+/// Test a table against the laws of energy and reciprocity and against every named model
 #[derive(Args)]
 #[command(after_help = "Exits with 1 where the table breaks a law or misses its expectation.\n\n\
     Example: gonio validate out/quickstart/quickstart.exr")]
@@ -28,10 +28,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let verdict = match table_file::open(path, verdict::row_bytes)? {
         Opened::Whole(table) => {
             let parts = table_file::realisations_beside(path, &table)?;
-            match campaign_of(path, &table)? {
-                None => validate::examine_laws(&table, parts.as_ref()),
-                Some(campaign) => validate::examine(&table, &campaign, parts.as_ref()),
-            }
+            validate::examine(&table, campaign_of(path, &table)?.as_ref(), parts.as_ref())
         }
         Opened::Rows(mut rows) => {
             let parts = table_file::realisations_beside_rows(&rows)?;
@@ -51,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 /// What a table was measured by, if it says so.
 fn campaign_of(path: &Path, header: &BrdfTable) -> Result<Option<Campaign>> {
     if header.campaign.is_empty() {
-        say(format_args!("note: {} holds no campaign: held to the laws alone", path.display()));
+        say(format_args!("note: {} holds no campaign: tested against the laws alone", path.display()));
     }
     table_file::campaign_if_any(path, header)
 }

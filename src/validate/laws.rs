@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::pairs::PairValues;
 use crate::instrument::GridKind;
 use crate::stats;
-use crate::table::{BrdfTable, Realisations};
+use crate::table::BrdfTable;
 
 /// Family level of the tests of this file.
 const LEVEL: f64 = 0.01;
@@ -49,28 +49,6 @@ pub struct Reciprocity {
     pub mean_t2: Option<f64>,
     /// Sum of |differences| over the sum of values.
     pub l1: Option<f64>,
-}
-
-/// The realisations of a table or of some of its stops.
-#[derive(Clone, Copy)]
-pub struct Parts<'a> {
-    /// Those of the table.
-    pub all: &'a Realisations,
-    /// Which of their stops is the first of the table at hand.
-    pub first_stop: usize,
-}
-
-impl<'a> Parts<'a> {
-    /// Those of a whole table.
-    pub fn of(all: Option<&'a Realisations>) -> Option<Self> {
-        all.map(|all| Parts { all, first_stop: 0 })
-    }
-
-    /// Order 1 of one colour at a stop of the table at hand, in each of them.
-    pub fn single(&self, colour: usize, stop: usize, bins: usize) -> Vec<&'a [f32]> {
-        let first = (self.first_stop + stop) * bins;
-        self.all.parts.iter().map(|part| &part.single[colour][first..first + bins]).collect()
-    }
 }
 
 impl Energy {

@@ -5,7 +5,7 @@
 //!
 //! Bins that are not the same thing both ways are judged where a test can tell: see [`PairValues::is_judged`].
 
-use super::laws::Parts;
+use super::parts::Parts;
 use super::prediction::model::StopMeans;
 use crate::instrument::{Grid, GridKind, Region, Sensor};
 use crate::sphere;

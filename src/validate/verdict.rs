@@ -4,10 +4,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::compare::{self, ColourFigures, Comparison, Figures, StopComparison, StopData};
+use super::counted_bins::counted_bins;
 use super::expect::{self, Bar};
 use super::judgement::{self, Judgement, Ruling};
-use super::laws::{Energy, Parts, Reciprocity};
+use super::laws::{Energy, Reciprocity};
 use super::pairs::PairValues;
+use super::parts::Parts;
 use super::prediction::model::{Model, StopMeans};
 use super::seen::SeenLight;
 use crate::campaign::Campaign;
@@ -62,36 +64,33 @@ impl Prediction {
     }
 }
 
-/// Holds a table to the laws and to the models that fit its campaign.
-pub fn examine(table: &BrdfTable, campaign: &Campaign, realisations: Option<&Realisations>) -> Verdict {
-    examine_against(table, campaign, realisations, Prediction::of(campaign, &table.grid).as_ref())
+/// Tests a table against the laws, and against the models of its campaign; an imported one has no campaign.
+// Tested by `an_imported_table_is_held_to_the_laws` (tests/it/cli.rs).
+pub fn examine<'a>(
+    table: &BrdfTable,
+    campaign: impl Into<Option<&'a Campaign>>,
+    realisations: Option<&Realisations>,
+) -> Verdict {
+    let campaign = campaign.into();
+    let prediction = campaign.and_then(|campaign| Prediction::of(campaign, &table.grid));
+    examine_against(table, campaign, realisations, prediction.as_ref())
 }
 
-/// The same against a prediction that is at hand: bin means are the dear part of a verdict.
-pub fn examine_against(
+/// The same against a prediction that is at hand: bin means are the expensive part of a verdict.
+pub fn examine_against<'a>(
     table: &BrdfTable,
-    campaign: &Campaign,
+    campaign: impl Into<Option<&'a Campaign>>,
     realisations: Option<&Realisations>,
     prediction: Option<&Prediction>,
 ) -> Verdict {
-    let mut examination = Examination::new(Some(campaign), &table.grid);
-    examination.add(table, 0, Parts::of(realisations), prediction);
+    let mut examination = Examination::new(campaign.into(), &table.grid);
+    examination.add(table, 0, realisations.map(|all| Parts { all, first_stop: 0 }), prediction);
     examination.verdict()
 }
 
-/// Holds a table without a campaign, as an imported one, to the laws alone.
-///
-/// Held by: `an_imported_table_is_held_to_the_laws` (tests/it/cli.rs).
-pub fn examine_laws(table: &BrdfTable, realisations: Option<&Realisations>) -> Verdict {
-    let mut examination = Examination::new(None, &table.grid);
-    examination.add(table, 0, Parts::of(realisations), None);
-    examination.verdict()
-}
-
-/// Holds a stored table to the same, a band of stops after the other: none is larger than `bytes` with its prediction.
-///
-/// The figures are those of the whole table. Held by: `a_table_examined_by_rows_has_the_verdict_of_the_whole`
-/// (tests/it/table/large_tables.rs).
+/// Tests a stored table, a band of stops after the other: none is larger than `bytes` with its prediction. The figures
+/// are those of the whole table.
+// Tested by `a_table_examined_by_rows_has_the_verdict_of_the_whole` (tests/it/table/large_tables.rs).
 pub fn examine_rows(
     rows: &mut TableRows,
     campaign: Option<&Campaign>,
@@ -297,21 +296,4 @@ fn compare_stop(
         judged: bins_judged,
         by_part,
     }
-}
-
-/// Of two bins that mirror each other about the plane of incidence, the one on the left of it.
-pub(super) fn counted_bins(grid: &Grid, stop: usize, folded: bool) -> Vec<bool> {
-    let phi_i = grid.stop_deg(stop).1.to_radians();
-    let half_turn = |region: &Region| match *region {
-        Region::Rectangle { phi: [low, high], .. } => {
-            // The light's frame is turned with it where phi_r is relative; regions are in the stage's frame.
-            let middle = (0.5 * (low + high) - phi_i).rem_euclid(std::f64::consts::TAU);
-            middle <= std::f64::consts::PI + 1e-9 || middle >= std::f64::consts::TAU - 1e-9
-        }
-        Region::Cap { axis, .. } => {
-            let across = axis.y * phi_i.cos() - axis.x * phi_i.sin();
-            across >= -1e-9
-        }
-    };
-    grid.regions(stop).iter().map(|region| !folded || half_turn(region)).collect()
 }

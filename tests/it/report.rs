@@ -6,6 +6,7 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use gonio::bench::BenchAnswer;
 use gonio::campaign::{self, Campaign};
 use gonio::instrument::Grid;
 use gonio::instrument::grid::GridKind;
@@ -177,8 +178,15 @@ fn summary_of(name: &str, table: &BrdfTable) -> Summary {
     Summary::of_table(name, table, None, None, StopSummary::of_bins(table)).expect("a summary")
 }
 
+/// A document of `gonio bench`.
+fn bench_of(rows: Value, ladders: Value) -> BenchAnswer {
+    let document = json!({ "schema": 1, "name": "b", "seed": 1, "version": "0.0.0", "error_measure": "", "truth": "model",
+        "truth_name": "ggx", "rows": rows, "fit": null, "ladders": ladders, "campaign": "" });
+    serde_json::from_value(document).expect("a document")
+}
+
 /// The page of a made table under a name.
-fn page_of(made: &Made, name: &str, bench: Option<&Value>) -> String {
+fn page_of(made: &Made, name: &str, bench: Option<&BenchAnswer>) -> String {
     let Made { table, campaign, prediction } = made;
     let verdict = examine_against(table, campaign, None, Some(prediction));
     let stops = StopSummary::of_bins(table);
@@ -289,7 +297,7 @@ fn what_a_table_lacks_is_said() {
         masking: None,
         summary: &summary_of("imported", &arm.table),
         specimen: Err("The table holds no campaign.".into()),
-        bench: Some(&json!({})),
+        bench: Some(&bench_of(json!([]), json!([]))),
     };
     let text = page(&bare);
     for words in [
@@ -300,7 +308,7 @@ fn what_a_table_lacks_is_said() {
         "The table holds no campaign.",
         "too few to make a hemisphere",
         "only the measurement of a surface knows its facets",
-        "Error against samples: the document is no answer of `gonio bench`",
+        "Error against samples: the bench holds no rung",
         "In-plane lobe, theta_i 40°",
     ] {
         assert!(text.contains(words), "{words}");
@@ -444,11 +452,14 @@ fn the_answer_of_a_bench_is_plotted_as_it_is() {
 
 #[test]
 fn the_ladders_of_a_bench_are_plotted() {
-    let row = |n: u64, error: f64| json!({ "varies": "samples", "samples": n, "error": error });
-    let bench = json!({
-        "ladders": [{ "varies": "samples", "fit": { "a": 4.0, "b": 0.01, "slope": -0.47 } }],
-        "rows": [row(100, 0.2), row(10_000, 0.022)],
-    });
+    let row = |n: u64, error: f64| {
+        json!({ "varies": "samples", "samples": n, "realisations": 1, "seconds": 1.0, "rays_per_s": 1.0,
+            "error": error, "efficiency": 1.0, "errors": [error], "closure": null })
+    };
+    let fit = json!({ "a": 4.0, "a_low": 3.0, "a_high": 5.0, "b": 0.01, "b_low": 0.0, "b_high": 0.02,
+        "slope": -0.47, "slope_se": 0.01 });
+    let bench =
+        bench_of(json!([row(100, 0.2), row(10_000, 0.022)]), json!([{ "varies": "samples", "fit": fit }]));
     let page = page_of(&made(1, 2, 1, [6, 12]), "bench", Some(&bench));
     assert!(page.contains("Error: more samples in each, slope -0.470"));
 }

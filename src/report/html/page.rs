@@ -1,8 +1,7 @@
 //! What a page is made of.
 
-use serde_json::Value;
-
 use super::specimen::ShownSpecimen;
+use crate::bench::BenchAnswer;
 use crate::campaign::Campaign;
 use crate::report::slices::Scene;
 use crate::report::summary::Summary;
@@ -20,7 +19,7 @@ pub struct Page<'a> {
     /// The first patch.
     pub specimen: ShownSpecimen,
     /// The answer of `gonio bench`, for the plot of error against samples.
-    pub bench: Option<&'a Value>,
+    pub bench: Option<&'a BenchAnswer>,
 }
 
 impl Page<'_> {

@@ -8,10 +8,10 @@ use super::inline::Inline;
 use super::page::Page;
 use super::specimen::PatchPicture;
 use crate::campaign::SurfaceKind;
-use crate::report::plot::chart::escaped;
+use crate::report::plot::chart::{Chart, escaped};
 use crate::report::plot::plots::{self, shown_stops, shown_sweeps};
 use crate::report::plot::polar::polar;
-use crate::report::plot::{convergence, masking};
+use crate::report::plot::{convergence, ladders, masking};
 
 /// The picture's data for the script.
 pub fn picture(specimen: &PatchPicture) -> Value {
@@ -90,10 +90,12 @@ pub fn plots(page: &Page) -> String {
             "One azimuth of the light (or none of its own): no plot of anisotropy against azimuth.".into(),
         ),
     }
-    match page.bench.map(convergence::charts) {
-        Some(Ok(charts)) => shown.extend(charts.iter().map(|chart| chart.svg())),
-        Some(Err(why)) => absent.push(format!("Error against samples: the document {why}.")),
-        None => {}
+    if let Some(bench) = page.bench {
+        let charts = ladders::charts(bench);
+        shown.extend(charts.iter().map(Chart::svg));
+        if charts.is_empty() {
+            absent.push("Error against samples: the bench holds no rung with an error above 0.".into());
+        }
     }
     match convergence::looks(scene, &page.summary.stops) {
         Some(chart) => shown.push(chart.svg()),

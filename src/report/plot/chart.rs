@@ -191,25 +191,35 @@ pub fn escaped(text: &str) -> String {
 impl Chart {
     /// The chart as an `<svg>` element.
     pub fn svg(&self) -> String {
-        let legend = self.legend();
-        let rows = legend.iter().map(|entry| entry.row + 1).max().unwrap_or(0);
-        let width = ROOM[0] + FRAME[0] + ROOM[1];
-        let height = ROOM[2] + FRAME[1] + ROOM[3] + LEGEND_ROW * rows as f64;
+        let [width, height] = self.size();
         let title = escaped(&self.title);
+        format!(
+            "<svg class=\"chart\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\">\n{}</svg>\n",
+            self.content()
+        )
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [f64; 2] {
+        let rows = self.legend().iter().map(|entry| entry.row + 1).max().unwrap_or(0);
+        [ROOM[0] + FRAME[0] + ROOM[1], ROOM[2] + FRAME[1] + ROOM[3] + LEGEND_ROW * rows as f64]
+    }
+
+    /// What stands in the element.
+    pub fn content(&self) -> String {
         let mut out = Drawing::new();
         out.add(format_args!(
-            "<svg class=\"chart\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\">\n\
-             <text x=\"8\" y=\"20\" font-weight=\"bold\">{title}</text>\n\
-             <g transform=\"translate({} {})\">",
-            ROOM[0], ROOM[2]
+            "<text x=\"8\" y=\"20\" font-weight=\"bold\">{}</text>\n<g transform=\"translate({} {})\">",
+            escaped(&self.title),
+            ROOM[0],
+            ROOM[2]
         ));
         self.axes(&mut out);
         out.add("<svg class=\"inside\" width=\"400\" height=\"230\">");
         self.series.iter().for_each(|series| self.draw(&mut out, series));
         out.add("</svg>");
-        legend.iter().for_each(|entry| entry.draw(&mut out));
-        out.add("</g></svg>");
-        out.text()
+        self.legend().iter().for_each(|entry| entry.draw(&mut out));
+        out.text() + "</g>"
     }
 
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {

@@ -2,6 +2,7 @@
 
 pub mod chart;
 pub mod convergence;
+pub mod ladders;
 pub mod masking;
 pub mod plots;
 pub mod polar;
