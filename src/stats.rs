@@ -5,7 +5,8 @@ use statrs::function::gamma::{gamma_ur, ln_gamma};
 
 /// Mean and the standard error of the mean of independent values; the error is `None` for fewer than two.
 ///
-/// se^2 = sum (x - mean)^2/(n (n - 1)), in two passes: nothing cancels. Held by: `mean_and_error_by_hand`.
+/// se^2 = sum (x - mean)^2/(n (n - 1)), in two passes: nothing cancels.
+// Tested by `mean_and_error_by_hand`.
 pub fn mean_and_se(values: impl Iterator<Item = f64> + Clone) -> (f64, Option<f64>) {
     let count = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / count;
@@ -42,7 +43,8 @@ pub fn jackknife_se(without: &[f64]) -> Option<f64> {
 
 /// E\[s\]/sigma of a normal sample of `n` >= 2: the bias of the sample standard deviation.
 ///
-/// c4(n) = sqrt(2/(n-1)) Gamma(n/2)/Gamma((n-1)/2). Held by: `c4_matches_published_values`.
+/// c4(n) = sqrt(2/(n-1)) Gamma(n/2)/Gamma((n-1)/2).
+// Tested by `c4_matches_published_values`.
 pub fn c4(n: usize) -> f64 {
     let n = n as f64;
     (2.0 / (n - 1.0)).sqrt() * (ln_gamma(0.5 * n) - ln_gamma(0.5 * (n - 1.0))).exp()

@@ -117,7 +117,7 @@ struct JudgedBin {
 /// called with the starts of every finished block.
 ///
 /// Errors: `Usage` with fewer than two replicates, and where `other` is no other way to measure this campaign.
-/// Held by: `noise_is_what_replicates_show`.
+// Tested by `noise_is_what_replicates_show`.
 pub fn against(
     campaign: &Campaign,
     other: Other,

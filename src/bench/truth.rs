@@ -34,7 +34,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// The model of the campaign's surface with the masking that it is held to.
+    /// The model of the campaign's surface with the masking that it is tested against.
     pub fn model(campaign: &Campaign, plan: &Plan) -> Result<Self> {
         let model = Model::of(campaign)
             .ok_or_else(|| Error::Usage(format!("{}: no model speaks of this surface", campaign.name)))?;
@@ -64,7 +64,8 @@ impl Truth {
     }
 
     /// Mean over stops and colours of sum |f - m| w / sum m w: f the table's order 1, m the truth, w projected solid
-    /// angle. Held by: `the_error_is_the_flux_weighted_distance`.
+    /// angle.
+    // Tested by `the_error_is_the_flux_weighted_distance`.
     pub fn error_of(&self, table: &BrdfTable) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (stop, (colours, size)) in self.values.iter().zip(&self.sizes).enumerate() {
@@ -87,6 +88,5 @@ fn bins_of(values: &[f32], stop: usize, bins: usize) -> impl Iterator<Item = f32
 }
 
 fn sizes(plan: &Plan) -> Vec<Vec<f64>> {
-    let of = |stop| plan.grid.regions(stop).iter().map(|region| region.projected_solid_angle()).collect();
-    (0..plan.stops).map(of).collect()
+    (0..plan.stops).map(|stop| plan.grid.sizes(stop)).collect()
 }

@@ -23,7 +23,8 @@ use crate::validate::{self, Prediction, Verdict, verdict};
 /// Make one self-contained page of a table: figures, plots, pictures and a 3-D viewer
 #[derive(Args)]
 #[command(
-    after_help = "The page asks for nothing over the network. <stem>.json and <stem>.realisations.exr beside the\n\
+    after_help = "The page asks for nothing over the network. <stem>.json and <stem>.realisations.exr next to the
+\
     table are used where they are there.\n\nExample: gonio report out/quickstart/quickstart.exr -o quickstart.html"
 )]
 pub struct Arguments {
@@ -191,7 +192,7 @@ fn bench_in(path: &Path) -> Result<BenchAnswer> {
     }
 }
 
-/// The summary that `measure` wrote beside the table, if it is this table's: by its digest and, as older summaries have
+/// The summary that `measure` wrote next to the table, if it is this table's: by its digest and, as older summaries have
 /// none, by seed, patches and positions of the light.
 fn summary_beside(
     path: &Path,

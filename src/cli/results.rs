@@ -5,10 +5,8 @@ use std::path::Path;
 
 use super::table_output::TableOutput;
 use super::targets::TablePaths;
-use super::text::lobes;
-use super::text::optics;
-use super::text::output;
 use super::text::output::{Output, duration, grouped, with_error};
+use super::text::{self, lobes, optics, output};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::instrument::StopAngles;
@@ -137,7 +135,7 @@ pub fn report(out: &mut Output, measured: &Measured, plan: &Plan, verdict: &Verd
     out.lines(lost_light_line(measured, plan))?;
     out.lines(end_lines(measured, plan))?;
     out.line("")?;
-    out.lines(output::verdict_lines(verdict))
+    out.lines(text::verdict::lines(verdict))
 }
 
 /// How much light left an open map by its edge, where any did.

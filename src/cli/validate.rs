@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::table_file::{self, Opened};
-use super::text::output::{Output, say, to_json, verdict_lines};
+use super::text;
+use super::text::output::{Output, say, to_json};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::table::BrdfTable;
@@ -16,7 +17,7 @@ use crate::validate::{self, verdict};
 #[command(after_help = "Exits with 1 where the table breaks a law or misses its expectation.\n\n\
     Example: gonio validate out/quickstart/quickstart.exr")]
 pub struct Arguments {
-    /// The table; <stem>.realisations.exr beside it is used where it is there
+    /// The table; <stem>.realisations.exr next to it is used where it is there
     table: PathBuf,
     /// Print one JSON document: ok, failures, comparisons
     #[arg(long)]
@@ -40,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if arguments.json {
         out.json(&to_json(&verdict)?)?;
     } else {
-        out.lines(verdict_lines(&verdict))?;
+        out.lines(text::verdict::lines(&verdict))?;
     }
     if verdict.ok { Ok(0) } else { Err(Error::Disagreement(verdict.failures.join("\nerror: "))) }
 }

@@ -107,6 +107,16 @@ impl Region {
             Region::Cap { axis, half_angle } => std::f64::consts::PI * half_angle.sin().powi(2) * axis.z,
         }
     }
+
+    /// The direction in the middle, a unit vector.
+    pub fn middle(&self) -> DVec3 {
+        match *self {
+            Region::Rectangle { theta, phi } => {
+                sphere::direction(0.5 * (theta[0] + theta[1]), 0.5 * (phi[0] + phi[1]))
+            }
+            Region::Cap { axis, .. } => axis,
+        }
+    }
 }
 
 impl Grid {
@@ -119,6 +129,11 @@ impl Grid {
         } else {
             self.stops_deg.len()
         }
+    }
+
+    /// Projected solid angle of each bin at a stop, sr.
+    pub fn sizes(&self, stop: usize) -> Vec<f64> {
+        self.regions(stop).iter().map(Region::projected_solid_angle).collect()
     }
 
     /// Number of different azimuths among the stops.

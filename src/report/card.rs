@@ -59,7 +59,7 @@ fn effort(summary: &Summary) -> Vec<CardRow> {
         row(
             "samples",
             format!(
-                "{most}{samples} starts at each position of the light on each of {realisations} realisations \
+                "{most}{samples} surface samples at each position of the light on each of {realisations} realisations \
                  (ended by {by})"
             ),
         )

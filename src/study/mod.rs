@@ -1,6 +1,6 @@
 //! Isotropy and anisotropy: the sample is turned through 360 degrees under arms that stay.
 //!
-//! Enters: a campaign. Leaves: how far the BRDF depends on the turn (noise removed), a test of isotropy, where a 3-D
+//! Input: a campaign. Output: how far the BRDF depends on the turn (noise removed), a test of isotropy, where a 3-D
 //! table would be wrong, and the fitted alpha_x, alpha_y and rotation. Mirror images and folding assume the very
 //! symmetry under test and are switched off; the unit of every error is the realisation.
 
@@ -63,8 +63,7 @@ pub struct Study {
 }
 
 /// What the measured turn of a sample shows; `measured` comes from a campaign and plan of [`turned()`].
-///
-/// Held by: `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/it/study.rs).
+// Tested by `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/it/study.rs).
 pub fn examine(measured: &Measured) -> Study {
     let mut study = examine_isotropy(measured);
     let laws = laws(measured, study.dimensions == Some(4));
@@ -84,8 +83,7 @@ pub fn examine(measured: &Measured) -> Study {
 }
 
 /// The same without the fit: index and test need no model.
-///
-/// Held by: `an_isotropic_law_is_rejected_as_often_as_the_level_says` (tests/it/study.rs).
+// Tested by `an_isotropic_law_is_rejected_as_often_as_the_level_says` (tests/it/study.rs).
 pub fn examine_isotropy(measured: &Measured) -> Study {
     let data = data_of(measured);
     let harmonics = harmonics::harmonics(&data, measured.campaign.surface.kind.is_random_heights());

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::model_distance::{self, ErrorsAlone, Estimate, FEWEST};
 use crate::stats;
 
-/// A model held against a table.
+/// A model tested against a table.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Comparison {
@@ -41,7 +41,7 @@ pub struct Figures {
     pub l1_noise: Option<f64>,
     /// What is left.
     pub l1_model: Option<f64>,
-    /// Below this, `l1_model` cannot be told from 0: where the model is true, 95 % of the values are below.
+    /// Below this, `l1_model` cannot be distinguished from 0: where the model is true, 95 % of the values are below.
     ///
     /// Student's limit times `l1_model_se`; without realisations half of `l1_noise`.
     pub l1_model_floor: Option<f64>,
@@ -215,7 +215,7 @@ impl Figures {
         if self.l1_model.is_some() { ("l1_model", self.l1_model) } else { ("l1", self.l1) }
     }
 
-    /// Whether `l1_model` cannot be told from 0.
+    /// Whether `l1_model` cannot be distinguished from 0.
     pub fn is_below_floor(&self) -> bool {
         self.l1_model.zip(self.l1_model_floor).is_some_and(|(found, floor)| found < floor)
     }
@@ -256,8 +256,7 @@ pub struct Nearest {
 }
 
 /// The model with the smallest distance; `None` where all of several are below their floors, or nothing is known.
-///
-/// Held by: `models_below_their_floors_have_no_nearest`.
+// Tested by `models_below_their_floors_have_no_nearest`.
 pub fn nearest(models: &[(&Figures, &[f64])]) -> Option<Nearest> {
     let distance = |(k, (figures, _)): (usize, &(&Figures, &[f64]))| Some((figures.distance().1?, k));
     let mut known: Vec<(f64, usize)> = models.iter().enumerate().filter_map(distance).collect();

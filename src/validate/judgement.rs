@@ -48,7 +48,7 @@ pub struct Judgement {
     pub ruling: Ruling,
     /// What was found.
     pub figure: Option<f64>,
-    /// What it is held to.
+    /// What it is tested against.
     pub limit: Option<f64>,
     /// By how much noise may take the figure over the limit.
     pub allowance: Option<f64>,

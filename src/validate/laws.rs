@@ -6,6 +6,7 @@ use super::pairs::PairValues;
 use crate::instrument::GridKind;
 use crate::stats;
 use crate::table::BrdfTable;
+use crate::table::brdf_table::flux;
 
 /// Family level of the tests of this file.
 const LEVEL: f64 = 0.01;
@@ -91,9 +92,8 @@ impl Energy {
 /// Flux of all orders into all bins, with its error over the realisations, which the table holds: it is the same
 /// whether their file is there or not.
 fn albedo(table: &BrdfTable, stop: usize, colour: usize) -> (f64, Option<f64>) {
-    let regions = table.grid.regions(stop);
-    let values = &table.colours[colour].total[stop * regions.len()..][..regions.len()];
-    let flux = values.iter().zip(&regions).map(|(&f, bin)| f64::from(f) * bin.projected_solid_angle()).sum();
+    let sizes = table.grid.sizes(stop);
+    let flux = flux(&table.colours[colour].total[stop * sizes.len()..][..sizes.len()], &sizes);
     (flux, table.colours[colour].albedo_se.get(stop).map(|&se| f64::from(se)))
 }
 
@@ -107,7 +107,7 @@ pub(super) fn is_measured(table: &BrdfTable) -> bool {
 /// With n arrivals, all starts of a stop carry one flux, and what a torus shows the light has no noise of its own, so
 /// that it is flux sqrt(2/n); the 2 stands for arrivals that count on both sides of a folded stop. 0 for a table that
 /// was not measured here: of its errors nothing is known.
-/// Held by: `few_arrivals_of_one_realisation_break_no_law` (tests/it/measure/grazing_stability.rs).
+// Tested by `few_arrivals_of_one_realisation_break_no_law` (tests/it/measure/grazing_stability.rs).
 fn counting_error(table: &BrdfTable, stop: usize, flux: f64) -> f64 {
     let bins = table.grid.bins();
     let arrivals: u64 = table.hits[stop * bins..][..bins].iter().map(|&hits| u64::from(hits)).sum();

@@ -14,7 +14,7 @@ use super::prediction::model::{Model, StopMeans};
 use super::seen::SeenLight;
 use crate::campaign::Campaign;
 use crate::error::Result;
-use crate::instrument::{Grid, GridKind, Region};
+use crate::instrument::{Grid, GridKind};
 use crate::measure::plan::folded_stops;
 use crate::table::{BrdfTable, Realisations, TableRows};
 
@@ -39,11 +39,11 @@ pub struct Verdict {
     pub energy: Energy,
     /// Arms exchanged; null where no two stops see each other.
     pub reciprocity: Option<Reciprocity>,
-    /// The masking with the smallest discrepancy; null where none can be told from 0.
+    /// The masking with the smallest discrepancy; null where none can be distinguished from 0.
     pub nearest_masking: Option<String>,
     /// The probability of its lead over the second where both are as near (`compare::nearest`).
     pub nearest_p: Option<f64>,
-    /// What the table was held to.
+    /// What the table was tested against.
     pub bar: Option<Bar>,
 }
 
@@ -132,7 +132,7 @@ pub struct Examination {
 }
 
 impl Examination {
-    /// Of a table of all stops of `grid`; without a campaign it is held to the laws alone.
+    /// Of a table of all stops of `grid`; without a campaign it is tested against the laws alone.
     pub fn new(campaign: Option<&Campaign>, grid: &Grid) -> Self {
         let visibility = campaign.is_none_or(|campaign| campaign.trace.visibility);
         let exact = match campaign {
@@ -169,7 +169,7 @@ impl Examination {
         }
         let (Some(campaign), Some(prediction)) = (&self.campaign, prediction) else { return };
         self.model = prediction.model.name().into();
-        for comparison in compare(band, campaign, realisations, &prediction.model, &prediction.means) {
+        for comparison in compare(band, campaign, realisations, prediction) {
             match self.compared.iter_mut().find(|(masking, _)| *masking == comparison.masking) {
                 Some((_, stops)) => stops.extend(comparison.stops),
                 None => self.compared.push((comparison.masking, comparison.stops)),
@@ -177,7 +177,7 @@ impl Examination {
         }
     }
 
-    /// What is to be said beside a failure of random heights without shadowing and masking.
+    /// What is to be said of a failure of random heights without shadowing and masking.
     fn own_slopes(&self) -> &'static str {
         let own =
             |campaign: &Campaign| !campaign.trace.visibility && campaign.surface.kind.is_random_heights();
@@ -231,13 +231,12 @@ fn realisations_of(campaign: &Campaign) -> usize {
     campaign.surface.realisations as usize
 }
 
-/// A table against every masking of a model; `realisations` and `means` are those of its stops.
+/// A table against every masking of a model; realisations and prediction are those of its stops.
 pub fn compare(
     table: &BrdfTable,
     campaign: &Campaign,
     realisations: Option<Parts>,
-    model: &Model,
-    means: &[StopMeans],
+    Prediction { model, means }: &Prediction,
 ) -> Vec<Comparison> {
     let names = model.maskings();
     let folded = folded_stops(campaign, &table.grid);
@@ -261,7 +260,7 @@ fn compare_stop(
     let grid = &table.grid;
     let bins = grid.bins();
     let here = stop * bins..(stop + 1) * bins;
-    let size: Vec<f64> = grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
+    let size = grid.sizes(stop);
     let counted = counted_bins(grid, stop, folded);
     let realisations = realisations_of(campaign);
     let figures = |(colour, model): (usize, &Vec<f64>)| {

@@ -82,7 +82,7 @@ fn the_page_follows_from_the_table_and_its_summary() {
     for key in ["l1_noise", "l1_model"] {
         assert_eq!(cells(&alone, "comparisons", key), cells(&one, "comparisons", key));
     }
-    assert!(alone.contains("which is not beside the table"));
+    assert!(alone.contains("which is not next to the table"));
     let same = gonio(folder.path(), &["report", "one/small.exr", "-o", "one/small.exr"]);
     exits(&same, 3);
 }

@@ -11,7 +11,7 @@ use super::output;
 /// Seconds between two lines where stderr is no terminal.
 const LINE_INTERVAL: u64 = 60;
 
-/// Progress on stderr, told from any thread.
+/// Progress on stderr, reported from any thread.
 pub struct RunProgress {
     total: u64,
     unit: &'static str,

@@ -116,7 +116,7 @@ fn albedos(page: &Page) -> String {
 
 fn cost(summary: &Summary) -> String {
     let Some(Cost { wall_s, cpu_s, threads, samples, rays_traced, peak_bytes, .. }) = &summary.cost else {
-        return "<p id=\"cost\">What the measurement cost stands in its summary, which is not beside the table.</p>\n".into();
+        return "<p id=\"cost\">What the measurement cost stands in its summary, which is not next to the table.</p>\n".into();
     };
     let stopped = summary.stopped_by.map(|by| format!(" Stopped by: {}.", by.to_string().replace('_', " ")));
     let millions = |count: &u64| format!("{:.2} million", *count as f64 / 1e6);

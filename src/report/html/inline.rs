@@ -1,6 +1,6 @@
 //! The table as the page's pictures and its viewer take it: half floats in base64, reduced where it is large.
 //!
-//! Enters: a scene. Leaves: JSON with the axes of what is drawn and one block of halfs for each layer,
+//! Input: a scene. Output: JSON with the axes of what is drawn and one block of halfs for each layer,
 //! \[colour\]\[stop\]\[theta_r\]\[phi_r\] or \[colour\]\[stop\]\[direction\], values over `scale`; below 0: nothing was measured.
 
 use base64::Engine;

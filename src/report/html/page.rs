@@ -8,7 +8,7 @@ use crate::report::summary::Summary;
 
 /// What a page is made of.
 pub struct Page<'a> {
-    /// The table and the models beside it.
+    /// The table and the models of it.
     pub scene: Scene<'a>,
     /// What it was measured by; an imported table has none.
     pub campaign: Option<&'a Campaign>,

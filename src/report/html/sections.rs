@@ -127,7 +127,7 @@ fn no_masking(page: &Page) -> &'static str {
             "Masking given the normal (G1): on a statistical Smith surface it is Smith's by construction."
         }
         Some(_) => {
-            "Masking given the normal (G1) is not known: the summary beside the table has none, or not every facet was \
+            "Masking given the normal (G1) is not known: the summary next to the table has none, or not every facet was \
              started on, or paths left the map."
         }
     }

@@ -12,8 +12,7 @@ const LARGEST: u64 = 1 << 28;
 
 /// The stops that a page shows of a table in which a stop takes `row_bytes`, and their geometry: all of them, or some
 /// of the angles of each axis.
-///
-/// Held by: `a_page_of_a_large_table_shows_stops_of_every_part_of_it` (tests/it/table/large_tables.rs).
+// Tested by `a_page_of_a_large_table_shows_stops_of_every_part_of_it` (tests/it/table/large_tables.rs).
 pub fn kept_stops(grid: &Grid, row_bytes: u64, bytes: u64) -> Option<(Grid, Vec<usize>)> {
     let fit = usize::try_from(bytes / row_bytes.max(1)).unwrap_or(usize::MAX).max(1);
     let all = grid.stops();

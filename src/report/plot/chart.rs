@@ -1,6 +1,6 @@
 //! One chart as SVG: axes with ticks, lines, bands, points and a legend below the frame.
 //!
-//! Enters: series of numbers. Leaves: text that reads the same in grey: every series has a dash or a marker of its own.
+//! Input: series of numbers. Output: text that reads the same in grey: every series has a dash or a marker of its own.
 
 use crate::error::is_unseen;
 use std::fmt::Write;
@@ -13,7 +13,7 @@ const LEGEND_ROW: f64 = 22.0;
 const LETTER: f64 = 7.6;
 const SAMPLE: f64 = 34.0;
 
-/// How a series looks: told apart by colour, and without colour by dash and marker.
+/// How a series looks: distinguished by colour, and without colour by dash and marker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SeriesStyle {
     /// Colour, as in CSS.

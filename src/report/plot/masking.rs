@@ -11,8 +11,8 @@ use crate::stats;
 const MOST_ANGLES: usize = 4;
 /// Slopes shown, units of alpha.
 const STEEPEST: f64 = 4.0;
-/// Starts below which a class says nothing.
-const FEWEST_STARTS: u64 = 400;
+/// Surface samples below which a class says nothing.
+const FEWEST_SAMPLES: u64 = 400;
 
 /// The chart from the summary's stops at the first azimuth of the light; `None` where nothing was counted. Slopes are
 /// `scaled` by alpha where the surface has one.
@@ -46,7 +46,7 @@ pub fn chart(scene: &Scene, stops: &[StopSummary], scaled: bool) -> Option<Chart
             },
             [-STEEPEST, STEEPEST],
         ),
-        y: ChartAxis::linear("share of the starts that is lit", [0.0, 1.1]),
+        y: ChartAxis::linear("share of the surface samples that the light sees", [0.0, 1.1]),
         series,
     })
 }
@@ -56,7 +56,7 @@ fn points(classes: &[SlopeClass], realisations: usize) -> (Vec<[f64; 2]>, Vec<f6
     let limit = if realisations > 1 { stats::student_limit(0.05, realisations - 1) } else { 0.0 };
     let class = |&SlopeClass { slope: [low, high], starts, share, share_se }: &SlopeClass| {
         let (low, high) = low.zip(high)?;
-        let share = share.filter(|_| starts >= FEWEST_STARTS)?;
+        let share = share.filter(|_| starts >= FEWEST_SAMPLES)?;
         Some(([0.5 * (low + high), share], limit * share_se.unwrap_or(0.0)))
     };
     classes.iter().filter_map(class).unzip()

@@ -1,4 +1,4 @@
-//! The summary of a measurement: what `measure` writes beside a table as JSON, and what page and card say of it.
+//! The summary of a measurement: what `measure` writes next to a table as JSON, and what page and card say of it.
 
 mod stop;
 

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::measure::accumulate::slopes::SlopeClass;
 use crate::measure::{StopResult, StoppedBy};
 use crate::stats;
+use crate::table::brdf_table::flux;
 use crate::table::{BrdfTable, ColourChannels};
 
 /// One stop: fluxes as shares of the incident flux, means and standard errors over the realisations.
@@ -116,15 +117,12 @@ impl StopSummary {
 
 fn of_bins(table: &BrdfTable, stop: usize) -> StopSummary {
     let (theta_i_deg, phi_i_deg) = table.grid.stop_deg(stop);
-    let sizes: Vec<f64> = table.grid.regions(stop).iter().map(|r| r.projected_solid_angle()).collect();
+    let sizes = table.grid.sizes(stop);
     // Bins that fill the hemisphere, up to the rounding of their edges.
     let whole = (sizes.iter().sum::<f64>() - PI).abs() < 1e-6 && table.gaps() == 0;
-    let flux = |values: &[f32]| {
-        let here = values[stop * sizes.len()..].iter().zip(&sizes);
-        here.map(|(&value, size)| f64::from(value) * size).sum::<f64>()
-    };
     let mean = |pick: fn(&ColourChannels) -> &Vec<f32>| {
-        let of_colours: Vec<f64> = table.colours.iter().map(|colour| flux(pick(colour))).collect();
+        let flux = |colour| flux(&pick(colour)[stop * sizes.len()..], &sizes);
+        let of_colours: Vec<f64> = table.colours.iter().map(flux).collect();
         whole.then(|| stats::mean(&of_colours))
     };
     StopSummary {

@@ -101,7 +101,8 @@ impl Model {
     ///
     /// With s = hypot(alpha_x w.x, alpha_y w.y): w.m >= 0 where the slope is at most w.z/s. `None` for other models, for
     /// a surface without shadows, and (`averaged`) where an anisotropic one is averaged over the azimuth. `wi`: unit
-    /// vector, stage's frame. Held by: `smith_masks_all_facets_alike_up_to_a_slope`.
+    /// vector, stage's frame.
+    // Tested by `smith_masks_all_facets_alike_up_to_a_slope`.
     pub fn smith(&self, wi: DVec3, averaged: bool) -> Option<[f64; 2]> {
         let Model::Microfacet { surface, maskings } = self else { return None };
         if (averaged && !surface.is_isotropic()) || maskings.contains(&Masking::None) {
@@ -120,15 +121,8 @@ impl Model {
         let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
         let turns = if averaged { AZIMUTHS } else { 1 };
         let rotations = (0..turns).map(|k| PI * k as f64 / turns as f64);
-        let mut sum: Option<Vec<Vec<Vec<f64>>>> = None;
-        for rotation in rotations {
-            let part = self.turned_means(rotation, grid, stop, &source, &colours);
-            sum = Some(match sum {
-                None => part,
-                Some(sum) => zip3(sum, &part),
-            });
-        }
-        let mut values = sum.unwrap_or_default();
+        let parts = rotations.map(|rotation| self.turned_means(rotation, grid, stop, &source, &colours));
+        let mut values = parts.reduce(added).unwrap_or_default();
         values.iter_mut().flatten().flatten().for_each(|value| *value /= turns as f64);
         StopMeans { values }
     }
@@ -208,11 +202,9 @@ fn lobe_means(
     means
 }
 
-fn zip3(mut sum: Vec<Vec<Vec<f64>>>, part: &[Vec<Vec<f64>>]) -> Vec<Vec<Vec<f64>>> {
-    let flat = sum.iter_mut().flatten().flatten();
-    for (sum, part) in flat.zip(part.iter().flatten().flatten()) {
-        *sum += part;
-    }
+fn added(mut sum: Vec<Vec<Vec<f64>>>, part: Vec<Vec<Vec<f64>>>) -> Vec<Vec<Vec<f64>>> {
+    let values = sum.iter_mut().flatten().flatten().zip(part.iter().flatten().flatten());
+    values.for_each(|(sum, part)| *sum += part);
     sum
 }
 

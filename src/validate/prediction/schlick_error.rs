@@ -59,8 +59,7 @@ pub struct StopError {
 
 impl SchlickError {
     /// What is known for a table's material; `None` where its index is not.
-    ///
-    /// Held by: `schlick_is_exact_at_normal_and_grazing_incidence_alone` (tests/it/measure/materials.rs).
+    // Tested by `schlick_is_exact_at_normal_and_grazing_incidence_alone` (tests/it/measure/materials.rs).
     pub fn of(campaign: &Campaign, table: &BrdfTable) -> Option<Self> {
         let media = index_of(&campaign.optics)?;
         let names = table.colour_names();

@@ -10,7 +10,7 @@ pub struct ComparedTable<'a> {
     pub table: &'a BrdfTable,
     /// How it was measured; `None` for an imported table.
     pub campaign: Option<&'a Campaign>,
-    /// Its realisations, where they lie beside it.
+    /// Its realisations, where they lie next to it.
     pub parts: Option<&'a Realisations>,
 }
 

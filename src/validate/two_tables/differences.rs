@@ -4,7 +4,7 @@
 //! the shorter has entries. A table without realisations has its value and error split: with z_k normal,
 //! x + se sqrt(R) (z_k - mean z) has variance R se^2, and two of them covariance se^2 - se^2 = 0, so that they are R
 //! independent realisations where the noise is normal; where the error is 0 they are the value.
-//! Held by: `a_difference_is_read_without_bias`, `a_table_without_realisations_is_split`.
+// Tested by `a_difference_is_read_without_bias`, `a_table_without_realisations_is_split`.
 
 use super::compared_table::ComparedTable;
 use crate::rng::{self, Purpose, StreamId};

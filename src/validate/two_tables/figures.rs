@@ -14,7 +14,7 @@ pub struct DifferenceFigures {
     /// The distance without noise, by the realisations: 0 on average where the tables agree, and so often below 0; null
     /// where neither table has 4 realisations.
     pub l1_difference: Option<f64>,
-    /// Below this, `l1_difference` cannot be told from 0: where the tables agree, 95 % of the values are below.
+    /// Below this, `l1_difference` cannot be distinguished from 0: where the tables agree, 95 % of the values are below.
     pub l1_difference_floor: Option<f64>,
     /// Its standard error.
     pub l1_difference_se: Option<f64>,

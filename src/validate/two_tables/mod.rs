@@ -1,6 +1,6 @@
 //! Two tables bin by bin: what differs, and what of it noise explains.
 //!
-//! Enters: tables A and B on one grid, with their realisations where they are known. Leaves the summary's measures
+//! Input: tables A and B on one grid, with their realisations where they are known. Output: the summary's measures
 //! with A as f and B as m: l1 = sum |a-b| w / sum b w, l1_noise = sqrt(2/pi) sum se w/c4 / sum b w with
 //! se^2 = se_a^2 + se_b^2. Tables of the very same patches are paired: se is that of the differences by realisation.
 //! l1_difference, the distance without noise, has realisations turn each other's sign (`model_distance`); where neither
@@ -81,7 +81,7 @@ pub struct StopDifference {
 /// - Gaps of either table are left out.
 /// - Bins without hits in either table count in l1 and are left out of t's; a stderr of -1 anywhere makes the noise null.
 /// - Degrees of freedom by Welch and Satterthwaite, rounded down; realisations - 1 where the tables are paired.
-/// - Held by: `equal_laws_differ_by_their_noise_alone`, `the_measures_follow_their_definitions`.
+// Tested by `equal_laws_differ_by_their_noise_alone`, `the_measures_follow_their_definitions`.
 pub fn difference(a: ComparedTable, b: ComparedTable) -> Result<TableDifference, String> {
     fits(a.table, b.table)?;
     let mut found = DifferenceRun::default();
@@ -91,8 +91,8 @@ pub fn difference(a: ComparedTable, b: ComparedTable) -> Result<TableDifference,
 
 /// The same of two stored tables, a band of stops after the other: both bands together hold `bytes` at most.
 ///
-/// The sides give campaigns and realisations; their tables are not looked at. Held by:
-/// `tables_compared_by_rows_differ_as_whole_ones` (tests/it/table/large_tables.rs).
+/// The sides give campaigns and realisations; their tables are not looked at.
+// Tested by `tables_compared_by_rows_differ_as_whole_ones` (tests/it/table/large_tables.rs).
 pub fn difference_of_rows(
     (a, b): (&mut TableRows, &mut TableRows),
     campaigns: [Option<&Campaign>; 2],
