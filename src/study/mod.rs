@@ -14,10 +14,11 @@ pub use turned::turned;
 
 use serde::Serialize;
 
-use crate::campaign::{SmithNdf, SurfaceKind};
+use crate::campaign::SurfaceKind;
 use crate::fit::{self, FitData, FitLaw};
 use crate::measure::Measured;
 use crate::theory::{Masking, Ndf};
+use crate::validate::prediction::model::ndf_of;
 
 /// Level of the test of isotropy.
 pub const LEVEL: f64 = 0.01;
@@ -119,14 +120,8 @@ fn joint(harmonics: &[AzimuthHarmonic]) -> Option<f64> {
 /// does not stand: axes that are chosen to make the most of the noise always lie apart.
 fn laws(measured: &Measured, anisotropic: bool) -> Vec<FitLaw> {
     let ndfs = match &measured.campaign.surface.kind {
-        SurfaceKind::Ggx(_) => vec![Ndf::Ggx],
-        SurfaceKind::Beckmann { .. } => vec![Ndf::Beckmann],
-        SurfaceKind::StudentT { gamma, .. } => vec![Ndf::StudentT { gamma: *gamma }],
-        SurfaceKind::BlinnPhong { .. } => vec![Ndf::BlinnPhong],
-        SurfaceKind::Smith(smith) if smith.ndf == SmithNdf::Ggx => vec![Ndf::Ggx],
-        SurfaceKind::Smith(_) => vec![Ndf::Beckmann],
         SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => vec![Ndf::Ggx, Ndf::Beckmann],
-        SurfaceKind::Mirror => vec![],
+        kind => ndf_of(kind).into_iter().collect(),
     };
     let maskings = if measured.campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
     let laws = ndfs.into_iter().flat_map(|ndf| {

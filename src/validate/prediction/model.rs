@@ -42,6 +42,19 @@ pub enum Model {
     },
 }
 
+/// The law of a surface's normals; `None` of a mirror, of grooves, and of a measured map.
+pub fn ndf_of(kind: &SurfaceKind) -> Option<Ndf> {
+    match kind {
+        SurfaceKind::Ggx(_) => Some(Ndf::Ggx),
+        SurfaceKind::Beckmann { .. } => Some(Ndf::Beckmann),
+        SurfaceKind::StudentT { gamma, .. } => Some(Ndf::StudentT { gamma: *gamma }),
+        SurfaceKind::BlinnPhong { .. } => Some(Ndf::BlinnPhong),
+        SurfaceKind::Smith(smith) if smith.ndf == SmithNdf::Ggx => Some(Ndf::Ggx),
+        SurfaceKind::Smith(_) => Some(Ndf::Beckmann),
+        SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
+    }
+}
+
 /// One model's means over the bins of one stop.
 pub struct StopMeans {
     /// \[masking\]\[colour\]\[bin\], 1/sr.
@@ -52,31 +65,17 @@ impl Model {
     /// The models of a campaign; `None` where theory has nothing to say (a measured map).
     pub fn of(campaign: &Campaign) -> Option<Self> {
         let rotation = campaign.surface.rotation_deg.to_radians();
-        let microfacet = |ndf| {
-            let alpha = campaign.alphas()[0]?;
-            let surface = Microfacet { ndf, alpha_x: alpha.x, alpha_y: alpha.y, rotation };
-            let shadowed = vec![Masking::Separable, Masking::HeightCorrelated, Masking::DirectionCorrelated];
-            let maskings = if campaign.trace.visibility { shadowed } else { vec![Masking::None] };
-            Some(Model::Microfacet { surface, maskings })
-        };
+        let lobes = |name, masking, slope| Some(Model::Lobes { name, masking, slope, rotation });
         match &campaign.surface.kind {
-            SurfaceKind::Ggx(_) => microfacet(Ndf::Ggx),
-            SurfaceKind::Beckmann { .. } => microfacet(Ndf::Beckmann),
-            SurfaceKind::StudentT { gamma, .. } => microfacet(Ndf::StudentT { gamma: *gamma }),
-            SurfaceKind::BlinnPhong { .. } => microfacet(Ndf::BlinnPhong),
-            SurfaceKind::Smith(smith) => {
-                microfacet(if smith.ndf == SmithNdf::Ggx { Ndf::Ggx } else { Ndf::Beckmann })
+            SurfaceKind::Mirror => lobes("mirror", "none", None),
+            SurfaceKind::VGroove { slope } => lobes("torrance_sparrow", "v_cavity", Some(*slope)),
+            kind => {
+                let (ndf, alpha) = (ndf_of(kind)?, campaign.alphas()[0]?);
+                let surface = Microfacet { ndf, alpha_x: alpha.x, alpha_y: alpha.y, rotation };
+                let maskings =
+                    if campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
+                Some(Model::Microfacet { surface, maskings: maskings.to_vec() })
             }
-            SurfaceKind::Mirror => {
-                Some(Model::Lobes { name: "mirror", masking: "none", slope: None, rotation })
-            }
-            SurfaceKind::VGroove { slope } => Some(Model::Lobes {
-                name: "torrance_sparrow",
-                masking: "v_cavity",
-                slope: Some(*slope),
-                rotation,
-            }),
-            SurfaceKind::File(_) => None,
         }
     }
 
