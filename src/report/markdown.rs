@@ -1,6 +1,6 @@
 //! Words of files as text of a Markdown page, where they can make no element, link, cell or header of their own.
 //!
-//! The one place for such words on their way to Markdown; on their way to HTML it is `chart::escaped`.
+//! The one place for such words on their way to Markdown; on their way to HTML it is `plot::escaped`.
 
 use crate::error::is_unseen;
 

@@ -3,7 +3,7 @@
 use super::page::Page;
 use crate::instrument::angle_decimals;
 use crate::measure::Cost;
-use crate::report::plot::chart::escaped;
+use crate::report::plot::escaped;
 use crate::report::plot::plots::spread;
 use crate::report::summary::{StopSummary, Summary};
 use crate::validate::compare::{Comparison, Figures};

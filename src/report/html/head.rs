@@ -4,7 +4,7 @@ use super::page::Page;
 use crate::campaign::{Campaign, Optics, SurfaceKind};
 use crate::instrument::grid::GridKind;
 use crate::instrument::{Grid, angle_decimals};
-use crate::report::plot::chart::escaped;
+use crate::report::plot::escaped;
 use crate::validate::Judgement;
 
 /// Name, what was measured, the verdict.

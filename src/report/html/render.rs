@@ -10,7 +10,7 @@ use super::inline::inline;
 use super::page::Page;
 use super::sections;
 use crate::error::seen_in_json;
-use crate::report::plot::chart::escaped;
+use crate::report::plot::escaped;
 
 /// By this a page is recognised as one of ours.
 pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";

@@ -8,9 +8,9 @@ use super::inline::Inline;
 use super::page::Page;
 use super::specimen::PatchPicture;
 use crate::campaign::SurfaceKind;
-use crate::report::plot::chart::{Chart, escaped};
 use crate::report::plot::plots::{self, shown_stops, shown_sweeps};
 use crate::report::plot::polar::polar;
+use crate::report::plot::{Chart, escaped};
 use crate::report::plot::{convergence, ladders, masking};
 
 /// The picture's data for the script.

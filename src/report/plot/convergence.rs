@@ -1,12 +1,10 @@
 //! Error against samples, from what a run saw on its own way.
 
-use super::chart::{Chart, ChartAxis, Series, SeriesStyle, model_style, series_style};
+use super::chart::{curve, ends};
 use super::plots::{spread, stop_name};
+use crate::report::plot::{Chart, ChartAxis, Series, SeriesStyle, model_style, series_style};
 use crate::report::slices::Scene;
 use crate::report::summary::{ErrorLook, StopSummary};
-
-/// Points of a fitted curve.
-const CURVE: u32 = 60;
 
 /// Light angles that are drawn at most.
 const MOST_ANGLES: usize = 4;
@@ -30,25 +28,18 @@ pub fn looks(scene: &Scene, stops: &[StopSummary]) -> Option<Chart> {
     for (index, at) in spread(looked.len(), MOST_ANGLES).into_iter().enumerate() {
         let (stop, points) = looked[at].clone();
         let style = SeriesStyle { line: false, ..series_style(index) };
-        let curve = SeriesStyle { colour: style.colour, ..model_style(index) };
-        let label = stop_name(scene, stop);
-        let fit = fitted(&points);
+        let dashed = SeriesStyle { colour: style.colour, ..model_style(index) };
+        let [a, b2] = fitted(&points);
         let (first, last) = (points[0][0], points[points.len() - 1][0]);
-        series.push(Series { label, points, error: vec![], style });
-        let [a, b2] = fit;
-        let steps = (0..=CURVE).map(|k| first * (last / first).powf(f64::from(k) / f64::from(CURVE)));
-        let points = steps.map(|n| [n, (a / n + b2).sqrt()]).collect();
-        let label = if index == 0 { "√(a/N + p²)".into() } else { String::new() };
-        series.push(Series { label, points, error: vec![], style: curve });
+        series.push(Series::new(stop_name(scene, stop), points, style));
+        let label = if index == 0 { "√(a/N + p²)" } else { "" };
+        series.push(Series::new(label, curve(first, last, |n| (a / n + b2).sqrt()), dashed));
     }
-    let all = || series.iter().flat_map(|series| &series.points);
-    let ends = |axis: usize| {
-        all().map(|point| point[axis]).fold([f64::INFINITY, 0.0f64], |[l, h], v| [l.min(v), h.max(v)])
-    };
-    let ([first, last], errors) = (ends(0), ends(1));
+    let of_axis = |axis: usize| ends(series.iter().flat_map(|s| &s.points).map(|point| point[axis]));
+    let (samples, errors) = (of_axis(0), of_axis(1));
     (!series.is_empty()).then(|| Chart {
         title: "Error against samples, as the run looked at it".into(),
-        x: ChartAxis::decades("starts in each patch, N", [first, last]),
+        x: ChartAxis::decades("surface samples in each patch, N", samples),
         y: ChartAxis::decades("median relative error of the bright bins", errors),
         series,
     })

@@ -1,12 +1,12 @@
 //! Error against samples, from the document of `gonio bench`: for the page, and as a picture of its own.
 
-use super::chart::{
-    Chart, ChartAxis, Drawing, Marker, Series, SeriesStyle, escaped, model_style, series_style,
-};
+use super::chart::{curve, ends};
+use super::drawing::{Drawing, heading};
 use crate::bench::{BenchAnswer, FittedLadder, LadderFit, MeasuredRung, Varies};
+use crate::report::plot::{
+    Chart, ChartAxis, Marker, Series, SeriesStyle, escaped, model_style, series_style,
+};
 
-/// Points of a fitted curve.
-const CURVE: u32 = 60;
 /// The rules for charts are those of the page.
 const PAGE_STYLE: &str = include_str!("../html/assets/page.css");
 /// Room for the words above a chart of the picture.
@@ -24,14 +24,15 @@ pub fn charts(bench: &BenchAnswer) -> Vec<Chart> {
 /// The charts below each other.
 pub fn picture(bench: &BenchAnswer) -> String {
     let style: String = PAGE_STYLE.lines().filter(|rule| rule.starts_with(".chart ")).collect();
-    let (mut inner, mut width, mut height) = (Drawing::new(), 0.0f64, 0.0);
+    let (mut inner, mut width, mut height) = (Drawing::default(), 0.0f64, 0.0);
     for ladder in &bench.ladders {
         let Some(chart) = chart(ladder, &bench.rows) else { continue };
         let size = chart.size();
         inner.add(format_args!(
             "<g class=\"chart\" transform=\"translate(0 {height})\"><text x=\"8\" y=\"20\">{}</text>\n\
-             <g transform=\"translate(0 {CAPTION})\">{}</g></g>",
+             <g transform=\"translate(0 {CAPTION})\">{}\n{}</g></g>",
             escaped(&caption(bench, ladder)),
+            heading(&escaped(&chart.title)),
             chart.content()
         ));
         (width, height) = (width.max(size[0]), height + CAPTION + size[1]);
@@ -58,30 +59,26 @@ fn chart(ladder: &FittedLadder, rows: &[MeasuredRung]) -> Option<Chart> {
     let rows: Vec<&MeasuredRung> = rows.iter().filter(of_this).collect();
     let measured: Vec<[f64; 2]> = rows.iter().map(|row| [row.samples as f64, row.error]).collect();
     let (first, last) = (*measured.first()?, *measured.last()?);
-    let curve = |error: &dyn Fn(f64) -> f64| {
-        let at = |k: u32| first[0] * (last[0] / first[0]).powf(f64::from(k) / f64::from(CURVE));
-        (0..=CURVE).map(at).map(|n| [n, error(n)]).collect::<Vec<_>>()
-    };
-    let line = |label: &str, points, style| Series { label: label.into(), points, error: vec![], style };
+    let along = |error: &dyn Fn(f64) -> f64| curve(first[0], last[0], error);
     let from = ladder.fit.map_or(first[1], |fit| (fit.a / first[0]).sqrt());
     let guide = SeriesStyle { colour: "#777", dashes: "8 5", marker: Marker::Off, line: true };
-    let mut series = vec![line("1/√N", curve(&|n| from * (first[0] / n).sqrt()), guide)];
+    let mut series = vec![Series::new("1/√N", along(&|n| from * (first[0] / n).sqrt()), guide)];
     if let Some(LadderFit { a, b, .. }) = ladder.fit {
         let solid = SeriesStyle { dashes: "", ..model_style(1) };
-        series.push(line("√(a/N + b²)", curve(&|n| (a / n + b * b).sqrt()), solid));
+        series.push(Series::new("√(a/N + b²)", along(&|n| (a / n + b * b).sqrt()), solid));
         if b > 0.0 {
-            series.push(line("b", curve(&|_| b), SeriesStyle { dashes: "2 4", ..solid }));
+            series.push(Series::new("b", along(&|_| b), SeriesStyle { dashes: "2 4", ..solid }));
         }
     }
     let points = SeriesStyle { line: false, ..series_style(0) };
     let range = SeriesStyle { marker: Marker::Off, line: true, ..points };
     for row in &rows {
-        let ends = row.errors.iter().filter(|error| **error > 0.0).map(|&error| [row.samples as f64, error]);
-        series.push(line("", ends.collect(), range));
+        let replicates = row.errors.iter().filter(|error| **error > 0.0);
+        series.push(Series::new("", replicates.map(|&error| [row.samples as f64, error]).collect(), range));
     }
-    series.push(line("measured", measured, points));
+    series.push(Series::new("measured", measured, points));
     let errors = rows.iter().flat_map(|row| row.errors.iter().chain([&row.error])).filter(|e| **e > 0.0);
-    let ends = errors.fold([f64::INFINITY, 0.0f64], |[low, high], &e| [low.min(e), high.max(e)]);
+    let errors = ends(errors.copied());
     let slope =
         ladder.fit.map_or(String::new(), |fit| format!(", slope {:.3} ± {:.3}", fit.slope, fit.slope_se));
     let what = match ladder.varies {
@@ -91,7 +88,7 @@ fn chart(ladder: &FittedLadder, rows: &[MeasuredRung]) -> Option<Chart> {
     Some(Chart {
         title: format!("Error: {what}{slope}"),
         x: ChartAxis::decades("samples of one stop, N", [first[0], last[0]]),
-        y: ChartAxis::decades("flux-weighted L1 of order 1", ends),
+        y: ChartAxis::decades("flux-weighted L1 of order 1", errors),
         series,
     })
 }

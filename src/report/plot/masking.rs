@@ -1,8 +1,8 @@
 //! The plot of masking given the normal: what the light sees of facets by their slope, against Smith's masking.
 
-use super::chart::{Chart, ChartAxis, Series, SeriesStyle, model_style, series_style};
 use super::plots::spread;
 use crate::measure::accumulate::slopes::SlopeClass;
+use crate::report::plot::{Chart, ChartAxis, Series, SeriesStyle, model_style, series_style};
 use crate::report::slices::Scene;
 use crate::report::summary::StopSummary;
 use crate::stats;
@@ -33,7 +33,7 @@ pub fn chart(scene: &Scene, stops: &[StopSummary], scaled: bool) -> Option<Chart
             let label = if index == 0 { "Smith's G1".into() } else { String::new() };
             let points = vec![[-STEEPEST, g1], [steepest.min(STEEPEST), g1]];
             let style = SeriesStyle { dashes: "9 4", colour: series_style(index).colour, ..model_style(0) };
-            series.push(Series { label, points, error: vec![], style });
+            series.push(Series::new(label, points, style));
         }
     }
     (!series.is_empty()).then(|| Chart {

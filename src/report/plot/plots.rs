@@ -1,6 +1,7 @@
 //! The plots of the page: which charts a table gives, and which it cannot give, with the reason.
 
-use super::chart::{
+use super::chart::ends;
+use crate::report::plot::{
     Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style, ratio_style, series_style,
 };
 use crate::report::slices::{Scene, Sweep, mirror_bin};
@@ -73,12 +74,12 @@ pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
         let style = SeriesStyle { colour: "#777", dashes: "2 2", marker: Marker::Ring, line: true };
         let points = curve(&|bin| scene.total(stop, bin));
         highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
-        series.push(Series { label: "all orders".into(), points, error: vec![], style });
+        series.push(Series::new("all orders", points, style));
     }
     for (index, label) in scene.maskings().into_iter().enumerate() {
         let points = curve(&|bin| scene.model(index, stop, bin).unwrap_or(0.0));
         highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
-        series.push(Series { label, points, error: vec![], style: model_style(index) });
+        series.push(Series::new(label, points, model_style(index)));
     }
     let top = 1.08 * highest;
     Some(Chart {
@@ -120,7 +121,7 @@ pub fn ratio(scene: &Scene, stop: usize) -> Option<Chart> {
 
 fn line_at_one() -> Series {
     let style = SeriesStyle { colour: "#999", dashes: "", marker: Marker::Off, line: true };
-    Series { label: String::new(), points: vec![[-90.0, 1.0], [90.0, 1.0]], error: vec![], style }
+    Series::new("", vec![[-90.0, 1.0], [90.0, 1.0]], style)
 }
 
 /// Albedo by order against theta_i at one azimuth of the light, from the summary's stops; models of order 1. `None`
@@ -196,11 +197,11 @@ pub fn anisotropy(scene: &Scene) -> Option<Chart> {
         let masking = scene.maskings().into_iter().next().unwrap_or_default();
         let label = if index == 0 { masking } else { String::new() };
         if !models.is_empty() {
-            series.push(Series { label, points: models, error: vec![], style: model_style(5) });
+            series.push(Series::new(label, models, model_style(5)));
         }
     }
     let values = series.iter().flat_map(|s| &s.points).map(|p| p[1]).filter(|&v| v > 0.0);
-    let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
+    let [low, high] = ends(values);
     (high > 0.0).then(|| Chart {
         title: "Mirror direction against the light's azimuth".into(),
         x: ChartAxis::degrees("light phi_i, degrees", [first, last]),
