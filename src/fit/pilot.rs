@@ -5,7 +5,6 @@
 
 use super::data::FitData;
 
-/// Rounds of Tyler's iteration.
 const ROUNDS: usize = 30;
 /// Largest anisotropy, ln(alpha_x/alpha_y)/2, that is believed.
 const MOST_STRETCH: f64 = 1.5;

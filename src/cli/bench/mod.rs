@@ -69,7 +69,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What belongs to ladders alone.
 const LADDERS: [&str; 6] = ["truth", "from", "to", "realisations_to", "output", "force"];
 
 fn other(text: &str) -> std::result::Result<Other, String> {

@@ -94,7 +94,6 @@ fn bar(before: u64, total: u64, unit: &'static str) -> ProgressBar {
     bar
 }
 
-/// One line of progress.
 fn line(before: u64, done: u64, total: u64, unit: &str, seconds: f64) -> String {
     let rate = (done - before) as f64 / seconds.max(1e-9);
     let left = output::duration(total.saturating_sub(done) as f64 / rate.max(1e-9));

@@ -42,7 +42,6 @@ fn angle_cells(page: &Page, angles: Vec<(f64, f64)>) -> impl Fn(usize) -> String
     }
 }
 
-/// The distance from a model.
 fn distance(figures: &Figures) -> String {
     let (key, value) = figures.distance();
     cell(key, value, 4)

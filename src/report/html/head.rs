@@ -33,7 +33,6 @@ fn judgement(Judgement { law, ruling, reason, .. }: &Judgement) -> String {
     format!("<li class=\"{class}\"><b>{}</b>: {words}: {}</li>", escaped(law), escaped(reason))
 }
 
-/// What was measured, one sentence.
 fn measured(page: &Page) -> String {
     let grid = &page.scene.table.grid;
     let surface = page.campaign.map_or("A table without a campaign".into(), surface);
@@ -67,7 +66,6 @@ fn shortened(angle: f64, decimals: usize) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
-/// Where the sensor looks, in words.
 fn sensor(grid: &Grid) -> String {
     let bins = grid.bins();
     match grid.kind {
@@ -110,7 +108,6 @@ fn surface(campaign: &Campaign) -> String {
     }
 }
 
-/// The verdict, one sentence.
 fn verdict(page: &Page) -> String {
     let (Some(_), Some(laws)) = (page.summary.ok, &page.summary.verdict) else {
         return "Nothing is known that this table should agree with.".into();

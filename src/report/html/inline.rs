@@ -179,12 +179,10 @@ fn merged_edges(edges: &[f64], merge: usize) -> Vec<f64> {
     kept
 }
 
-/// A model's layer by its masking.
 fn model_name(masking: &str) -> String {
     format!("model, {masking}")
 }
 
-/// One layer of values, 1/sr.
 struct Layer {
     name: String,
     kind: &'static str,

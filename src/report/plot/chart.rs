@@ -168,7 +168,6 @@ impl Chart {
     }
 }
 
-/// One entry of a legend.
 struct LegendEntry<'a> {
     series: &'a Series,
     x: f64,

@@ -54,7 +54,6 @@ fn rings(out: &mut Drawing) {
     }
 }
 
-/// One light angle's lobe.
 struct PolarLobe {
     theta_i_deg: f64,
     measured: Vec<[f64; 2]>,
