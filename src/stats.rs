@@ -5,7 +5,8 @@ use statrs::function::gamma::{gamma_ur, ln_gamma};
 
 /// Mean and the standard error of the mean of independent values; the error is `None` for fewer than two.
 ///
-/// se^2 = sum (x - mean)^2/(n (n - 1)), in two passes: nothing cancels. Held by: `mean_and_error_by_hand`.
+/// se^2 = sum (x - mean)^2/(n (n - 1)), in two passes: nothing cancels.
+// Tested by `mean_and_error_by_hand`.
 pub fn mean_and_se(values: impl Iterator<Item = f64> + Clone) -> (f64, Option<f64>) {
     let count = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / count;
@@ -13,9 +14,37 @@ pub fn mean_and_se(values: impl Iterator<Item = f64> + Clone) -> (f64, Option<f6
     (mean, (count > 1.0).then(|| (squares / (count * (count - 1.0))).sqrt()))
 }
 
+/// [`mean_and_se`] of values that there may be none of.
+pub fn known_mean(values: impl Iterator<Item = f64> + Clone) -> (Option<f64>, Option<f64>) {
+    if values.clone().next().is_none() {
+        return (None, None);
+    }
+    let (mean, se) = mean_and_se(values);
+    (Some(mean), se)
+}
+
+/// Bins below this share of their peak do not count in medians of relative errors.
+pub const COUNTED_ABOVE: f64 = 0.01;
+
+/// The upper median, which is one of the values; `None` without values. The values are sorted.
+pub fn upper_median(values: &mut [f64]) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+/// Standard error of what n groups give together, from what all but one of them give: the jackknife's
+/// sqrt((n - 1)/n sum (x - mean)^2), source Efron and Stein 1981. `None` for fewer than two.
+// Tested by `leaving_one_out_gives_the_standard_error_of_a_mean`.
+pub fn jackknife_se(without: &[f64]) -> Option<f64> {
+    let (count, mean) = (without.len() as f64, mean(without));
+    let squares: f64 = without.iter().map(|value| (value - mean) * (value - mean)).sum();
+    (count > 1.0).then(|| ((count - 1.0) / count * squares).sqrt())
+}
+
 /// E\[s\]/sigma of a normal sample of `n` >= 2: the bias of the sample standard deviation.
 ///
-/// c4(n) = sqrt(2/(n-1)) Gamma(n/2)/Gamma((n-1)/2). Held by: `c4_matches_published_values`.
+/// c4(n) = sqrt(2/(n-1)) Gamma(n/2)/Gamma((n-1)/2).
+// Tested by `c4_matches_published_values`.
 pub fn c4(n: usize) -> f64 {
     let n = n as f64;
     (2.0 / (n - 1.0)).sqrt() * (ln_gamma(0.5 * n) - ln_gamma(0.5 * (n - 1.0))).exp()
@@ -60,6 +89,16 @@ mod tests {
         assert_eq!(mean, 1e9 + 3.0);
         assert!((se.unwrap() - (14.0f64 / 12.0).sqrt()).abs() < 1e-15);
         assert_eq!(mean_and_se([5.0].into_iter()), (5.0, None));
+    }
+
+    /// The jackknife of a mean is its standard error.
+    #[test]
+    fn leaving_one_out_gives_the_standard_error_of_a_mean() {
+        let values = [1.0, 4.0, 2.0, 9.0, 5.0];
+        let without = |k: usize| (values.iter().sum::<f64>() - values[k]) / 4.0;
+        let found = jackknife_se(&[0, 1, 2, 3, 4].map(without)).expect("five values");
+        let (_, se) = mean_and_se(values.iter().copied());
+        assert!((found - se.expect("five values")).abs() < 1e-14);
     }
 
     #[test]

@@ -15,8 +15,6 @@ use crate::error::{Error, Result};
 use crate::measure::{self, Measured, Patches, Plan, StartSampler};
 use crate::stats;
 
-/// Bins below this share of their stop's peak do not count, as in `stop.relative_error`.
-const COUNTED_ABOVE: f64 = 0.01;
 /// The error that times are given for where the campaign asks for none.
 const TARGET: f64 = 0.01;
 
@@ -119,7 +117,7 @@ struct JudgedBin {
 /// called with the starts of every finished block.
 ///
 /// Errors: `Usage` with fewer than two replicates, and where `other` is no other way to measure this campaign.
-/// Held by: `noise_is_what_replicates_show`.
+// Tested by `noise_is_what_replicates_show`.
 pub fn against(
     campaign: &Campaign,
     other: Other,
@@ -164,7 +162,7 @@ pub fn against(
         stops: (0..plans[0].stops).map(|stop| of_stop(&plans[0], &bins, stop)).collect(),
         variance_ratio,
         ratio: times * variance_ratio,
-        ratio_se: jackknife(&leave_one_out).map(|se| times * se),
+        ratio_se: stats::jackknife_se(&leave_one_out).map(|se| times * se),
     })
 }
 
@@ -226,7 +224,7 @@ fn counted(runs: &[Vec<Measured>; 2], plan: &Plan) -> Vec<JudgedBin> {
             };
             let bins: Vec<JudgedBin> = (0..plan.bins).map(bin).collect();
             let peak = bins.iter().fold(0.0f64, |peak, bin| peak.max(bin.mean));
-            counted.extend(bins.into_iter().filter(|bin| bin.mean > COUNTED_ABOVE * peak));
+            counted.extend(bins.into_iter().filter(|bin| bin.mean > stats::COUNTED_ABOVE * peak));
         }
     }
     counted
@@ -258,19 +256,9 @@ impl JudgedBin {
     }
 }
 
-/// The standard error from the results without each of the groups; `None` for fewer than two.
-fn jackknife(without: &[f64]) -> Option<f64> {
-    let count = without.len() as f64;
-    let (_, se) = stats::mean_and_se(without.iter().copied());
-    // Variance (n - 1)/n sum (x - mean)^2, which is (n - 1)^2 times the squared standard error of a mean.
-    se.map(|se| (count - 1.0) * se)
-}
-
 /// The upper median; NaN without values.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    stats::upper_median(&mut values.collect::<Vec<_>>()).unwrap_or(f64::NAN)
 }
 
 #[cfg(test)]
@@ -288,15 +276,5 @@ mod tests {
         assert_eq!(bin.noise(0, Some(1)), 2f64.sqrt() / 4.0);
         // Means of two with variances 12.5/2 and 4.5/2; their root mean square.
         assert_eq!(bin.error(0), (0.5 * (6.25 + 2.25f64)).sqrt() / 4.0);
-    }
-
-    /// The jackknife of a mean is its standard error.
-    #[test]
-    fn leaving_one_out_gives_the_standard_error_of_a_mean() {
-        let values = [1.0, 4.0, 2.0, 9.0, 5.0];
-        let without = |k: usize| (values.iter().sum::<f64>() - values[k]) / 4.0;
-        let found = jackknife(&[0, 1, 2, 3, 4].map(without)).expect("five values");
-        let (_, se) = stats::mean_and_se(values.iter().copied());
-        assert!((found - se.expect("five values")).abs() < 1e-14);
     }
 }

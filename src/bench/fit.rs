@@ -7,7 +7,7 @@
 //! the ratio of the sandwich variance (Huber 1967) to that of equal scatter. By simulation the interval of a then holds
 //! the truth in 90 to 95 % of the trials, that of b in 99 %.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::stats;
 
@@ -21,7 +21,7 @@ pub struct Point {
 }
 
 /// err^2 = a/N + b^2, and the slope.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LadderFit {
     /// Squared error times samples: the noise.
     pub a: f64,
@@ -51,7 +51,7 @@ const SMALLEST: f64 = -27.0;
 /// With c = N_max, err^2 = s ((1-u) c/N + u): for a given share u the best log s is a mean, so the minimum and the
 /// profile need u alone. At u all s with n (log s - best)^2 <= limit - S(u) are inside; a = s (1-u) c and b^2 = s u of
 /// all of them are the intervals.
-/// Held by: `the_intervals_hold_the_true_noise_and_bias`, `pure_noise_has_slope_minus_a_half_and_no_bias`.
+// Tested by `the_intervals_hold_the_true_noise_and_bias`, `pure_noise_has_slope_minus_a_half_and_no_bias`.
 pub fn fit(points: &[Point]) -> Option<LadderFit> {
     let mut counts: Vec<f64> = points.iter().map(|point| point.samples).collect();
     counts.sort_by(f64::total_cmp);

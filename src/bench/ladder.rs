@@ -1,6 +1,6 @@
 //! The ladders of a campaign: which runs they take.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::truth::TruthKind;
 use crate::campaign::Campaign;
@@ -15,7 +15,7 @@ const RUNGS: u32 = 6;
 const FEWEST_RUNGS: usize = 3;
 
 /// What changes along a ladder.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Varies {
     /// Samples of each realisation; their number is fixed.

@@ -10,21 +10,19 @@
 //! ways, `scale` one stop on patches of several sizes.
 
 pub mod against;
+pub mod answer;
 pub mod fit;
 pub mod ladder;
-pub mod plot;
 pub mod resolution;
 pub mod run;
 pub mod scale;
 pub mod truth;
 
 pub use against::{Against, Other, against};
+pub use answer::{BenchAnswer, FittedLadder};
 pub use fit::{LadderFit, Point, fit};
 pub use ladder::{Ladders, Range, Varies, planned};
 pub use resolution::{Flatness, ResolutionRow, flatness, resolution};
 pub use run::{Bench, Ladder, MeasuredRung, bench};
 pub use scale::{Scale, ScalePatch, ScaleRow, scale};
-pub use truth::{Truth, TruthKind};
-
-/// The error measure by its name in tables, JSON and plot.
-pub const ERROR_MEASURE: &str = "flux-weighted L1 of order 1, mean over stops";
+pub use truth::{ERROR_MEASURE, Truth, TruthKind};

@@ -1,6 +1,6 @@
 //! Cells and correlation length varied: the discrepancy belongs to the law of the heights, not to the grid.
 //!
-//! Enters: a campaign of one roughness and its `[bench]` table. Leaves: a row for each patch size and correlation
+//! Input: a campaign of one roughness and its `[bench]` table. Output: a row for each patch size and correlation
 //! length, and a test whether all of them show the same discrepancy.
 
 use rayon::prelude::*;
@@ -12,8 +12,7 @@ use crate::measure::{self, Measured, Patches, Plan, Specimen};
 use crate::stats;
 use crate::surface::SlopeCounts;
 use crate::validate::compare::Figures;
-use crate::validate::prediction::model::{Model, StopMeans};
-use crate::validate::{Parts, expect, verdict};
+use crate::validate::{Parts, Prediction, expect, verdict};
 
 /// Patches of each row whose slopes are counted.
 const COUNTED_PATCHES: u64 = 4;
@@ -77,29 +76,24 @@ pub fn settings(campaign: &Campaign, resolution: &Resolution) -> Result<Vec<(Cam
     pairs.map(setting).collect()
 }
 
-/// Measures every setting against the masking that the campaign is held to. Errors: `Usage` with fewer than four
+/// Measures every setting against the masking that the campaign is tested against. Errors: `Usage` with fewer than four
 /// realisations, where the noise cannot be taken off.
 pub fn resolution(
     settings: &[(Campaign, Plan)],
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<ResolutionRow>> {
     let Some((campaign, plan)) = settings.first() else { return Ok(Vec::new()) };
-    let few =
-        || Error::Usage(format!("{}: at least 5 realisations, to tell noise from the rest", campaign.name));
-    if campaign.surface.realisations < 5 {
-        return Err(few());
-    }
-    let model = Model::of(campaign).ok_or_else(few)?;
     // Cells do not enter the model.
-    let means: Vec<StopMeans> =
-        (0..plan.stops).into_par_iter().map(|stop| model.means(campaign, &plan.grid, stop)).collect();
-    settings.iter().map(|(campaign, plan)| row(campaign, plan, (&model, &means), progress)).collect()
+    let truth = Prediction::of(campaign, &plan.grid).filter(|_| campaign.surface.realisations >= 5);
+    let few = "at least 5 realisations, to distinguish noise from the rest";
+    let truth = truth.ok_or_else(|| Error::Usage(format!("{}: {few}", campaign.name)))?;
+    settings.iter().map(|(campaign, plan)| row(campaign, plan, &truth, progress)).collect()
 }
 
 fn row(
     campaign: &Campaign,
     plan: &Plan,
-    truth: (&Model, &[StopMeans]),
+    truth: &Prediction,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<ResolutionRow> {
     let patches = Patches::prepare(campaign, &mut Vec::new())?;
@@ -125,10 +119,10 @@ fn row(
     })
 }
 
-/// The figures against the masking that the campaign is held to.
-fn discrepancy(measured: &Measured, (model, means): (&Model, &[StopMeans])) -> Option<Figures> {
-    let parts = Parts::of(Some(&measured.realisations));
-    let comparisons = verdict::compare(&measured.table, &measured.campaign, parts, model, means);
+/// The figures against the masking that the campaign is tested against.
+fn discrepancy(measured: &Measured, truth: &Prediction) -> Option<Figures> {
+    let parts = Some(Parts { all: &measured.realisations, first_stop: 0 });
+    let comparisons = verdict::compare(&measured.table, &measured.campaign, parts, truth);
     let wanted = expect::masking(&measured.campaign);
     comparisons.iter().find(|comparison| comparison.masking == wanted).map(|comparison| comparison.figures)
 }
@@ -148,8 +142,7 @@ fn ks(campaign: &Campaign, patches: &Patches) -> Result<Option<f64>> {
 
 /// Weighted mean, chi-square about it, and weighted least squares on log2 of the correlation length. `None` with one
 /// row, or where an error is 0.
-///
-/// Held by: `rows_that_differ_by_their_errors_are_flat_and_a_trend_is_found`.
+// Tested by `rows_that_differ_by_their_errors_are_flat_and_a_trend_is_found`.
 pub fn flatness(rows: &[ResolutionRow]) -> Option<Flatness> {
     if rows.len() < 2 || !rows.iter().all(|row| row.error_se > 0.0) {
         return None;

@@ -1,7 +1,7 @@
 //! The runs of the ladders, and their fits.
 
 use rand::Rng;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::fit::{LadderFit, Point, fit};
 use super::ladder::{Ladders, Rung, Varies};
@@ -13,7 +13,7 @@ use crate::rng::{self, Purpose, StreamId};
 use crate::stats;
 
 /// One rung, measured.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct MeasuredRung {
     /// The ladder it belongs to.
     pub varies: Varies,
@@ -28,7 +28,7 @@ pub struct MeasuredRung {
     /// Root of the mean squared error of the replicates.
     pub error: f64,
     /// 1/(error^2 seconds): null where the error is 0.
-    pub efficiency: f64,
+    pub efficiency: Option<f64>,
     /// The error of each replicate.
     pub errors: Vec<f64>,
     /// Largest |all orders + cut paths - 1| over stops, realisations and replicates, F = 1; null without visibility.
@@ -36,7 +36,7 @@ pub struct MeasuredRung {
 }
 
 /// One ladder, measured.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone)]
 pub struct Ladder {
     /// What changes along it.
     pub varies: Varies,
@@ -133,7 +133,7 @@ fn row(
         seconds,
         rays_per_s,
         error: squared.sqrt(),
-        efficiency: 1.0 / (squared * seconds),
+        efficiency: Some(1.0 / (squared * seconds)).filter(|efficiency| efficiency.is_finite()),
         errors,
         closure: closure.filter(|_| rung.campaign.trace.visibility),
     })

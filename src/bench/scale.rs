@@ -1,6 +1,6 @@
 //! Cost against size: the same stops on patches of several sizes, one start for each cell.
 //!
-//! Enters: a campaign of one roughness on a random surface, and sides in cells. Leaves: for each side and stop, and for
+//! Input: a campaign of one roughness on a random surface, and sides in cells. Output: for each side and stop, and for
 //! all stops together, processor time for each start; for each side the bytes for each cell that tracing and the making
 //! of a patch take. Cost that grows with the facets and with the stops, and no faster, shows as equal times in all rows.
 
@@ -60,8 +60,7 @@ pub struct Scale {
 
 /// Measures every stop of `campaign` by itself and all together on one patch of each of `sides` cells, in ascending
 /// order. Errors: `Usage` for a surface that is not random heights; those of planning and measuring.
-///
-/// Held by: `tests/it/bench.rs`.
+// Tested by `tests/it/bench.rs`.
 pub fn scale(campaign: &Campaign, sides: &[u32], progress: &(dyn Fn(u64) + Sync)) -> Result<Scale> {
     if !campaign.surface.kind.is_random_heights() {
         let why = "--cells is for random surfaces (ggx, beckmann)";
@@ -115,8 +114,7 @@ fn made(campaign: &Campaign) -> Result<(ScalePatch, Patches)> {
 
 /// Bytes that the tracing of `field` may hold at most: its heights, the lanes' copy of them, and the larger of what only
 /// one sampler needs (the sums along the facets; the index by slope with the samples that are followed together).
-///
-/// Held by: `tracing_takes_at_most_40_bytes_for_each_cell`.
+// Tested by `tracing_takes_at_most_40_bytes_for_each_cell`.
 pub fn tracing_bytes(field: &Heightfield) -> usize {
     let in_lanes =
         |lanes: MaxPyramid| SimdTraversal::new(GridTraversal::new(field), &lanes, Kernel::Scalar).bytes();

@@ -1,9 +1,7 @@
 //! What the errors of a ladder are counted from, and the error itself.
 
-use std::fmt;
-
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -12,8 +10,11 @@ use crate::table::BrdfTable;
 use crate::validate::expect;
 use crate::validate::prediction::model::Model;
 
+/// The error measure by its name in tables, JSON and plot.
+pub const ERROR_MEASURE: &str = "flux-weighted L1 of order 1, mean over stops";
+
 /// The kinds of truth.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TruthKind {
     /// The bin means of the microfacet model.
@@ -32,17 +33,8 @@ pub struct Truth {
     sizes: Vec<Vec<f64>>,
 }
 
-impl fmt::Display for TruthKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            TruthKind::Model => "model",
-            TruthKind::Reference => "reference",
-        })
-    }
-}
-
 impl Truth {
-    /// The model of the campaign's surface with the masking that it is held to.
+    /// The model of the campaign's surface with the masking that it is tested against.
     pub fn model(campaign: &Campaign, plan: &Plan) -> Result<Self> {
         let model = Model::of(campaign)
             .ok_or_else(|| Error::Usage(format!("{}: no model speaks of this surface", campaign.name)))?;
@@ -72,7 +64,8 @@ impl Truth {
     }
 
     /// Mean over stops and colours of sum |f - m| w / sum m w: f the table's order 1, m the truth, w projected solid
-    /// angle. Held by: `the_error_is_the_flux_weighted_distance`.
+    /// angle.
+    // Tested by `the_error_is_the_flux_weighted_distance`.
     pub fn error_of(&self, table: &BrdfTable) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (stop, (colours, size)) in self.values.iter().zip(&self.sizes).enumerate() {
@@ -95,6 +88,5 @@ fn bins_of(values: &[f32], stop: usize, bins: usize) -> impl Iterator<Item = f32
 }
 
 fn sizes(plan: &Plan) -> Vec<Vec<f64>> {
-    let of = |stop| plan.grid.regions(stop).iter().map(|region| region.projected_solid_angle()).collect();
-    (0..plan.stops).map(of).collect()
+    (0..plan.stops).map(|stop| plan.grid.sizes(stop)).collect()
 }

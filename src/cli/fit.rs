@@ -27,7 +27,7 @@ const STRETCHED: &str = "direction_correlated: lambda takes the azimuth between 
     Example: gonio fit out/quickstart/quickstart.exr --model ggx"
 )]
 pub struct Arguments {
-    /// The table; <stem>.realisations.exr beside it gives the jackknife's errors
+    /// The table; <stem>.realisations.exr next to it gives the jackknife's errors
     table: PathBuf,
     /// One model, as ggx or cook_torrance; a wrong name lists them all
     #[arg(long, value_name = "NAME")]
@@ -137,7 +137,7 @@ fn name(fit: &Fit) -> String {
     format!("{}{}{axes}", fit.model, fit.masking.map_or(String::new(), |masking| format!(" {masking}")))
 }
 
-/// The first line: the best model with its parameters, and what the realisations do not tell from it.
+/// The first line: the best model with its parameters, and what the realisations do not distinguish from it.
 fn winner(fits: &Fits) -> String {
     let Some(best) = fits.fits.first().filter(|fit| fit.did_not_fit.is_none()) else {
         return "no model fits this table".into();

@@ -3,25 +3,26 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::json;
 
 use super::export::check_output;
 use super::table_file;
-use super::text::output::{Output, columns, say, with_error};
+use super::text::output::{Output, columns, say, to_json, with_error};
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
 use crate::files::{self, NewFile};
-use crate::instrument::GridKind;
-use crate::instrument::angle_decimals;
+use crate::instrument::{GridKind, StopAngles};
 use crate::stats;
+use crate::table::brdf_table::flux;
 use crate::table::recolour::recolour;
-use crate::table::{BrdfTable, RealisationPart, Realisations, realisations, store};
+use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, realisations, store};
 
 /// Another Schlick material for a measured table, without another trace
 #[derive(Args)]
 #[command(
     after_help = "The table must hold the sums of Schlick's formula: any material or f0 does, but F = 1. Errors follow\n\
-    from <stem>.realisations.exr beside it; without that file they are -1 (not available).\n\n\
+    from <stem>.realisations.exr next to it; without that file they are -1 (not available).\n\n\
     Example: gonio recolour out/gold/gold.exr --material copper -o copper.exr"
 )]
 pub struct Arguments {
@@ -33,7 +34,7 @@ pub struct Arguments {
     /// Reflectance at normal incidence instead: one number or R,G,B
     #[arg(long, value_name = "R,G,B", value_delimiter = ',')]
     f0: Vec<f64>,
-    /// The new table; its realisations go beside it
+    /// The new table; its realisations go next to it
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Replace files that are there
@@ -72,20 +73,23 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let others = others.and_then(|(_, file)| file);
     others.map_or_else(|| files::remove(&beside), NewFile::commit)?;
     let mut out = Output::default();
-    let rows = albedos(&new, parts.as_ref());
+    let stops: Vec<RecolouredStop> =
+        (0..new.grid.stops()).map(|stop| RecolouredStop::of(&new, parts.as_ref(), stop)).collect();
     if arguments.json {
         let files = json!({ "table": output.display().to_string(), "material": arguments.material, "f0": f0,
-            "realisations": parts.as_ref().map(|_| beside.display().to_string()),
-            "stops": rows.iter().map(RecolouredStop::json).collect::<Vec<_>>() });
+            "realisations": parts.as_ref().map(|_| beside.display().to_string()), "stops": to_json(&stops)? });
         out.json(&files)?;
         return Ok(0);
     }
-    let decimals = [
-        angle_decimals(2, rows.iter().map(|row| row.stop_deg.0)),
-        angle_decimals(2, rows.iter().map(|row| row.stop_deg.1)),
-    ];
-    let texts: Vec<Vec<String>> = rows.iter().map(|row| row.text(decimals)).collect();
-    out.lines(columns(&["theta_i", "phi_i", "albedo single", "albedo total"], &texts))?;
+    let angles = StopAngles::of(&new.grid);
+    let text = |mean: Option<f64>, se| mean.map_or("not seen".into(), |mean| with_error(mean, se));
+    let row = |(index, stop): (usize, &RecolouredStop)| {
+        let albedos =
+            [text(stop.albedo_single, stop.albedo_single_se), text(stop.albedo_total, stop.albedo_total_se)];
+        [angles.texts(index), albedos].concat()
+    };
+    let rows: Vec<Vec<String>> = stops.iter().enumerate().map(row).collect();
+    out.lines(columns(&["theta_i", "phi_i", "albedo single", "albedo total"], &rows))?;
     out.line(format_args!("table         {}", output.display()))?;
     if parts.is_some() { out.line(format_args!("realisations  {}", beside.display())) } else { Ok(()) }
         .map(|()| 0)
@@ -107,57 +111,40 @@ fn wanted(arguments: &Arguments) -> Result<[f64; 3]> {
     }
 }
 
-/// Albedos of a stop with their errors: order 1, and all orders. `None` for sensors that do not see all light.
+/// Albedos of a stop with their errors: order 1, and all orders; null for sensors that do not see all light.
+#[derive(Default, Serialize)]
 struct RecolouredStop {
-    stop_deg: (f64, f64),
-    albedos: Option<[(f64, Option<f64>); 2]>,
+    theta_i_deg: f64,
+    phi_i_deg: f64,
+    albedo_single: Option<f64>,
+    albedo_single_se: Option<f64>,
+    albedo_total: Option<f64>,
+    albedo_total_se: Option<f64>,
 }
 
 impl RecolouredStop {
-    fn json(&self) -> Value {
-        let [single, total] = match self.albedos {
-            Some(albedos) => albedos.map(|(mean, se)| (Some(mean), se)),
-            None => [(None, None); 2],
-        };
-        json!({ "theta_i_deg": self.stop_deg.0, "phi_i_deg": self.stop_deg.1, "albedo_single": single.0,
-            "albedo_single_se": single.1, "albedo_total": total.0, "albedo_total_se": total.1 })
-    }
-
-    /// Its words, the angles with so many decimals.
-    fn text(&self, [of_theta, of_phi]: [usize; 2]) -> Vec<String> {
-        let (theta, phi) = self.stop_deg;
-        let texts = match self.albedos {
-            Some(albedos) => albedos.map(|(mean, se)| with_error(mean, se)),
-            None => ["not seen".to_string(), "not seen".into()],
-        };
-        [vec![format!("{theta:.of_theta$}"), format!("{phi:.of_phi$}")], texts.to_vec()].concat()
-    }
-}
-
-fn albedos(table: &BrdfTable, parts: Option<&Realisations>) -> Vec<RecolouredStop> {
-    let bins = table.grid.bins();
-    let row = |stop: usize| {
-        let sizes: Vec<f64> = table.grid.regions(stop).iter().map(|r| r.projected_solid_angle()).collect();
-        let flux = |values: &[f32]| {
-            values[stop * bins..]
-                .iter()
-                .zip(&sizes)
-                .map(|(&value, size)| f64::from(value) * size)
-                .sum::<f64>()
-        };
+    fn of(table: &BrdfTable, parts: Option<&Realisations>, stop: usize) -> Self {
+        let (theta_i_deg, phi_i_deg) = table.grid.stop_deg(stop);
+        let angles = RecolouredStop { theta_i_deg, phi_i_deg, ..RecolouredStop::default() };
+        if table.grid.kind != GridKind::Hemisphere {
+            return angles;
+        }
+        let sizes = table.grid.sizes(stop);
         let mean = |colours: &mut dyn Iterator<Item = &Vec<f32>>| {
-            stats::mean(&colours.map(|values| flux(values)).collect::<Vec<_>>())
+            let flux = |values: &Vec<f32>| flux(&values[stop * sizes.len()..], &sizes);
+            stats::mean(&colours.map(flux).collect::<Vec<_>>())
         };
-        let of = |of_table: f64, pick: fn(&RealisationPart) -> &Vec<Vec<f32>>| match parts {
-            Some(all) => stats::mean_and_se(
-                all.parts.iter().map(|part| mean(&mut pick(part).iter())).collect::<Vec<_>>().into_iter(),
-            ),
-            None => (of_table, None),
+        let of = |of_table: fn(&ColourChannels) -> &Vec<f32>,
+                  pick: fn(&RealisationPart) -> &Vec<Vec<f32>>| match parts {
+            Some(all) => {
+                let means: Vec<f64> = all.parts.iter().map(|part| mean(&mut pick(part).iter())).collect();
+                stats::mean_and_se(means.into_iter())
+            }
+            None => (mean(&mut table.colours.iter().map(of_table)), None),
         };
-        let single = of(mean(&mut table.colours.iter().map(|colour| &colour.single)), |part| &part.single);
-        let total = of(mean(&mut table.colours.iter().map(|colour| &colour.total)), |part| &part.total);
-        let whole = table.grid.kind == GridKind::Hemisphere;
-        RecolouredStop { stop_deg: table.grid.stop_deg(stop), albedos: whole.then_some([single, total]) }
-    };
-    (0..table.grid.stops()).map(row).collect()
+        let (single, albedo_single_se) = of(|colour| &colour.single, |part| &part.single);
+        let (total, albedo_total_se) = of(|colour| &colour.total, |part| &part.total);
+        let (albedo_single, albedo_total) = (Some(single), Some(total));
+        RecolouredStop { albedo_single, albedo_single_se, albedo_total, albedo_total_se, ..angles }
+    }
 }

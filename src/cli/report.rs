@@ -3,25 +3,28 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde_json::Value;
+use serde::Deserialize;
 
 use super::table_file::{self, Opened};
 use super::text::output;
 use super::text::output::{Output, bytes, say, warn};
+use crate::bench::{BenchAnswer, answer};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::job::paths;
 use crate::report;
 use crate::report::html::specimen;
-use crate::report::{Page, Scene, summary};
+use crate::report::summary::SCHEMA;
+use crate::report::{Facts, Page, Scene, StopSummary, Summary};
 use crate::table::{BrdfTable, TableRows, store};
-use crate::validate::{self, Prediction, verdict};
+use crate::validate::{self, Prediction, Verdict, verdict};
 
 /// Make one self-contained page of a table: figures, plots, pictures and a 3-D viewer
 #[derive(Args)]
 #[command(
-    after_help = "The page asks for nothing over the network. <stem>.json and <stem>.realisations.exr beside the\n\
+    after_help = "The page asks for nothing over the network. <stem>.json and <stem>.realisations.exr next to the
+\
     table are used where they are there.\n\nExample: gonio report out/quickstart/quickstart.exr -o quickstart.html"
 )]
 pub struct Arguments {
@@ -47,12 +50,11 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let is_card = output.extension().is_some_and(|end| end == "md");
     if !arguments.force {
         let (mark, what) =
-            if is_card { (report::card::MARK, "card") } else { (report::html::page::MARK, "page") };
+            if is_card { (report::card::MARK, "card") } else { (report::html::render::MARK, "page") };
         paths::spare_foreign(&output, mark, what)?;
     }
     let text = match opened {
-        Opened::Whole(table) if is_card => stored_card(path, &table)?,
-        Opened::Whole(table) => stored_page(path, &table, bench.as_ref())?,
+        Opened::Whole(table) => whole(path, &table, is_card, bench.as_ref())?,
         Opened::Rows(mut rows) => by_rows(&mut rows, is_card, bench.as_ref())?,
     };
     files::write_atomically(&output, text.as_bytes())?;
@@ -64,20 +66,34 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     Ok(0)
 }
 
-/// The schema of summaries and of answers of `gonio bench` that are read.
-const SCHEMA: u64 = 1;
-
 const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";
 
-/// The card of a table from its file and the summary beside it.
-fn stored_card(path: &Path, table: &BrdfTable) -> Result<String> {
+/// The card or the page of a table in memory.
+fn whole(path: &Path, table: &BrdfTable, is_card: bool, bench: Option<&BenchAnswer>) -> Result<String> {
     let campaign = table_file::campaign_if_any(path, table)?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
-    report::card(table, &summary_of(path, table, campaign.as_ref(), prediction.as_ref())?)
+    let summary = match summary_beside(path, table, || store::digest(table))? {
+        Some(summary) => summary,
+        None => {
+            let verdict = match &campaign {
+                Some(campaign) => {
+                    let parts = table_file::realisations_beside(path, table)?;
+                    Some(validate::examine_against(table, campaign, parts.as_ref(), prediction.as_ref()))
+                }
+                None => None,
+            };
+            summary_of(path, table, campaign.as_ref(), verdict.as_ref(), StopSummary::of_bins(table))?
+        }
+    };
+    if is_card {
+        return Ok(report::card(table, &store::digest(table)?, Facts::of(table), &summary));
+    }
+    let sources = Sources::remade(table, campaign.as_ref(), prediction.as_ref())?;
+    Ok(page_of(sources, &summary, bench))
 }
 
-/// The page or the card of a table that does not fit the memory.
-fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&Value>) -> Result<String> {
+/// The card or the page of a table that does not fit the memory.
+fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&BenchAnswer>) -> Result<String> {
     let path = rows.path().to_path_buf();
     let campaign = table_file::campaign_if_any(&path, rows.header())?;
     let digest = rows.digest().unwrap_or_default().to_string();
@@ -85,73 +101,50 @@ fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&Value>) -> Result
     if beside.is_some() || campaign.is_none() {
         rows.verify()?;
     }
-    let mut facts = report::Facts::new(rows.grid(), rows.colours());
+    let mut facts = Facts::new(rows.grid(), rows.colours());
     let mut stops = Vec::new();
     if is_card || beside.is_none() {
         for band in rows.bands(table_file::band_bytes(), rows.row_bytes()) {
             let first_stop = band.start;
             let band = rows.take(&band.collect::<Vec<_>>())?;
             facts.add(&band, first_stop);
-            stops.extend(summary::stops_of(&band));
+            stops.extend(StopSummary::of_bins(&band));
         }
     }
-    let summary = match (beside, &campaign) {
-        (Some(summary), _) => summary,
-        (None, None) => {
-            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-            summary::of_stops(&stem, rows.header(), None, None, stops)
-        }
-        (None, Some(campaign)) => {
-            let parts = table_file::realisations_beside_rows(rows)?;
-            let bytes = table_file::band_bytes();
-            let verdict = validate::examine_rows(rows, Some(campaign), parts.as_ref(), bytes)?;
-            let surface = Some(&campaign.surface);
-            summary::of_stops(&campaign.name, rows.header(), surface, Some(&verdict), stops)
+    let summary = match beside {
+        Some(summary) => summary,
+        None => {
+            let verdict = match &campaign {
+                Some(campaign) => {
+                    let parts = table_file::realisations_beside_rows(rows)?;
+                    let bytes = table_file::band_bytes();
+                    Some(validate::examine_rows(rows, Some(campaign), parts.as_ref(), bytes)?)
+                }
+                None => None,
+            };
+            summary_of(&path, rows.header(), campaign.as_ref(), verdict.as_ref(), stops)?
         }
     };
     if is_card {
-        let digest = rows.digest().unwrap_or("none").to_string();
-        return Ok(report::card_of(rows.header(), &digest, facts, &summary));
+        return Ok(report::card(rows.header(), rows.digest().unwrap_or("none"), facts, &summary));
     }
     let (table, kept) = report::thinned(rows, table_file::band_bytes())?;
-    let summary = report::thinned_summary(&summary, &kept);
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
-    let specimen = match &campaign {
-        Some(campaign) => specimen::remade(campaign)?,
-        None => Err(NO_CAMPAIGN.into()),
-    };
-    let sources =
-        Sources { table: &table, campaign: campaign.as_ref(), prediction: prediction.as_ref(), specimen };
-    Ok(page_of(sources, &summary, bench))
+    let sources = Sources::remade(&table, campaign.as_ref(), prediction.as_ref())?;
+    Ok(page_of(sources, &summary.thinned(&kept), bench))
 }
 
-/// The summary beside a table, or what the table alone says.
+/// A summary from the table alone.
 fn summary_of(
     path: &Path,
-    table: &BrdfTable,
+    header: &BrdfTable,
     campaign: Option<&Campaign>,
-    prediction: Option<&Prediction>,
-) -> Result<Value> {
-    match summary_beside(path, table, || store::digest(table))? {
-        Some(summary) => Ok(summary),
-        None => examined(path, table, campaign, prediction),
-    }
-}
-
-/// The page of a table from its file and what lies beside it.
-fn stored_page(path: &Path, table: &BrdfTable, bench: Option<&Value>) -> Result<String> {
-    let campaign = table_file::campaign_if_any(path, table)?;
-    let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
-    let summary = summary_of(path, table, campaign.as_ref(), prediction.as_ref())?;
-    let specimen = match &campaign {
-        Some(campaign) => specimen::remade(campaign)?,
-        None => Err(NO_CAMPAIGN.into()),
-    };
-    Ok(page_of(
-        Sources { table, campaign: campaign.as_ref(), prediction: prediction.as_ref(), specimen },
-        &summary,
-        bench,
-    ))
+    verdict: Option<&Verdict>,
+    stops: Vec<StopSummary>,
+) -> Result<Summary> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name = campaign.map_or(&*stem, |campaign| &campaign.name);
+    Summary::of_table(name, header, campaign.map(|campaign| &campaign.surface), verdict, stops)
 }
 
 /// Where a page comes from besides its summary.
@@ -166,8 +159,20 @@ pub struct Sources<'a> {
     pub specimen: specimen::ShownSpecimen,
 }
 
+impl<'a> Sources<'a> {
+    /// Of a table from its file: its first patch is made anew.
+    fn remade(
+        table: &'a BrdfTable,
+        campaign: Option<&'a Campaign>,
+        prediction: Option<&'a Prediction>,
+    ) -> Result<Self> {
+        let specimen = campaign.map_or(Ok(Err(NO_CAMPAIGN.into())), specimen::remade)?;
+        Ok(Sources { table, campaign, prediction, specimen })
+    }
+}
+
 /// The page, alike for a table just measured and for one from its file.
-pub fn page_of(sources: Sources, summary: &Value, bench: Option<&Value>) -> String {
+pub fn page_of(sources: Sources, summary: &Summary, bench: Option<&BenchAnswer>) -> String {
     let Sources { table, campaign, prediction, specimen } = sources;
     let realisations = campaign.map_or(0, |campaign| campaign.surface.realisations as usize);
     let masking = campaign.map(validate::expect::masking);
@@ -176,60 +181,50 @@ pub fn page_of(sources: Sources, summary: &Value, bench: Option<&Value>) -> Stri
 }
 
 /// The answer of `gonio bench` in a file. Errors: of a file that is none, or of another version.
-fn bench_in(path: &Path) -> Result<Value> {
-    let bench = output::read_json(path)?;
-    if bench["schema"] != SCHEMA || !bench["ladders"].is_array() || !bench["rows"].is_array() {
-        let why = format!("is no answer of `gonio bench` (schema {SCHEMA}, rows and ladders needed)");
-        return Err(Error::format(path, why));
+fn bench_in(path: &Path) -> Result<BenchAnswer> {
+    match BenchAnswer::deserialize(output::read_json(path)?) {
+        Ok(bench) if bench.schema == answer::SCHEMA => Ok(bench),
+        other => {
+            let why = other.err().map_or(String::new(), |why| format!(": {why}"));
+            let schema = answer::SCHEMA;
+            Err(Error::format(path, format!("is no answer of `gonio bench` of schema {schema}{why}")))
+        }
     }
-    Ok(bench)
 }
 
-/// The summary that `measure` wrote beside the table, if it is this table's: by its digest and, as older summaries have
+/// The summary that `measure` wrote next to the table, if it is this table's: by its digest and, as older summaries have
 /// none, by seed, patches and positions of the light.
 fn summary_beside(
     path: &Path,
     table: &BrdfTable,
     digest: impl FnOnce() -> Result<String>,
-) -> Result<Option<Value>> {
+) -> Result<Option<Summary>> {
     let beside = path.with_extension("json");
     if !beside.is_file() {
         say(format_args!("note: {} is absent: cost and albedo by order are not known", beside.display()));
         return Ok(None);
     }
-    let summary = output::read_json(&beside)?;
-    if summary["schema"] != SCHEMA {
-        warn(format_args!("{} is no summary of schema {SCHEMA} and is not used", beside.display()));
-        return Ok(None);
-    }
-    let stops = summary["stops"].as_array().map_or(&[][..], Vec::as_slice);
-    let is_at = |(stop, listed): (usize, &Value)| {
-        let (theta, phi) = table.grid.stop_deg(stop);
-        listed["theta_i_deg"] == theta && listed["phi_i_deg"] == phi
+    let summary = match Summary::deserialize(output::read_json(&beside)?) {
+        Ok(summary) if summary.schema == SCHEMA => summary,
+        other => {
+            let why = other.err().map_or(String::new(), |why| format!(": {why};"));
+            warn(format_args!("{} is no summary of schema {SCHEMA}{why} and is not used", beside.display()));
+            return Ok(None);
+        }
     };
-    let same = summary["seed"] == table.seed
-        && summary["patch_digest"] == *table.patch_digest
-        && stops.len() == table.grid.stops()
-        && stops.iter().enumerate().all(is_at)
-        && (summary["table_digest"].is_null() || summary["table_digest"] == *digest()?);
+    let is_at = |(stop, listed): (usize, &StopSummary)| {
+        table.grid.stop_deg(stop) == (listed.theta_i_deg, listed.phi_i_deg)
+    };
+    let same = summary.seed == table.seed
+        && summary.patch_digest == table.patch_digest
+        && summary.stops.len() == table.grid.stops()
+        && summary.stops.iter().enumerate().all(is_at)
+        && match &summary.table_digest {
+            Some(of_summary) => *of_summary == digest()?,
+            None => true,
+        };
     if !same {
         warn(format_args!("{} belongs to another table and is not used", beside.display()));
     }
     Ok(same.then_some(summary))
-}
-
-/// A summary from the table alone.
-fn examined(
-    path: &Path,
-    table: &BrdfTable,
-    campaign: Option<&Campaign>,
-    prediction: Option<&Prediction>,
-) -> Result<Value> {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let Some(campaign) = campaign else {
-        return Ok(summary::of_table(&stem, table, None, None));
-    };
-    let parts = table_file::realisations_beside(path, table)?;
-    let verdict = validate::examine_against(table, campaign, parts.as_ref(), prediction);
-    Ok(summary::of_table(&campaign.name, table, Some(&campaign.surface), Some(&verdict)))
 }

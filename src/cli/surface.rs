@@ -6,11 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use glam::DVec2;
 use rayon::prelude::*;
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::text::certificate;
-use super::text::certificate::{MapFigures, Pooled, RayBound};
+use super::text::certificate::{MapFigures, PatchEntry, Pooled, RayBound};
 use super::text::output::{Output, json_text, parsed_json, to_json, warn};
 use super::text::progress::RunProgress;
 use crate::campaign::{self, Campaign, Parsed};
@@ -84,16 +83,6 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         }
     }
     Ok(0)
-}
-
-/// The certificate of one patch and where it is.
-#[derive(Serialize)]
-pub struct PatchEntry {
-    file: String,
-    /// SHA-256 over the heights.
-    heights_sha256: String,
-    #[serde(flatten)]
-    pub certificate: Certificate,
 }
 
 /// Everything that the patches share.

@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::table_file::{self, Opened};
-use super::text::output::{Output, say, to_json, verdict_lines};
+use super::text;
+use super::text::output::{Output, say, to_json};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::table::BrdfTable;
 use crate::validate::{self, verdict};
 
-/// Hold a table to the laws of energy and reciprocity and to every named model
+/// Test a table against the laws of energy and reciprocity and against every named model
 #[derive(Args)]
 #[command(after_help = "Exits with 1 where the table breaks a law or misses its expectation.\n\n\
     Example: gonio validate out/quickstart/quickstart.exr")]
 pub struct Arguments {
-    /// The table; <stem>.realisations.exr beside it is used where it is there
+    /// The table; <stem>.realisations.exr next to it is used where it is there
     table: PathBuf,
     /// Print one JSON document: ok, failures, comparisons
     #[arg(long)]
@@ -28,10 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let verdict = match table_file::open(path, verdict::row_bytes)? {
         Opened::Whole(table) => {
             let parts = table_file::realisations_beside(path, &table)?;
-            match campaign_of(path, &table)? {
-                None => validate::examine_laws(&table, parts.as_ref()),
-                Some(campaign) => validate::examine(&table, &campaign, parts.as_ref()),
-            }
+            validate::examine(&table, campaign_of(path, &table)?.as_ref(), parts.as_ref())
         }
         Opened::Rows(mut rows) => {
             let parts = table_file::realisations_beside_rows(&rows)?;
@@ -43,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if arguments.json {
         out.json(&to_json(&verdict)?)?;
     } else {
-        out.lines(verdict_lines(&verdict))?;
+        out.lines(text::verdict::lines(&verdict))?;
     }
     if verdict.ok { Ok(0) } else { Err(Error::Disagreement(verdict.failures.join("\nerror: "))) }
 }
@@ -51,7 +49,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 /// What a table was measured by, if it says so.
 fn campaign_of(path: &Path, header: &BrdfTable) -> Result<Option<Campaign>> {
     if header.campaign.is_empty() {
-        say(format_args!("note: {} holds no campaign: held to the laws alone", path.display()));
+        say(format_args!("note: {} holds no campaign: tested against the laws alone", path.display()));
     }
     table_file::campaign_if_any(path, header)
 }

@@ -27,7 +27,7 @@ pub struct FitData {
     pub suffixes: Vec<String>,
     /// Whether F = 1 is known, so that no amplitude is fitted to physical models.
     pub perfect_mirror: bool,
-    /// Whether the table tells azimuths apart.
+    /// Whether the table distinguishes azimuths.
     pub absolute: bool,
     /// The campaign's turn of the sample, rad: alpha_x is given for the axis within 45 degrees of it.
     pub rotation: f64,

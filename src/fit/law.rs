@@ -94,7 +94,7 @@ impl Amplitudes {
 }
 
 impl FitLaw {
-    /// All models that a table can be held against: anisotropic ones only where azimuths are told apart.
+    /// All models that a table can be tested against: anisotropic ones only where azimuths are distinguished.
     pub fn all(data: &FitData) -> Vec<FitLaw> {
         let mut laws = vec![
             FitLaw::Lambert,
@@ -117,7 +117,8 @@ impl FitLaw {
     }
 
     /// The models of a surface's own law of normals where they are not among `all`: those of Student's t, whose gamma only
-    /// the campaign knows. Held by: `a_students_patch_is_known_by_its_own_law` (tests/it/fit.rs).
+    /// the campaign knows.
+    // Tested by `a_students_patch_is_known_by_its_own_law` (tests/it/fit.rs).
     pub fn of_surface(kind: &SurfaceKind, data: &FitData) -> Vec<FitLaw> {
         match kind {
             SurfaceKind::StudentT { gamma, .. } => FitLaw::of_normals(Ndf::StudentT { gamma: *gamma }, data),
@@ -304,8 +305,7 @@ fn with_schlick(unit: f64, wi: DVec3, wo: DVec3) -> [f64; 2] {
 
 /// (alpha_x, alpha_y, turn) of the logarithm (a, b, c) of a matrix of roughness, the turn within 45 degrees of `near`:
 /// eigenvalues exp(a +- r), r = hypot(b, c), the larger one along atan2(c, b)/2.
-///
-/// Held by: `a_matrix_of_roughness_has_its_axes` and the anisotropic fits of tests/it/fit.rs.
+// Tested by `a_matrix_of_roughness_has_its_axes` and the anisotropic fits of tests/it/fit.rs.
 pub fn roughness(shape: &[f64], near: f64) -> (f64, f64, f64) {
     let (a, r) = (shape[0], shape[1].hypot(shape[2]));
     let axis = 0.5 * shape[2].atan2(shape[1]);

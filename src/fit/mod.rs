@@ -1,6 +1,6 @@
 //! Fits of analytic models to a table, bin mean against bin mean, weighted by the size of each bin over the model.
 //!
-//! Enters: a table, its campaign and its realisations. Leaves: every model's parameters with two kinds of standard
+//! Input: a table, its campaign and its realisations. Output: every model's parameters with two kinds of standard
 //! error, its distances and a ranking that knows the errors of the realisations. No model is the truth of a continuous
 //! surface, and facets that many bins share are off in all of them together; so errors that know single bins alone are
 //! too small, and the jackknife over realisations (Efron and Stein 1981) is the one to believe.
@@ -62,7 +62,7 @@ pub(crate) struct Fitted {
 /// - Tables of many stops are fitted at some of them first; models that are four times as far off there as the best
 ///   one stay as they are.
 /// - Cost: about 10 evaluations of 16 nodes a bin for each parameter and fit.
-/// - Held by: tests/it/fit.rs.
+// Tested by tests/it/fit.rs.
 pub fn fit(data: &FitData, laws: &[FitLaw]) -> Fits {
     let guess = pilot(data);
     let stops: Vec<usize> = (0..data.grid.stops()).collect();

@@ -47,7 +47,7 @@ impl StopNodes {
     /// The nodes of every stop of a grid.
     ///
     /// - `aperture`: half-angle of the light's cone, rad. `alpha`: the narrowest lobe that is to be resolved.
-    /// - Held by: `the_quadrature_agrees_with_the_adaptive_one` (tests/it/fit.rs).
+    // Tested by `the_quadrature_agrees_with_the_adaptive_one` (tests/it/fit.rs).
     pub fn of_grid(grid: &Grid, aperture: f64, alpha: f64) -> Vec<StopNodes> {
         StopNodes::of_stops(grid, &(0..grid.stops()).collect::<Vec<_>>(), aperture, alpha)
     }

@@ -3,12 +3,8 @@
 //! At the steepest stops each bin holds facets in proportion to f cos_i w/(wo.h). Their shape is Tyler's M-estimator
 //! (Tyler 1987), which is the same for every elliptical law, and their scale the weighted median of its radius.
 
-use crate::instrument::Region;
-use crate::sphere;
-
 use super::data::FitData;
 
-/// Rounds of Tyler's iteration.
 const ROUNDS: usize = 30;
 /// Largest anisotropy, ln(alpha_x/alpha_y)/2, that is believed.
 const MOST_STRETCH: f64 = 1.5;
@@ -22,7 +18,8 @@ pub struct Pilot {
     pub stretch: [f64; 2],
 }
 
-/// The first guess. Held by: the fits of tests/it/fit.rs, which start there.
+/// The first guess.
+// Tested by the fits of tests/it/fit.rs, which start there.
 pub fn pilot(data: &FitData) -> Pilot {
     let slopes = slopes(data);
     let mut shape = [1.0, 0.0, 1.0];
@@ -65,13 +62,7 @@ fn slopes(data: &FitData) -> Vec<([f64; 2], f64)> {
     for stop in (0..grid.stops()).filter(|&stop| grid.stop_deg(stop).0 == steepest) {
         let wi = grid.wi(stop);
         for (bin, region) in grid.regions(stop).iter().enumerate() {
-            let wo = match *region {
-                Region::Rectangle { theta, phi } => {
-                    sphere::direction(0.5 * (theta[0] + theta[1]), 0.5 * (phi[0] + phi[1]))
-                }
-                Region::Cap { axis, .. } => axis,
-            };
-            let h = wi + wo;
+            let h = wi + region.middle();
             let entry = stop * bins + bin;
             let weight = data.value[0][entry] * data.size[entry] / h.length();
             let slope = [h.x / h.z, h.y / h.z];

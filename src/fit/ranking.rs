@@ -16,7 +16,7 @@ pub(super) struct Ranking {
     pub behind: f64,
     /// Standard error of that.
     pub behind_se: Option<f64>,
-    /// Whether the realisations do not tell it from the best; `None` where they cannot say.
+    /// Whether the realisations do not distinguish it from the best; `None` where they cannot say.
     pub alike: Option<bool>,
 }
 

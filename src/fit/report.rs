@@ -17,7 +17,7 @@ const HALF: f64 = 0.5;
 const FAR: f64 = 0.5;
 /// Tilts, rad, below which Oren and Nayar's model is Lambert's to 1e-5.
 const SMOOTH: f64 = 2e-3;
-/// Level at which two axes of roughness are told apart.
+/// Level at which two axes of roughness are distinguished.
 const LEVEL: f64 = 0.01;
 
 /// Named things in their order.
@@ -80,7 +80,7 @@ pub struct Fit {
     pub behind: f64,
     /// Its standard error over realisations; null without them.
     pub behind_se: Option<f64>,
-    /// Whether the realisations do not tell the model from the best one at 95 %; null without them.
+    /// Whether the realisations do not distinguish the model from the best one at 95 %; null without them.
     pub alike: Option<bool>,
     /// Whether the iteration converged.
     pub converged: bool,

@@ -4,7 +4,7 @@
 //! g_k the gradient for that realisation alone at the fit of all. One step of Newton with the whole matrix of second
 //! derivatives H (weights follow the model, so they move with it) lands at the fit without k: H^-1 g_k/(R - 1) off, to
 //! first order in the distance, a few hundredths of the error itself.
-//! Held by: `the_jackknife_is_what_leaving_out_and_fitting_again_gives` (tests/it/fit.rs).
+// Tested by `the_jackknife_is_what_leaving_out_and_fitting_again_gives` (tests/it/fit.rs).
 
 use nalgebra::DMatrix;
 

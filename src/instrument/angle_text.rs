@@ -16,22 +16,28 @@ pub fn angle_decimals(fewest: usize, angles: impl IntoIterator<Item = f64>) -> u
 }
 
 /// The angles of an incidence as text, with the same decimals for all of a grid.
-pub struct StopAngles<'a> {
-    grid: &'a Grid,
+pub struct StopAngles {
+    angles: Vec<(f64, f64)>,
     decimals: [usize; 2],
 }
 
-impl<'a> StopAngles<'a> {
+impl StopAngles {
     /// The incidences of `grid`, with two decimals at least.
-    pub fn of(grid: &'a Grid) -> Self {
-        let stops = || (0..grid.stops()).map(|stop| grid.stop_deg(stop));
-        let theta = angle_decimals(2, stops().map(|stop| stop.0));
-        StopAngles { grid, decimals: [theta, angle_decimals(2, stops().map(|stop| stop.1))] }
+    pub fn of(grid: &Grid) -> Self {
+        StopAngles::new((0..grid.stops()).map(|stop| grid.stop_deg(stop)))
+    }
+
+    /// The same of these (theta_i, phi_i).
+    pub fn new(angles: impl Iterator<Item = (f64, f64)>) -> Self {
+        let angles: Vec<(f64, f64)> = angles.collect();
+        let theta = angle_decimals(2, angles.iter().map(|angle| angle.0));
+        let phi = angle_decimals(2, angles.iter().map(|angle| angle.1));
+        StopAngles { angles, decimals: [theta, phi] }
     }
 
     /// theta_i and phi_i.
     pub fn texts(&self, stop: usize) -> [String; 2] {
-        let ((theta, phi), [of_theta, of_phi]) = (self.grid.stop_deg(stop), self.decimals);
+        let ((theta, phi), [of_theta, of_phi]) = (self.angles[stop], self.decimals);
         [format!("{theta:.of_theta$}"), format!("{phi:.of_phi$}")]
     }
 }

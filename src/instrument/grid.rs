@@ -108,6 +108,16 @@ impl Region {
             Region::Cap { axis, half_angle } => std::f64::consts::PI * half_angle.sin().powi(2) * axis.z,
         }
     }
+
+    /// The direction in the middle, a unit vector.
+    pub fn middle(&self) -> DVec3 {
+        match *self {
+            Region::Rectangle { theta, phi } => {
+                sphere::direction(0.5 * (theta[0] + theta[1]), 0.5 * (phi[0] + phi[1]))
+            }
+            Region::Cap { axis, .. } => axis,
+        }
+    }
 }
 
 impl Grid {
@@ -122,7 +132,12 @@ impl Grid {
         }
     }
 
-    /// Number of different azimuths among the incidences.
+    /// Projected solid angle of each bin at a stop, sr.
+    pub fn sizes(&self, stop: usize) -> Vec<f64> {
+        self.regions(stop).iter().map(Region::projected_solid_angle).collect()
+    }
+
+    /// Number of different azimuths among the stops.
     pub fn azimuths(&self) -> usize {
         let mut azimuths: Vec<u64> = (0..self.stops()).map(|stop| self.stop_deg(stop).1.to_bits()).collect();
         azimuths.sort_unstable();

@@ -10,7 +10,7 @@ use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files::{self, Claim};
 use crate::report::card;
-use crate::report::html::page;
+use crate::report::html::render;
 use crate::table::{BrdfTable, TableRows, realisations};
 
 /// Bytes within which a file says what it is.
@@ -133,7 +133,7 @@ impl TablePaths {
     /// Refuses to replace what this program did not write.
     fn spare_others(&self) -> Result<()> {
         spare_foreign(&self.realisations, realisations::TABLE_DIGEST, "realisations")?;
-        spare_foreign(&self.page, page::MARK, "page")?;
+        spare_foreign(&self.page, render::MARK, "page")?;
         spare_foreign(&self.card, card::MARK, "card")
     }
 

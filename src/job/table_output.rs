@@ -1,14 +1,11 @@
 //! A table from its first band of incidences to its files in their places: taken band by band, or all at once.
 
-use serde_json::Value;
-
 use super::paths::TablePaths;
 use crate::error::{Error, Result};
 use crate::files::{self, NewFile};
 use crate::measure::{Cost, Measured, Plan};
 use crate::report::html::specimen::ShownSpecimen;
-use crate::report::summary::summary;
-use crate::report::{self as pages, Facts, Page, Scene};
+use crate::report::{self as pages, Facts, Page, Scene, Summary};
 use crate::table::realisations::{self, GROUPS, StoredRealisations};
 use crate::table::{BrdfTable, Realisations, TableRows, TableWriter};
 use crate::validate::prediction::schlick_error::SchlickError;
@@ -93,24 +90,22 @@ impl<'a> TableOutput<'a> {
     ) -> Result<WrittenTable<'a>> {
         let TableOutput { paths, plan, writer, examination, facts, schlick, kept, measured, whole } = self;
         let verdict = examination.verdict();
-        let mut document = summary(&measured, plan, cost, &verdict);
-        document["fresnel"] = to_json(&schlick)?;
         let (file, digest) = writer.finish()?;
-        document["table_digest"] = digest.clone().into();
+        let summary = Summary::measured(&measured, (plan, cost), &verdict, schlick.clone(), digest.clone())?;
         let file = file.on_disk()?;
         let shown = match whole {
-            Some((table, prediction)) => ShownTable { table, prediction, document: document.clone() },
-            None => ShownTable::of_rows(&file, &measured, &document, memory)?,
+            Some((table, prediction)) => ShownTable { table, prediction, summary: summary.clone() },
+            None => ShownTable::of_rows(&file, &measured, summary.clone(), memory)?,
         };
         let page = shown.page(&measured, specimen(&measured)?);
-        let card = pages::card_of(&measured.table, &digest, facts, &document);
+        let card = pages::card(&measured.table, &digest, facts, &summary);
         let staged = Staged {
             table: file,
             realisations: staged_realisations(&measured, paths, &digest, (kept, plan))?,
             others: [
                 NewFile::with(&paths.page, page.as_bytes())?,
                 NewFile::with(&paths.card, card.as_bytes())?,
-                NewFile::with(&paths.summary, format!("{}\n", json_text(&document)?).as_bytes())?,
+                NewFile::with(&paths.summary, format!("{}\n", json_text(&summary)?).as_bytes())?,
             ],
         };
         staged.commit(paths)?;
@@ -144,14 +139,14 @@ struct ShownTable {
     table: BrdfTable,
     prediction: Option<Prediction>,
     /// The summary of these incidences.
-    document: Value,
+    summary: Summary,
 }
 
 impl ShownTable {
-    fn of_rows(file: &NewFile, measured: &Measured, document: &Value, memory: u64) -> Result<Self> {
+    fn of_rows(file: &NewFile, measured: &Measured, summary: Summary, memory: u64) -> Result<Self> {
         let (table, stops) = pages::thinned(&mut TableRows::open(file.under_way())?, memory)?;
         let prediction = Prediction::of(&measured.campaign, &table.grid);
-        Ok(ShownTable { table, prediction, document: pages::thinned_summary(document, &stops) })
+        Ok(ShownTable { table, prediction, summary: summary.thinned(&stops) })
     }
 
     fn page(&self, measured: &Measured, specimen: ShownSpecimen) -> String {
@@ -161,7 +156,7 @@ impl ShownTable {
             scene: Scene { table: &self.table, prediction, realisations },
             campaign: Some(campaign),
             masking: Some(expect::masking(campaign)),
-            summary: &self.document,
+            summary: &self.summary,
             specimen,
             bench: None,
         })
@@ -202,10 +197,6 @@ fn staged_realisations(
     NewFile::with(&paths.realisations, &bytes).map(Some)
 }
 
-fn to_json(value: &impl serde::Serialize) -> Result<Value> {
-    serde_json::to_value(value).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
-}
-
-fn json_text(document: &Value) -> Result<String> {
-    serde_json::to_string_pretty(document).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
+fn json_text(summary: &Summary) -> Result<String> {
+    serde_json::to_string_pretty(summary).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// What a run cost.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Cost {
     /// Wall time.
     pub wall_s: f64,

@@ -4,6 +4,7 @@
 //! a shard by itself, so that neither changes where a run ends. The squared error is a/n + p^2: a the noise of n
 //! blocks, p the patches' own spread, which no number of blocks takes down.
 
+use std::fmt;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
@@ -12,9 +13,6 @@ use super::accumulate::fresnel_sums::FresnelSums;
 use super::accumulate::tally_flux::TallyFlux;
 use crate::campaign::Stop;
 use crate::stats;
-
-/// Bins below this fraction of the incidence's peak do not count.
-const COUNTED_ABOVE: f64 = 0.01;
 
 /// What ended an incidence, or a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,6 +26,12 @@ pub enum StoppedBy {
     PatchLimited,
     /// `stop.seconds` are over.
     Seconds,
+}
+
+impl fmt::Display for StoppedBy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
 }
 
 /// The blocks between one look at the errors, or at the clock, and the next.
@@ -66,10 +70,9 @@ pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], sums: &FresnelS
         let bins: Vec<(f64, f64)> =
             sizes.iter().enumerate().map(|(bin, &size)| of(bin, size)).collect::<Option<_>>()?;
         let peak = bins.iter().fold(0.0f64, |peak, &(mean, _)| peak.max(mean));
-        errors.extend(bins.iter().filter(|b| b.0 > COUNTED_ABOVE * peak).map(|(mean, se)| se / mean));
+        errors.extend(bins.iter().filter(|b| b.0 > stats::COUNTED_ABOVE * peak).map(|(mean, se)| se / mean));
     }
-    errors.sort_by(f64::total_cmp);
-    (!errors.is_empty()).then(|| errors[errors.len() / 2])
+    stats::upper_median(&mut errors)
 }
 
 /// One incidence on its way to the end.

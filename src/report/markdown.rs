@@ -1,12 +1,11 @@
-//! Words of files as text of a Markdown page, where they can make no element, link, cell or heading of their own.
+//! Words of files as text of a Markdown page, where they can make no element, link, cell or header of their own.
 //!
-//! The one place for such words on their way to Markdown; on their way to HTML it is `chart::escaped`.
+//! The one place for such words on their way to Markdown; on their way to HTML it is `plot::escaped`.
 
 use crate::error::is_unseen;
 
 /// A text in a line or in a cell of a table.
-///
-/// Held by: `words_stay_words`.
+// Tested by `words_stay_words`.
 pub fn plain(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut before = ' ';

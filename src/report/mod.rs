@@ -4,10 +4,14 @@ pub mod card;
 pub mod html;
 pub mod markdown;
 pub mod plot;
+mod quality;
 pub mod slices;
 pub mod summary;
 
-pub use card::{Facts, card, card_of};
-pub use html::page::{Page, page};
-pub use html::thinned::{thinned, thinned_summary};
+pub use card::card;
+pub use html::page::Page;
+pub use html::render::page;
+pub use html::thinned::thinned;
+pub use quality::Facts;
 pub use slices::Scene;
+pub use summary::{StopSummary, Summary};

@@ -1,18 +1,17 @@
 //! Cuts through a table: the bins in the plane of incidence, in the mirror direction, and their values.
 //!
-//! Enters: a table, its prediction. Leaves: numbers by signed polar angle, the same bins for measurement and model.
+//! Input: a table, its prediction. Output: numbers by signed polar angle, the same bins for measurement and model.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
 use crate::instrument::{Grid, Region};
-use crate::sphere;
 use crate::stats;
 use crate::table::{BrdfTable, ColourChannels};
 use crate::validate::Prediction;
 
-/// A table and what stands beside it.
+/// A table and its prediction.
 #[derive(Clone, Copy)]
 pub struct Scene<'a> {
     /// The table.
@@ -44,7 +43,8 @@ pub struct Cut {
 /// The bins that the plane of incidence cuts, from the light's horizon to the mirror's.
 ///
 /// A bin between edges counts on the side whose azimuth its half-open interval holds; a circular aperture counts
-/// where the plane passes through it. Held by: `the_plane_of_incidence_cuts_a_row_on_either_side`.
+/// where the plane passes through it.
+// Tested by `the_plane_of_incidence_cuts_a_row_on_either_side`.
 fn in_plane(grid: &Grid, stop: usize) -> Vec<Cut> {
     let phi_i = grid.stop_deg(stop).1.to_radians();
     let mut cuts = Vec::new();
@@ -82,20 +82,10 @@ fn holds(phi: [f64; 2], azimuth: f64) -> bool {
 pub fn mirror_bin(grid: &Grid, stop: usize) -> Option<usize> {
     let wi = grid.wi(stop);
     let mirror = DVec3::new(-wi.x, -wi.y, wi.z);
-    let distance = |region: &Region| middle(region).distance_squared(mirror);
+    let distance = |region: &Region| region.middle().distance_squared(mirror);
     let regions = grid.regions(stop);
     let nearest = regions.iter().enumerate().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
     nearest.map(|(bin, _)| bin)
-}
-
-/// The direction in the middle of a bin.
-pub fn middle(region: &Region) -> DVec3 {
-    match *region {
-        Region::Rectangle { theta, phi } => {
-            sphere::direction(0.5 * (theta[0] + theta[1]), 0.5 * (phi[0] + phi[1]))
-        }
-        Region::Cap { axis, .. } => axis,
-    }
 }
 
 impl Scene<'_> {
@@ -160,8 +150,7 @@ impl Scene<'_> {
     }
 
     /// The stops of each azimuth of the light by theta_i; of a list of stops the azimuths with the most of them.
-    ///
-    /// Held by: `a_list_of_stops_is_swept_where_most_angles_share_an_azimuth`.
+    // Tested by `a_list_of_stops_is_swept_where_most_angles_share_an_azimuth`.
     pub fn sweeps(&self) -> Vec<Sweep> {
         let sweeps = self.grouped(|(_, phi)| phi, |(theta, _)| theta);
         let most = sweeps.iter().map(|sweep| sweep.stops.len()).max().unwrap_or(0);
@@ -193,8 +182,7 @@ impl Scene<'_> {
     /// The model's flux at a stop over the incident one, the plots' colour.
     pub fn model_albedo(&self, index: usize, stop: usize) -> Option<f64> {
         let means = &self.prediction?.means[stop].values[index][self.colour()];
-        let sizes = self.table.grid.regions(stop);
-        Some(means.iter().zip(&sizes).map(|(mean, region)| mean * region.projected_solid_angle()).sum())
+        Some(means.iter().zip(self.table.grid.sizes(stop)).map(|(mean, size)| mean * size).sum())
     }
 }
 

@@ -9,8 +9,6 @@
 use serde::Serialize;
 
 use crate::fit::{FitData, pilot::pilot};
-use crate::instrument::Region;
-use crate::sphere;
 
 /// Orders that are looked at: a tilt or blaze shows in 1 and 3, a brush in 2, crossed brushes in 4.
 const ORDERS: [u32; 4] = [1, 2, 3, 4];
@@ -79,13 +77,7 @@ fn kernel(data: &FitData, median: f64, order: u32) -> Vec<[f64; 2]> {
     for stop in 0..grid.stops() {
         let wi = grid.wi(stop);
         for region in grid.regions(stop) {
-            let wo = match region {
-                Region::Rectangle { theta, phi } => {
-                    sphere::direction(0.5 * (theta[0] + theta[1]), 0.5 * (phi[0] + phi[1]))
-                }
-                Region::Cap { axis, .. } => axis,
-            };
-            let h = wi + wo;
+            let h = wi + region.middle();
             let (x, y) = (h.x / (median * h.z), h.y / (median * h.z));
             let r2 = x * x + y * y;
             let strength = data.size[kernel.len()] * (r2 / (1.0 + r2)).powf(0.5 * f64::from(order));
@@ -102,7 +94,7 @@ fn kernel(data: &FitData, median: f64, order: u32) -> Vec<[f64; 2]> {
 /// (1 + T^2/(R - 1))^(-(R - 2)/2). Source: Hotelling 1931.
 ///
 /// - `None` for fewer than four pairs. Pairs without scatter: 0 if they differ from 0, else 1.
-/// - Held by: `the_level_of_the_test_is_exact` and those of tests/it/study.rs.
+// Tested by `the_level_of_the_test_is_exact` and those of tests/it/study.rs.
 pub fn hotelling_p(pairs: &[[f64; 2]]) -> Option<f64> {
     let count = pairs.len() as f64;
     if pairs.len() < 4 {

@@ -5,8 +5,8 @@
 
 use serde::Serialize;
 
-use super::jackknife_se;
 use crate::fit::FitData;
+use crate::stats;
 
 /// The index of all stops with one theta_i.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -91,7 +91,8 @@ fn root(squares: &[f64], flux: f64) -> (f64, Option<f64>) {
     }
     let square = (squares[0] / flux).max(0.0);
     let without: Vec<f64> = squares[1..].iter().map(|square| square / flux).collect();
-    let se = (without.len() >= 3).then(|| (square + jackknife_se(&without)).sqrt() - square.sqrt());
+    let of_square = stats::jackknife_se(&without).filter(|_| without.len() >= 3);
+    let se = of_square.map(|of_square| (square + of_square).sqrt() - square.sqrt());
     (square.sqrt(), se)
 }
 

@@ -1,6 +1,6 @@
 //! Isotropy and anisotropy: the sample is turned through 360 degrees under arms that stay.
 //!
-//! Enters: a campaign. Leaves: how far the BRDF depends on the turn (noise removed), a test of isotropy, where a 3-D
+//! Input: a campaign. Output: how far the BRDF depends on the turn (noise removed), a test of isotropy, where a 3-D
 //! table would be wrong, and the fitted alpha_x, alpha_y and rotation. Mirror images and folding assume the very
 //! symmetry under test and are switched off; the unit of every error is the realisation.
 
@@ -14,11 +14,11 @@ pub use turned::turned;
 
 use serde::Serialize;
 
-use crate::campaign::{SmithNdf, SurfaceKind};
+use crate::campaign::SurfaceKind;
 use crate::fit::{self, FitData, FitLaw};
 use crate::measure::Measured;
-use crate::stats;
 use crate::theory::{Masking, Ndf};
+use crate::validate::prediction::model::ndf_of;
 
 /// Level of the test of isotropy.
 pub const LEVEL: f64 = 0.01;
@@ -64,8 +64,7 @@ pub struct Study {
 }
 
 /// What the measured turn of a sample shows; `measured` comes from a campaign and plan of [`turned()`].
-///
-/// Held by: `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/it/study.rs).
+// Tested by `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/it/study.rs).
 pub fn examine(measured: &Measured) -> Study {
     let mut study = examine_isotropy(measured);
     let laws = laws(measured, study.dimensions == Some(4));
@@ -85,8 +84,7 @@ pub fn examine(measured: &Measured) -> Study {
 }
 
 /// The same without the fit: index and test need no model.
-///
-/// Held by: `an_isotropic_law_is_rejected_as_often_as_the_level_says` (tests/it/study.rs).
+// Tested by `an_isotropic_law_is_rejected_as_often_as_the_level_says` (tests/it/study.rs).
 pub fn examine_isotropy(measured: &Measured) -> Study {
     let data = data_of(measured);
     let harmonics = harmonics::harmonics(&data, measured.campaign.surface.kind.is_random_heights());
@@ -122,26 +120,12 @@ fn joint(harmonics: &[AzimuthHarmonic]) -> Option<f64> {
 /// does not stand: axes that are chosen to make the most of the noise always lie apart.
 fn laws(measured: &Measured, anisotropic: bool) -> Vec<FitLaw> {
     let ndfs = match &measured.campaign.surface.kind {
-        SurfaceKind::Ggx(_) => vec![Ndf::Ggx],
-        SurfaceKind::Beckmann { .. } => vec![Ndf::Beckmann],
-        SurfaceKind::StudentT { gamma, .. } => vec![Ndf::StudentT { gamma: *gamma }],
-        SurfaceKind::BlinnPhong { .. } => vec![Ndf::BlinnPhong],
-        SurfaceKind::Smith(smith) if smith.ndf == SmithNdf::Ggx => vec![Ndf::Ggx],
-        SurfaceKind::Smith(_) => vec![Ndf::Beckmann],
         SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => vec![Ndf::Ggx, Ndf::Beckmann],
-        SurfaceKind::Mirror => vec![],
+        kind => ndf_of(kind).into_iter().collect(),
     };
     let maskings = if measured.campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
     let laws = ndfs.into_iter().flat_map(|ndf| {
         maskings.iter().map(move |&masking| FitLaw::Microfacet { ndf, masking, anisotropic })
     });
     laws.collect()
-}
-
-/// Standard error of a statistic by leaving out one at a time: sqrt((n-1)/n sum (s_k - mean)^2).
-fn jackknife_se(without: &[f64]) -> f64 {
-    let mean = stats::mean(without);
-    let squares: f64 = without.iter().map(|value| (value - mean) * (value - mean)).sum();
-    let count = without.len() as f64;
-    ((count - 1.0) / count * squares).sqrt()
 }

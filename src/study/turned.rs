@@ -6,7 +6,7 @@ use crate::measure::{self, Plan};
 
 /// Turns where the campaign says nothing: every 15 degrees.
 const TURNS: u32 = 24;
-/// Fewer could not tell the fourth harmonic from its aliases.
+/// Fewer could not distinguish the fourth harmonic from its aliases.
 const FEWEST_TURNS: usize = 9;
 /// How evenly the turns must be spaced, degrees.
 const EVEN_DEG: f64 = 1e-6;
@@ -18,7 +18,7 @@ const EVEN_DEG: f64 = 1e-6;
 /// patches. Mirror images and folding are off; averages over azimuth too.
 ///
 /// Errors: `Usage` where the campaign has several roughnesses or unevenly spaced azimuths; those of `plan`.
-/// Held by: `mirror_images_and_folding_are_off`, `uneven_turns_are_refused` (tests/it/study.rs).
+// Tested by `mirror_images_and_folding_are_off`, `uneven_turns_are_refused` (tests/it/study.rs).
 pub fn turned(campaign: &Campaign) -> Result<(Campaign, Plan)> {
     let mut campaign = campaign.clone();
     if campaign.alphas().len() > 1 {

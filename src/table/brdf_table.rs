@@ -1,6 +1,6 @@
 //! The result of a measurement: BRDF values, error bars and hits over (stop, bin).
 
-use crate::instrument::{Grid, Region};
+use crate::instrument::Grid;
 use crate::stats;
 
 /// A measured (or imported) BRDF table. Every channel is row-major: `stop * bins + bin`.
@@ -78,6 +78,11 @@ pub struct RealisationPart {
     pub schlick: Option<SchlickSums>,
 }
 
+/// Flux into bins of these projected solid angles, as a share of the incident flux.
+pub fn flux(values: &[f32], sizes: &[f64]) -> f64 {
+    values.iter().zip(sizes).map(|(&value, size)| f64::from(value) * size).sum()
+}
+
 impl BrdfTable {
     /// Channel names of the colours: `Y`; `R G B`; or the wavelengths, as in `w550` and `w632_8` (an EXR channel name has
     /// no point but between layers).
@@ -119,12 +124,9 @@ impl BrdfTable {
         }
         let bins = self.grid.bins();
         for stop in 0..self.grid.stops() {
-            let sizes: Vec<f64> = self.grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
+            let sizes = self.grid.sizes(stop);
             for (colour, channels) in self.colours.iter_mut().enumerate() {
-                let flux = |part: &RealisationPart| {
-                    let values = &part.total[colour][stop * bins..][..bins];
-                    values.iter().zip(&sizes).map(|(&f, size)| f64::from(f) * size).sum::<f64>()
-                };
+                let flux = |part: &RealisationPart| flux(&part.total[colour][stop * bins..][..bins], &sizes);
                 let (_, se) = stats::mean_and_se(parts.iter().map(flux));
                 channels.albedo_se.extend(se.map(|se| se as f32));
             }

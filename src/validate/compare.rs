@@ -7,13 +7,14 @@
 //!
 //! Without the realisations l1_model is what is left of l1 by the errors alone, and has no error of its own.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::model_distance::{self, ErrorsAlone, Estimate, FEWEST};
 use crate::stats;
 
-/// A model held against a table.
-#[derive(Debug, Clone, Serialize)]
+/// A model tested against a table.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Comparison {
     /// Law of the normals, or the surface's own model.
     pub model: String,
@@ -32,7 +33,7 @@ pub struct Comparison {
 }
 
 /// The error measures.
-#[derive(Debug, Clone, Copy, Serialize, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub struct Figures {
     /// Flux-weighted L1 distance.
     pub l1: Option<f64>,
@@ -40,7 +41,7 @@ pub struct Figures {
     pub l1_noise: Option<f64>,
     /// What is left.
     pub l1_model: Option<f64>,
-    /// Below this, `l1_model` cannot be told from 0: where the model is true, 95 % of the values are below.
+    /// Below this, `l1_model` cannot be distinguished from 0: where the model is true, 95 % of the values are below.
     ///
     /// Student's limit times `l1_model_se`; without realisations half of `l1_noise`.
     pub l1_model_floor: Option<f64>,
@@ -55,7 +56,8 @@ pub struct Figures {
 }
 
 /// One stop of a comparison.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct StopComparison {
     /// Polar angle of the light.
     pub theta_i_deg: f64,
@@ -208,14 +210,19 @@ impl Figures {
         }
     }
 
-    /// Whether `l1_model` cannot be told from 0.
+    /// The distance with the noise taken off, or the plain one where that is not known, with its key.
+    pub fn distance(&self) -> (&'static str, Option<f64>) {
+        if self.l1_model.is_some() { ("l1_model", self.l1_model) } else { ("l1", self.l1) }
+    }
+
+    /// Whether `l1_model` cannot be distinguished from 0.
     pub fn is_below_floor(&self) -> bool {
         self.l1_model.zip(self.l1_model_floor).is_some_and(|(found, floor)| found < floor)
     }
 
     /// What a column shows: `l1_model`, or the floor that it is below; `l1` where there is none.
     pub fn shown(&self) -> String {
-        match (self.l1_model.or(self.l1), self.l1_model_floor) {
+        match (self.distance().1, self.l1_model_floor) {
             (None, _) => "n/a".into(),
             (Some(_), Some(floor)) if self.is_below_floor() => format!("< {floor:.4}"),
             (Some(found), _) => format!("{found:.4}"),
@@ -249,12 +256,10 @@ pub struct Nearest {
 }
 
 /// The model with the smallest distance; `None` where all of several are below their floors, or nothing is known.
-///
-/// Held by: `models_below_their_floors_have_no_nearest`.
+// Tested by `models_below_their_floors_have_no_nearest`.
 pub fn nearest(models: &[(&Figures, &[f64])]) -> Option<Nearest> {
-    let distance = |figures: &Figures| figures.l1_model.or(figures.l1);
-    let mut known: Vec<(f64, usize)> =
-        models.iter().enumerate().filter_map(|(k, (figures, _))| Some((distance(figures)?, k))).collect();
+    let distance = |(k, (figures, _)): (usize, &(&Figures, &[f64]))| Some((figures.distance().1?, k));
+    let mut known: Vec<(f64, usize)> = models.iter().enumerate().filter_map(distance).collect();
     known.sort_by(|a, b| a.0.total_cmp(&b.0));
     let &(_, first) = known.first()?;
     let Some(&(_, second)) = known.get(1) else { return Some(Nearest { index: first, p: None }) };

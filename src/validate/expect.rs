@@ -1,4 +1,4 @@
-//! What a table is held to where its campaign says nothing: the discrepancy known of its surface.
+//! What a table is tested against where its campaign says nothing: the discrepancy known of its surface.
 
 use serde::Serialize;
 
@@ -50,7 +50,7 @@ fn own_masking(campaign: &Campaign) -> Option<&'static str> {
     }
 }
 
-/// The masking that a campaign is held to: its surface's own, else the one that it names, else the height-correlated.
+/// The masking that a campaign is tested against: its surface's own, else the one that it names, else the height-correlated.
 pub fn masking(campaign: &Campaign) -> &'static str {
     own_masking(campaign).unwrap_or(match campaign.expect.masking {
         Some(ExpectedMasking::Separable) => "separable",
@@ -64,7 +64,8 @@ pub fn masking(campaign: &Campaign) -> &'static str {
 /// 0 says that nothing but noise lies between table and model, bin by bin: mirror, V-groove and the statistical Smith
 /// surface, whose normals are exact by construction. Random heights keep a discrepancy: with shadowing the one of
 /// `KNOWN`, without it that of their own slopes.
-/// Held by: `without_visibility_the_patches_own_slopes_are_allowed_for`, `exact_surfaces_are_held_to_nothing_but_noise`.
+// Tested by `without_visibility_the_patches_own_slopes_are_allowed_for`,
+// `exact_surfaces_are_held_to_nothing_but_noise`.
 pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
     let left_out = match campaign.surface.kind {
         SurfaceKind::File(_) => return None,

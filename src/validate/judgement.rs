@@ -1,6 +1,9 @@
 //! What each law says of a table: passed, failed or not judged, with its figure, its limit and the reason.
 
-use serde::{Serialize, Serializer};
+use std::borrow::Cow;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
 
 use super::compare::{Comparison, Figures};
 use super::expect::Bar;
@@ -11,52 +14,41 @@ use crate::stats;
 /// Family level of the test of a table that is exact but for noise.
 const LEVEL: f64 = 0.01;
 
-/// The laws, in the order of the reports.
-pub const LAWS: [&str; 4] = [LIGHT, ENERGY, RECIPROCITY, MODEL];
 const LIGHT: &str = "light";
 const ENERGY: &str = "energy";
 const RECIPROCITY: &str = "reciprocity";
 const MODEL: &str = "model";
 
 /// What is said of one law.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Ruling {
     /// The figure keeps to the limit, and the test could have failed.
     Passed,
     /// It does not.
     Failed,
     /// Nothing was tested, or noise hides the limit.
+    #[serde(rename = "not judged")]
     NotJudged,
 }
 
-impl Ruling {
-    /// The words in every report.
-    pub fn words(self) -> &'static str {
-        match self {
-            Ruling::Passed => "passed",
-            Ruling::Failed => "failed",
-            Ruling::NotJudged => "not judged",
-        }
-    }
-}
-
-impl Serialize for Ruling {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.words())
+impl fmt::Display for Ruling {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
     }
 }
 
 /// One law and what is said of it.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Judgement {
     /// Its name.
-    pub law: &'static str,
+    pub law: Cow<'static, str>,
     /// What is said of it.
     #[serde(rename = "verdict")]
     pub ruling: Ruling,
     /// What was found.
     pub figure: Option<f64>,
-    /// What it is held to.
+    /// What it is tested against.
     pub limit: Option<f64>,
     /// By how much noise may take the figure over the limit.
     pub allowance: Option<f64>,
@@ -67,12 +59,19 @@ pub struct Judgement {
 impl Judgement {
     fn not_judged(law: &'static str, reason: impl Into<String>) -> Self {
         let ruling = Ruling::NotJudged;
-        Judgement { law, ruling, figure: None, limit: None, allowance: None, reason: reason.into() }
+        Judgement {
+            law: law.into(),
+            ruling,
+            figure: None,
+            limit: None,
+            allowance: None,
+            reason: reason.into(),
+        }
     }
 
     /// One line: `energy: passed: ...`.
     pub fn line(&self) -> String {
-        format!("{}: {}: {}", self.law, self.ruling.words(), self.reason)
+        format!("{}: {}: {}", self.law, self.ruling, self.reason)
     }
 }
 
@@ -80,7 +79,7 @@ impl Judgement {
 pub fn overall(judgements: &[Judgement]) -> String {
     let named = |ruling: Ruling| {
         let of = judgements.iter().filter(|judgement| judgement.ruling == ruling);
-        of.map(|judgement| judgement.law).collect::<Vec<_>>()
+        of.map(|judgement| &*judgement.law).collect::<Vec<_>>()
     };
     let [failed, passed, open] = [Ruling::Failed, Ruling::Passed, Ruling::NotJudged].map(named);
     if !failed.is_empty() {
@@ -147,7 +146,7 @@ pub(super) fn energy(energy: &Energy) -> Judgement {
         count => format!("; above it at {count} stops and colours"),
     };
     Judgement {
-        law: ENERGY,
+        law: ENERGY.into(),
         ruling: ruled(energy.violations == 0),
         figure: Some(albedo),
         limit: Some(1.0),
@@ -172,7 +171,7 @@ pub(super) fn reciprocity(found: Option<&Reciprocity>, visibility: bool) -> Judg
         return Judgement::not_judged(RECIPROCITY, format!("{why} ({} {pairs}{l1})", found.pairs));
     };
     Judgement {
-        law: RECIPROCITY,
+        law: RECIPROCITY.into(),
         ruling: ruled(most <= limit),
         figure: Some(most),
         limit: Some(limit),
@@ -218,7 +217,7 @@ fn exactness(comparison: &Comparison) -> Judgement {
     };
     let limit = stats::student_limit(stats::sidak(LEVEL, judged), dof);
     Judgement {
-        law: MODEL,
+        law: MODEL.into(),
         ruling: ruled(most <= limit),
         figure: Some(most),
         limit: Some(limit),
@@ -243,7 +242,7 @@ fn distance(figures: &Figures, bar: f64) -> Judgement {
     };
     let hidden = if ruling == Ruling::NotJudged { ": noise hides the bar" } else { "" };
     Judgement {
-        law: MODEL,
+        law: MODEL.into(),
         ruling,
         figure: Some(found),
         limit: Some(bar),

@@ -1,17 +1,19 @@
 //! The laws that any table obeys, whatever its surface: energy and reciprocity.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::pairs::PairValues;
 use crate::instrument::GridKind;
 use crate::stats;
-use crate::table::{BrdfTable, Realisations};
+use crate::table::BrdfTable;
+use crate::table::brdf_table::flux;
 
 /// Family level of the tests of this file.
 const LEVEL: f64 = 0.01;
 
 /// Energy: no stop reflects more than it gets.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Energy {
     /// Why the law does not apply, where it does not.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -28,7 +30,8 @@ pub struct Energy {
 }
 
 /// Reciprocity: f(wi, wo) = f(wo, wi) over pairs of stops.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Reciprocity {
     /// `exact`: equal apertures on both arms; `bin_means`: bins of different shape, corrected by the model.
     pub kind: String,
@@ -49,34 +52,7 @@ pub struct Reciprocity {
     pub l1: Option<f64>,
 }
 
-/// The realisations of a table or of some of its stops.
-#[derive(Clone, Copy)]
-pub struct Parts<'a> {
-    /// Those of the table.
-    pub all: &'a Realisations,
-    /// Which of their stops is the first of the table at hand.
-    pub first_stop: usize,
-}
-
-impl<'a> Parts<'a> {
-    /// Those of a whole table.
-    pub fn of(all: Option<&'a Realisations>) -> Option<Self> {
-        all.map(|all| Parts { all, first_stop: 0 })
-    }
-
-    /// Order 1 of one colour at a stop of the table at hand, in each of them.
-    pub fn single(&self, colour: usize, stop: usize, bins: usize) -> Vec<&'a [f32]> {
-        let first = (self.first_stop + stop) * bins;
-        self.all.parts.iter().map(|part| &part.single[colour][first..first + bins]).collect()
-    }
-}
-
 impl Energy {
-    /// No stop yet.
-    pub fn none() -> Self {
-        Energy { skipped: None, largest_albedo: None, largest_albedo_se: None, violations: 0, counted: false }
-    }
-
     /// Takes further stops in.
     pub fn join(&mut self, other: Energy) {
         self.skipped = other.skipped;
@@ -89,7 +65,7 @@ impl Energy {
 
     /// The law for a hemisphere table or some of its stops; arms see too little to judge.
     pub fn of(table: &BrdfTable, visibility: bool) -> Self {
-        let none = Energy::none();
+        let none = Energy::default();
         if !visibility {
             return Energy { skipped: Some("visibility is switched off".into()), ..none };
         }
@@ -116,9 +92,8 @@ impl Energy {
 /// Flux of all orders into all bins, with its error over the realisations, which the table holds: it is the same
 /// whether their file is there or not.
 fn albedo(table: &BrdfTable, stop: usize, colour: usize) -> (f64, Option<f64>) {
-    let regions = table.grid.regions(stop);
-    let values = &table.colours[colour].total[stop * regions.len()..][..regions.len()];
-    let flux = values.iter().zip(&regions).map(|(&f, bin)| f64::from(f) * bin.projected_solid_angle()).sum();
+    let sizes = table.grid.sizes(stop);
+    let flux = flux(&table.colours[colour].total[stop * sizes.len()..][..sizes.len()], &sizes);
     (flux, table.colours[colour].albedo_se.get(stop).map(|&se| f64::from(se)))
 }
 
@@ -132,7 +107,7 @@ pub(super) fn is_measured(table: &BrdfTable) -> bool {
 /// With n arrivals, all starts of a stop carry one flux, and what a torus shows the light has no noise of its own, so
 /// that it is flux sqrt(2/n); the 2 stands for arrivals that count on both sides of a folded stop. 0 for a table that
 /// was not measured here: of its errors nothing is known.
-/// Held by: `few_arrivals_of_one_realisation_break_no_law` (tests/it/measure/grazing_stability.rs).
+// Tested by `few_arrivals_of_one_realisation_break_no_law` (tests/it/measure/grazing_stability.rs).
 fn counting_error(table: &BrdfTable, stop: usize, flux: f64) -> f64 {
     let bins = table.grid.bins();
     let arrivals: u64 = table.hits[stop * bins..][..bins].iter().map(|&hits| u64::from(hits)).sum();

@@ -1,18 +1,19 @@
 //! The table against theory and against laws. The only place where the two sides meet.
 
 pub mod compare;
-mod differences;
+pub(crate) mod counted_bins;
 pub mod expect;
 pub mod judgement;
 pub mod laws;
 pub mod model_distance;
 pub mod pairs;
+pub mod parts;
 pub mod prediction;
 mod seen;
 pub mod two_tables;
 pub mod verdict;
 
 pub use judgement::{Judgement, Ruling};
-pub use laws::Parts;
+pub use parts::Parts;
 pub use prediction::bin_mean::{BinMean, BinMeans, albedo, source_nodes};
-pub use verdict::{Examination, Prediction, Verdict, examine, examine_against, examine_laws, examine_rows};
+pub use verdict::{Examination, Prediction, Verdict, examine, examine_against, examine_rows};

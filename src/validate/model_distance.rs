@@ -1,12 +1,12 @@
 //! The L1 distance of a model, or of another table, from the truth behind noisy bins: no noise in its mean, a spread of
-//! its own beside it.
+//! its own.
 //!
 //! Of a bin, x_k = f_k - m over R realisations. |mean x| holds noise; the sign of the other realisations' mean times
 //! x_k does not: both are independent, and where the model is true the product has mean 0 whatever the law of the
 //! noise, bins by few facets included. A bare sign turns the wrong way in up to half of the cases where |d| is about
 //! the standard error s of the bin, and the sum reads up to 0.34 s low; `pull` overdraws small means, which leaves
 //! the mean within `MOST_BIAS` s of |d| at any |d| (normal noise), 0 at d = 0.
-//! Held by: `the_sharpened_sign_is_off_by_no_more_than_is_said`, `a_true_model_reads_zero_whatever_the_noise`.
+// Tested by `the_sharpened_sign_is_off_by_no_more_than_is_said`, `a_true_model_reads_zero_whatever_the_noise`.
 
 use std::f64::consts::SQRT_2;
 
@@ -60,7 +60,7 @@ pub struct Estimate {
     pub mean: f64,
     /// Standard error; `None` where single realisations are not known.
     pub se: Option<f64>,
-    /// Below this the distance cannot be told from 0: where it is 0, 95 % of the means are below. Without an error half of
+    /// Below this the distance cannot be distinguished from 0: where it is 0, 95 % of the means are below. Without an error half of
     /// the noise.
     pub floor: f64,
     /// The 95 % interval, the largest bias included.
@@ -89,7 +89,7 @@ impl Estimate {
 ///
 /// |x| - a se exp(-t^2/2), t = x/se. With se from R values, E[se g(t)] goes as the integral of
 /// g(t) (1 + t^2/n)^(-(n+2)/2), n = R - 1, which gives a.
-/// Held by: `errors_alone_leave_nothing_of_a_true_model`.
+// Tested by `errors_alone_leave_nothing_of_a_true_model`.
 pub struct ErrorsAlone {
     height: f64,
 }

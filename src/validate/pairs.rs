@@ -5,7 +5,7 @@
 //!
 //! Bins that are not the same thing both ways are judged where a test can tell: see [`PairValues::is_judged`].
 
-use super::laws::Parts;
+use super::parts::Parts;
 use super::prediction::model::StopMeans;
 use crate::instrument::{Grid, GridKind, Region, Sensor};
 use crate::sphere;
@@ -129,9 +129,8 @@ impl PairValues {
     /// - both hold 4 independent facets in each realisation (share of the stop's arrivals times the squares of the
     ///   correlation length in a patch) and 64 arrivals, or values are far from normal;
     /// - every masking of the model corrects by less than 25 %, or the table's own discrepancy would be tested.
-    ///
-    /// Held by: `binned_reciprocity_raises_no_false_alarm_over_sixty_seeds`,
-    /// `a_stop_that_is_scaled_or_exchanged_is_seen_in_binned_reciprocity`.
+    // Tested by `binned_reciprocity_raises_no_false_alarm_over_sixty_seeds`,
+    // `a_stop_that_is_scaled_or_exchanged_is_seen_in_binned_reciprocity`.
     pub fn is_judged(&self, pair: usize) -> bool {
         let realisations = self.parts.len() as f64;
         let ways = [2 * pair, 2 * pair + 1];

@@ -1,8 +1,8 @@
 //! Whether light arrived at all, and how much of it went where nothing is known of it.
 
 use super::laws;
-use crate::instrument::Region;
 use crate::table::BrdfTable;
+use crate::table::brdf_table::flux;
 
 /// What a table says of the light itself.
 #[derive(Debug, Clone, Copy, Default)]
@@ -13,7 +13,7 @@ pub(super) struct SeenLight {
     pub stops: usize,
     /// Those without a value above 0 in any bin and colour.
     pub dark: usize,
-    /// What may be missing of the light at the stop that lacks most beside its noise, as a share of the incident flux.
+    /// What may be missing of the light at the stop that lacks most compared with its noise, as a share of the incident flux.
     pub lost_light: f64,
     /// The standard error of that stop's albedo without it, or a thousandth of the incident flux if that is more.
     pub lost_limit: f64,
@@ -36,10 +36,9 @@ impl SeenLight {
             if band.colours.iter().all(|colour| colour.left_map.is_empty()) {
                 continue;
             }
-            let sizes: Vec<f64> = band.grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
+            let sizes = band.grid.sizes(stop);
             for colour in &band.colours {
-                let bounds = colour.left_map[here.clone()].iter().zip(&sizes);
-                let lost: f64 = bounds.map(|(&bound, size)| f64::from(bound) * size).sum();
+                let lost = flux(&colour.left_map[here.clone()], &sizes);
                 let se = colour.albedo_se.get(stop).map_or(0.0, |&se| f64::from(se));
                 let limit = se.max(NEGLIGIBLE);
                 if lost - limit > self.lost_light - self.lost_limit || self.lost_limit == 0.0 {

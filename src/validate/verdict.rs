@@ -4,15 +4,17 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::compare::{self, ColourFigures, Comparison, Figures, StopComparison, StopData};
+use super::counted_bins::counted_bins;
 use super::expect::{self, Bar};
 use super::judgement::{self, Judgement, Ruling};
-use super::laws::{Energy, Parts, Reciprocity};
+use super::laws::{Energy, Reciprocity};
 use super::pairs::PairValues;
+use super::parts::Parts;
 use super::prediction::model::{Model, StopMeans};
 use super::seen::SeenLight;
 use crate::campaign::Campaign;
 use crate::error::Result;
-use crate::instrument::{Grid, GridKind, Region, folded_stops};
+use crate::instrument::{Grid, GridKind, folded_stops};
 use crate::table::{BrdfTable, Realisations, TableRows};
 
 /// Why a table of random heights without shadowing and masking misses its bar, and where to look.
@@ -20,7 +22,7 @@ const OWN_SLOPES: &str = "; without shadowing and masking only the patches' own 
                           `gonio surface` prints how far they are off, `expect.l1_model` sets another bar";
 
 /// Everything that validation finds.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Verdict {
     /// Whether no law is broken and every expectation met, as far as they could be judged.
     pub ok: bool,
@@ -36,11 +38,11 @@ pub struct Verdict {
     pub energy: Energy,
     /// Arms exchanged; null where no two stops see each other.
     pub reciprocity: Option<Reciprocity>,
-    /// The masking with the smallest discrepancy; null where none can be told from 0.
+    /// The masking with the smallest discrepancy; null where none can be distinguished from 0.
     pub nearest_masking: Option<String>,
     /// The probability of its lead over the second where both are as near (`compare::nearest`).
     pub nearest_p: Option<f64>,
-    /// What the table was held to.
+    /// What the table was tested against.
     pub bar: Option<Bar>,
 }
 
@@ -61,36 +63,33 @@ impl Prediction {
     }
 }
 
-/// Holds a table to the laws and to the models that fit its campaign.
-pub fn examine(table: &BrdfTable, campaign: &Campaign, realisations: Option<&Realisations>) -> Verdict {
-    examine_against(table, campaign, realisations, Prediction::of(campaign, &table.grid).as_ref())
+/// Tests a table against the laws, and against the models of its campaign; an imported one has no campaign.
+// Tested by `an_imported_table_is_held_to_the_laws` (tests/it/cli.rs).
+pub fn examine<'a>(
+    table: &BrdfTable,
+    campaign: impl Into<Option<&'a Campaign>>,
+    realisations: Option<&Realisations>,
+) -> Verdict {
+    let campaign = campaign.into();
+    let prediction = campaign.and_then(|campaign| Prediction::of(campaign, &table.grid));
+    examine_against(table, campaign, realisations, prediction.as_ref())
 }
 
-/// The same against a prediction that is at hand: bin means are the dear part of a verdict.
-pub fn examine_against(
+/// The same against a prediction that is at hand: bin means are the expensive part of a verdict.
+pub fn examine_against<'a>(
     table: &BrdfTable,
-    campaign: &Campaign,
+    campaign: impl Into<Option<&'a Campaign>>,
     realisations: Option<&Realisations>,
     prediction: Option<&Prediction>,
 ) -> Verdict {
-    let mut examination = Examination::new(Some(campaign), &table.grid);
-    examination.add(table, 0, Parts::of(realisations), prediction);
+    let mut examination = Examination::new(campaign.into(), &table.grid);
+    examination.add(table, 0, realisations.map(|all| Parts { all, first_stop: 0 }), prediction);
     examination.verdict()
 }
 
-/// Holds a table without a campaign, as an imported one, to the laws alone.
-///
-/// Held by: `an_imported_table_is_held_to_the_laws` (tests/it/cli.rs).
-pub fn examine_laws(table: &BrdfTable, realisations: Option<&Realisations>) -> Verdict {
-    let mut examination = Examination::new(None, &table.grid);
-    examination.add(table, 0, Parts::of(realisations), None);
-    examination.verdict()
-}
-
-/// Holds a stored table to the same, a band of stops after the other: none is larger than `bytes` with its prediction.
-///
-/// The figures are those of the whole table. Held by: `a_table_examined_by_rows_has_the_verdict_of_the_whole`
-/// (tests/it/table/large_tables.rs).
+/// Tests a stored table, a band of stops after the other: none is larger than `bytes` with its prediction. The figures
+/// are those of the whole table.
+// Tested by `a_table_examined_by_rows_has_the_verdict_of_the_whole` (tests/it/table/large_tables.rs).
 pub fn examine_rows(
     rows: &mut TableRows,
     campaign: Option<&Campaign>,
@@ -132,7 +131,7 @@ pub struct Examination {
 }
 
 impl Examination {
-    /// Of a table of all stops of `grid`; without a campaign it is held to the laws alone.
+    /// Of a table of all stops of `grid`; without a campaign it is tested against the laws alone.
     pub fn new(campaign: Option<&Campaign>, grid: &Grid) -> Self {
         let visibility = campaign.is_none_or(|campaign| campaign.trace.visibility);
         let exact = match campaign {
@@ -147,7 +146,7 @@ impl Examination {
             grid: grid.clone(),
             model: String::new(),
             compared: Vec::new(),
-            energy: Energy::none(),
+            energy: Energy::default(),
             seen: SeenLight::default(),
             pairs: visibility.then(|| PairValues::new(grid, exact, campaign.and_then(independent_facets))),
         }
@@ -169,7 +168,7 @@ impl Examination {
         }
         let (Some(campaign), Some(prediction)) = (&self.campaign, prediction) else { return };
         self.model = prediction.model.name().into();
-        for comparison in compare(band, campaign, realisations, &prediction.model, &prediction.means) {
+        for comparison in compare(band, campaign, realisations, prediction) {
             match self.compared.iter_mut().find(|(masking, _)| *masking == comparison.masking) {
                 Some((_, stops)) => stops.extend(comparison.stops),
                 None => self.compared.push((comparison.masking, comparison.stops)),
@@ -177,7 +176,7 @@ impl Examination {
         }
     }
 
-    /// What is to be said beside a failure of random heights without shadowing and masking.
+    /// What is to be said of a failure of random heights without shadowing and masking.
     fn own_slopes(&self) -> &'static str {
         let own =
             |campaign: &Campaign| !campaign.trace.visibility && campaign.surface.kind.is_random_heights();
@@ -231,13 +230,12 @@ fn realisations_of(campaign: &Campaign) -> usize {
     campaign.surface.realisations as usize
 }
 
-/// A table against every masking of a model; `realisations` and `means` are those of its stops.
+/// A table against every masking of a model; realisations and prediction are those of its stops.
 pub fn compare(
     table: &BrdfTable,
     campaign: &Campaign,
     realisations: Option<Parts>,
-    model: &Model,
-    means: &[StopMeans],
+    Prediction { model, means }: &Prediction,
 ) -> Vec<Comparison> {
     let names = model.maskings();
     let folded = folded_stops(campaign, &table.grid);
@@ -261,7 +259,7 @@ fn compare_stop(
     let grid = &table.grid;
     let bins = grid.bins();
     let here = stop * bins..(stop + 1) * bins;
-    let size: Vec<f64> = grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
+    let size = grid.sizes(stop);
     let counted = counted_bins(grid, stop, folded);
     let realisations = realisations_of(campaign);
     let figures = |(colour, model): (usize, &Vec<f64>)| {
@@ -296,21 +294,4 @@ fn compare_stop(
         judged: bins_judged,
         by_part,
     }
-}
-
-/// Of two bins that mirror each other about the plane of incidence, the one on the left of it.
-pub(super) fn counted_bins(grid: &Grid, stop: usize, folded: bool) -> Vec<bool> {
-    let phi_i = grid.stop_deg(stop).1.to_radians();
-    let half_turn = |region: &Region| match *region {
-        Region::Rectangle { phi: [low, high], .. } => {
-            // The light's frame is turned with it where phi_r is relative; regions are in the stage's frame.
-            let middle = (0.5 * (low + high) - phi_i).rem_euclid(std::f64::consts::TAU);
-            middle <= std::f64::consts::PI + 1e-9 || middle >= std::f64::consts::TAU - 1e-9
-        }
-        Region::Cap { axis, .. } => {
-            let across = axis.y * phi_i.cos() - axis.x * phi_i.sin();
-            across >= -1e-9
-        }
-    };
-    grid.regions(stop).iter().map(|region| !folded || half_turn(region)).collect()
 }

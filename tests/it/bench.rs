@@ -84,7 +84,8 @@ fn a_tiny_campaign_gives_rows_fits_and_a_picture_with_a_point_for_each_row() {
         }
         let svg = fs::read_to_string(folder.path().join(truth).join("bench.svg")).expect("a picture");
         let points = elements(&svg).iter().filter(|name| *name == "circle").count();
-        assert_eq!(points, rows.len());
+        // One in each legend.
+        assert_eq!(points, rows.len() + ladders);
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }
 }

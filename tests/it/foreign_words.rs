@@ -36,14 +36,14 @@ fn table() -> BrdfTable {
 /// A summary of the table, which says [`WORDS`] wherever it may.
 fn summary(digest: &str) -> Value {
     let stop = |theta: f64| {
-        json!({ "theta_i_deg": theta, "phi_i_deg": 0.0, "albedo_total": 0.5, "stopped_by": WORDS,
+        json!({ "theta_i_deg": theta, "phi_i_deg": 0.0, "albedo_total": 0.5, "stopped_by": "samples",
             "looks": [{ "samples": 1, "relative_error": 0.1 }, { "samples": 2, "relative_error": 0.05 }] })
     };
     json!({
         "schema": 1, "name": WORDS, "seed": 0, "version": WORDS, "patch_digest": "", "table_digest": digest,
-        "stopped_by": WORDS, "plan": { "samples": 4, "realisations": 2 }, "verdict": WORDS, "ok": true,
+        "stopped_by": "seconds", "plan": { "samples": 4, "realisations": 2 }, "verdict": WORDS, "ok": true,
         "cost": { "wall_s": 1.0, "cpu_s": 1.0, "threads": 1 }, "stops": [stop(0.0), stop(30.0)],
-        "judgements": [{ "law": "energy", "verdict": WORDS, "reason": WORDS }],
+        "judgements": [{ "law": WORDS, "verdict": "passed", "reason": WORDS }],
         "comparisons": [{ "masking": WORDS, "model": WORDS, "l1_model": 0.1 }], "nearest_masking": WORDS,
         "energy": { "largest_albedo": 0.5 }, "surface": {}, "failures": [WORDS],
     })
@@ -70,7 +70,7 @@ fn words_of_files_are_text_on_the_card_the_page_and_the_terminal() {
         assert!(text.contains("&lt;img src=x onerror=alert(1)&gt;"), "{file}");
         if file == "t.md" {
             assert!(
-                text.contains("# &lt;img") && text.contains("ended by &lt;img") && !text.contains("[a](b)"),
+                text.contains("# &lt;img") && text.contains("passed: &lt;img") && !text.contains("[a](b)"),
                 "{text}"
             );
             // Cells stay cells: each row of the table has three bars of its own.
@@ -85,11 +85,13 @@ fn words_of_files_are_text_on_the_card_the_page_and_the_terminal() {
 fn a_summary_of_another_table_or_schema_is_passed_over_with_a_warning() {
     let folder = tempfile::tempdir().expect("temporary folder");
     let digest = store::digest(&table()).expect("a digest");
-    let changes: [(&str, Value, &str); 6] = [
+    let changes: [(&str, Value, &str); 8] = [
         ("table_digest", json!("0".repeat(64)), "belongs to another table"),
-        ("table_digest", json!(7), "belongs to another table"),
-        ("seed", json!("0"), "belongs to another table"),
-        ("stops", json!([1, 2]), "belongs to another table"),
+        ("table_digest", json!(7), "no summary of schema 1"),
+        ("seed", json!("0"), "no summary of schema 1"),
+        ("seed", json!(1), "belongs to another table"),
+        ("stops", json!([1, 2]), "no summary of schema 1"),
+        ("stopped_by", json!(WORDS), "no summary of schema 1"),
         ("schema", json!(2), "no summary of schema 1"),
         ("schema", json!({}), "no summary of schema 1"),
     ];
@@ -123,16 +125,16 @@ fn wrong_types_never_panic() {
     }
     laid_out(folder.path(), &sound);
     let row = json!({ "varies": "samples", "samples": "many", "error": -1 });
-    for (bench, wanted) in [
-        (json!([]), 3),
-        (json!({ "rows": [], "ladders": [] }), 3),
-        (json!({ "schema": 2, "rows": [], "ladders": [] }), 3),
-        (json!({ "schema": 1, "rows": 1, "ladders": [] }), 3),
-        (json!({ "schema": 1, "rows": [1, row], "ladders": [1, { "varies": "samples", "fit": [] }] }), 0),
+    for bench in [
+        json!([]),
+        json!({ "rows": [], "ladders": [] }),
+        json!({ "schema": 2, "rows": [], "ladders": [] }),
+        json!({ "schema": 1, "rows": 1, "ladders": [] }),
+        json!({ "schema": 1, "rows": [1, row], "ladders": [1, { "varies": "samples", "fit": [] }] }),
     ] {
         fs::write(folder.path().join("b.json"), bench.to_string()).expect("written");
         let (code, said) = report(folder.path(), &["--bench", "b.json"]);
-        assert!(code == wanted && !said.contains("internal"), "{bench}: {code} {said}");
-        assert!(wanted == 0 || said.contains("b.json: is no answer of `gonio bench`"), "{said}");
+        assert!(code == 3 && !said.contains("internal"), "{bench}: {code} {said}");
+        assert!(said.contains("b.json: is no answer of `gonio bench`"), "{said}");
     }
 }

@@ -6,11 +6,12 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use gonio::bench::BenchAnswer;
 use gonio::campaign::{self, Campaign};
 use gonio::instrument::Grid;
 use gonio::instrument::grid::GridKind;
 use gonio::report::page;
-use gonio::report::{Page, Scene, summary};
+use gonio::report::{Page, Scene, StopSummary, Summary};
 use gonio::table::{BrdfTable, ColourChannels};
 use gonio::validate::prediction::bin_mean::MASKINGS;
 use gonio::validate::prediction::model::{Model, StopMeans};
@@ -81,7 +82,7 @@ fn the_page_follows_from_the_table_and_its_summary() {
     for key in ["l1_noise", "l1_model"] {
         assert_eq!(cells(&alone, "comparisons", key), cells(&one, "comparisons", key));
     }
-    assert!(alone.contains("which is not beside the table"));
+    assert!(alone.contains("which is not next to the table"));
     let same = gonio(folder.path(), &["report", "one/small.exr", "-o", "one/small.exr"]);
     exits(&same, 3);
 }
@@ -172,16 +173,29 @@ fn made(colours: usize, angles: usize, azimuths: usize, bins: [usize; 2]) -> Mad
     Made { prediction: Prediction { model, means: (0..stops).map(means).collect() }, table, campaign }
 }
 
+/// What a table without a campaign says of itself.
+fn summary_of(name: &str, table: &BrdfTable) -> Summary {
+    Summary::of_table(name, table, None, None, StopSummary::of_bins(table)).expect("a summary")
+}
+
+/// A document of `gonio bench`.
+fn bench_of(rows: Value, ladders: Value) -> BenchAnswer {
+    let document = json!({ "schema": 1, "name": "b", "seed": 1, "version": "0.0.0", "error_measure": "", "truth": "model",
+        "truth_name": "ggx", "rows": rows, "fit": null, "ladders": ladders, "campaign": "" });
+    serde_json::from_value(document).expect("a document")
+}
+
 /// The page of a made table under a name.
-fn page_of(made: &Made, name: &str, bench: Option<&Value>) -> String {
+fn page_of(made: &Made, name: &str, bench: Option<&BenchAnswer>) -> String {
     let Made { table, campaign, prediction } = made;
     let verdict = examine_against(table, campaign, None, Some(prediction));
-    let summary = summary::of_table(name, table, Some(&campaign.surface), Some(&verdict));
+    let stops = StopSummary::of_bins(table);
+    let summary = Summary::of_table(name, table, Some(&campaign.surface), Some(&verdict), stops);
     page(&Page {
         scene: Scene { table, prediction: Some(prediction), realisations: 4 },
         campaign: Some(campaign),
         masking: Some("direction_correlated"),
-        summary: &summary,
+        summary: &summary.expect("a summary"),
         specimen: Err("no patch: <none>".into()),
         bench,
     })
@@ -281,9 +295,9 @@ fn what_a_table_lacks_is_said() {
         scene: Scene { table: &arm.table, prediction: None, realisations: 0 },
         campaign: None,
         masking: None,
-        summary: &summary::of_table("imported", &arm.table, None, None),
+        summary: &summary_of("imported", &arm.table),
         specimen: Err("The table holds no campaign.".into()),
-        bench: Some(&json!({})),
+        bench: Some(&bench_of(json!([]), json!([]))),
     };
     let text = page(&bare);
     for words in [
@@ -294,7 +308,7 @@ fn what_a_table_lacks_is_said() {
         "The table holds no campaign.",
         "too few to make a hemisphere",
         "only the measurement of a surface knows its facets",
-        "Error against samples: the document is no answer of `gonio bench`",
+        "Error against samples: the bench holds no rung",
         "In-plane lobe, theta_i 40°",
     ] {
         assert!(text.contains(words), "{words}");
@@ -332,7 +346,7 @@ fn page_on(grid: Grid) -> String {
         scene: Scene { table: &table, prediction: None, realisations: 0 },
         campaign: None,
         masking: None,
-        summary: &summary::of_table("other", &table, None, None),
+        summary: &summary_of("other", &table),
         specimen: Err("The table holds no campaign.".into()),
         bench: None,
     })
@@ -438,11 +452,14 @@ fn the_answer_of_a_bench_is_plotted_as_it_is() {
 
 #[test]
 fn the_ladders_of_a_bench_are_plotted() {
-    let row = |n: u64, error: f64| json!({ "varies": "samples", "samples": n, "error": error });
-    let bench = json!({
-        "ladders": [{ "varies": "samples", "fit": { "a": 4.0, "b": 0.01, "slope": -0.47 } }],
-        "rows": [row(100, 0.2), row(10_000, 0.022)],
-    });
+    let row = |n: u64, error: f64| {
+        json!({ "varies": "samples", "samples": n, "realisations": 1, "seconds": 1.0, "rays_per_s": 1.0,
+            "error": error, "efficiency": 1.0, "errors": [error], "closure": null })
+    };
+    let fit = json!({ "a": 4.0, "a_low": 3.0, "a_high": 5.0, "b": 0.01, "b_low": 0.0, "b_high": 0.02,
+        "slope": -0.47, "slope_se": 0.01 });
+    let bench =
+        bench_of(json!([row(100, 0.2), row(10_000, 0.022)]), json!([{ "varies": "samples", "fit": fit }]));
     let page = page_of(&made(1, 2, 1, [6, 12]), "bench", Some(&bench));
     assert!(page.contains("Error: more samples in each, slope -0.470"));
 }

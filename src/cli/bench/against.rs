@@ -8,7 +8,7 @@ use crate::campaign::Campaign;
 use crate::cli::text::output::{Output, columns, grouped, or_na, say, to_json};
 use crate::cli::text::progress::RunProgress;
 use crate::error::Result;
-use crate::instrument::angle_decimals;
+use crate::instrument::StopAngles;
 
 /// Measures a campaign as planned and by another way.
 pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -> Result<u8> {
@@ -57,20 +57,20 @@ pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -
 
 fn stops(found: &Against, other: Other) -> Vec<String> {
     let headers = ["theta_i", "phi_i", "bins", "noise", &format!("by {other}"), "variance ratio"];
-    let of_theta = angle_decimals(2, found.stops.iter().map(|stop| stop.theta_i_deg));
-    let of_phi = angle_decimals(2, found.stops.iter().map(|stop| stop.phi_i_deg));
-    let row = |stop: &bench::against::StopNoise| {
+    let angles = StopAngles::new(found.stops.iter().map(|stop| (stop.theta_i_deg, stop.phi_i_deg)));
+    let row = |(index, stop): (usize, &bench::against::StopNoise)| {
         let [plan, other] = stop.noise;
+        let [theta, phi] = angles.texts(index);
         vec![
-            format!("{:.of_theta$}", stop.theta_i_deg),
-            format!("{:.of_phi$}", stop.phi_i_deg),
+            theta,
+            phi,
             stop.bins.to_string(),
             format!("{plan:.5}"),
             format!("{other:.5}"),
             format!("{:.2}", (other / plan).powi(2)),
         ]
     };
-    columns(&headers, &found.stops.iter().map(row).collect::<Vec<_>>())
+    columns(&headers, &found.stops.iter().enumerate().map(row).collect::<Vec<_>>())
 }
 
 fn ways(found: &Against) -> Vec<String> {

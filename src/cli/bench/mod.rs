@@ -5,17 +5,18 @@ pub(crate) mod against;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use serde_json::{Value, json};
+use serde_json::Value;
 
-use super::text::output::{Output, columns, duration, grouped, json_text, parsed_json, say, to_json, warn};
+use super::text::output::{Output, columns, duration, grouped, json_text, parsed_json, say, warn};
 use super::text::progress::RunProgress;
 use super::text::resolution;
-use crate::bench::{self, Bench, ERROR_MEASURE, Ladder, MeasuredRung, Other, Range, TruthKind, Varies, plot};
+use crate::bench::{self, Bench, BenchAnswer, ERROR_MEASURE, MeasuredRung, Other, Range, TruthKind, Varies};
 use crate::campaign::{self, Campaign, Parsed, Resolution};
 use crate::error::{Error, Fault, Result};
 use crate::files;
 use crate::job::paths;
 use crate::measure::Patches;
+use crate::report::plot::ladders;
 use crate::validate::prediction::model::Model;
 
 /// Error against samples and time: ladders of runs, the fit err^2 = a/N + b^2, a plot
@@ -68,7 +69,6 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What belongs to ladders alone.
 const LADDERS: [&str; 6] = ["truth", "from", "to", "realisations_to", "output", "force"];
 
 fn other(text: &str) -> std::result::Result<Other, String> {
@@ -126,8 +126,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let progress = RunProgress::new(ladders.total_samples(), "samples");
     let bench = bench::bench(&campaign, ladders, &mut patches, &|starts| progress.add(starts))?;
     progress.finish();
-    let answer = answer(&campaign, resolved, kind, &bench)?;
-    files::write_atomically(&picture, plot::svg(&campaign.name, &bench).as_bytes())?;
+    let answer = BenchAnswer::new(&campaign, resolved, kind, &bench);
+    files::write_atomically(&picture, ladders::picture(&answer).as_bytes())?;
     files::write_atomically(&document, format!("{}\n", json_text(&answer)?).as_bytes())?;
     let mut out = Output::default();
     if arguments.json {
@@ -147,7 +147,7 @@ fn outputs(arguments: &Arguments, path: &Path, campaign: &Campaign, resolved: &s
     paths::spare_inputs(&[&document, &picture], path, campaign)?;
     if !arguments.force {
         spare_another(&document, resolved)?;
-        paths::spare_foreign(&picture, plot::MARK, "plot")?;
+        paths::spare_foreign(&picture, ladders::MARK, "plot")?;
     }
     Ok([document, picture])
 }
@@ -208,25 +208,6 @@ fn spare_another(document: &Path, resolved: &str) -> Result<()> {
     Err(paths::already_exists(document, "is of another campaign or seed"))
 }
 
-/// The JSON document: the rows of all ladders, and the fit whose b is the bias.
-fn answer(campaign: &Campaign, resolved: String, kind: TruthKind, bench: &Bench) -> Result<Value> {
-    let rows: Vec<&MeasuredRung> = bench.ladders.iter().flat_map(|ladder| &ladder.rows).collect();
-    let ladder = |ladder: &Ladder| Ok(json!({ "varies": ladder.varies, "fit": to_json(&ladder.fit)? }));
-    Ok(json!({
-        "schema": 1,
-        "name": campaign.name,
-        "seed": campaign.seed,
-        "version": env!("CARGO_PKG_VERSION"),
-        "error_measure": ERROR_MEASURE,
-        "truth": kind.to_string(),
-        "truth_name": bench.truth.name,
-        "rows": to_json(&rows)?,
-        "fit": to_json(&bench.ladders.last().and_then(|ladder| ladder.fit))?,
-        "ladders": bench.ladders.iter().map(ladder).collect::<Result<Vec<_>>>()?,
-        "campaign": resolved,
-    }))
-}
-
 fn lines(bench: &Bench, replicates: u32) -> Vec<String> {
     let mut lines = vec![
         format!("error: {ERROR_MEASURE}, against {}", bench.truth.name),
@@ -268,7 +249,7 @@ fn cells(row: &MeasuredRung) -> Vec<String> {
         format!("{:.3}", row.seconds),
         format!("{:.3}", row.rays_per_s / 1e6),
         format!("{:.3e}", row.error),
-        format!("{:.3e}", row.efficiency),
+        format!("{:.3e}", row.efficiency.unwrap_or(f64::INFINITY)),
     ]
 }
 

@@ -3,13 +3,25 @@
 use serde::Serialize;
 
 use super::output::{columns, or_na};
-use crate::cli::surface::PatchEntry;
 use crate::stats;
+use crate::surface::Certificate;
 use crate::surface::io::import::ImportedMap;
 
 /// Level of the test for preferred azimuths, over all harmonics together.
 const LEVEL: f64 = 0.01;
 const HARMONICS: [&str; 4] = ["cos psi", "sin psi", "cos 2 psi", "sin 2 psi"];
+
+/// The certificate of one patch and where it is.
+#[derive(Serialize)]
+pub struct PatchEntry {
+    /// Its file.
+    pub file: String,
+    /// SHA-256 over the heights.
+    pub heights_sha256: String,
+    /// What it says.
+    #[serde(flatten)]
+    pub certificate: Certificate,
+}
 
 /// What all patches together show.
 #[derive(Serialize)]
@@ -68,7 +80,7 @@ impl RayBound {
     /// crosses one edge a cell, so the two add up to at most tan hypot(alpha_x, alpha_y) at the worst azimuth, and to
     /// alpha tan along an axis. `range`: of the highest patch; `alphas`: world slope per canonical slope, which are not
     /// repeated where they are those of a `map`.
-    /// Held by: `the_bound_on_cells_per_ray_is_printed` (tests/it/cli.rs).
+    // Tested by `the_bound_on_cells_per_ray_is_printed` (tests/it/cli.rs).
     pub fn of(range: f64, alphas: &[[f64; 2]], map: bool, theta_i_deg: &[f64]) -> Vec<Self> {
         let steepest = theta_i_deg.iter().copied().fold(0.0, f64::max);
         let tan = steepest.to_radians().tan();

@@ -79,7 +79,7 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
     out.lines(lost_light_line(measured, plan))?;
     out.lines(end_lines(measured, plan))?;
     out.line("")?;
-    out.lines(output::verdict_lines(verdict))
+    out.lines(super::verdict::lines(verdict))
 }
 
 /// How much light left an open map by its edge, where any did.

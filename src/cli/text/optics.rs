@@ -1,7 +1,7 @@
 //! What a measurement says of its material: albedos of each order, and what Schlick's formula costs.
 
 use super::output::columns;
-use crate::instrument::{StopAngles, angle_decimals};
+use crate::instrument::StopAngles;
 use crate::measure::{Measured, Plan, StopResult};
 use crate::stats;
 use crate::validate::prediction::schlick_error::{ColourError, SchlickError, StopError};
@@ -60,18 +60,13 @@ pub fn schlick_lines(error: &SchlickError) -> Vec<String> {
         lines.push(format!("(the {MOST_COLOURS} of {} colours that differ most)", error.colours.len()));
     }
     if !error.stops.is_empty() {
-        let of_theta = angle_decimals(2, error.stops.iter().map(|stop| stop.theta_i_deg));
-        let of_phi = angle_decimals(2, error.stops.iter().map(|stop| stop.phi_i_deg));
-        let row = |stop: &StopError| {
-            vec![
-                format!("{:.of_theta$}", stop.theta_i_deg),
-                format!("{:.of_phi$}", stop.phi_i_deg),
-                format!("{:.5}", stop.albedo_exact),
-                format!("{:.5}", stop.albedo_schlick),
-                format!("{:.5}", stop.l1),
-            ]
+        let angles = StopAngles::new(error.stops.iter().map(|stop| (stop.theta_i_deg, stop.phi_i_deg)));
+        let row = |(index, stop): (usize, &StopError)| {
+            let figures =
+                [stop.albedo_exact, stop.albedo_schlick, stop.l1].map(|value| format!("{value:.5}"));
+            [angles.texts(index).to_vec(), figures.to_vec()].concat()
         };
-        let rows: Vec<Vec<String>> = error.stops.iter().map(row).collect();
+        let rows: Vec<Vec<String>> = error.stops.iter().enumerate().map(row).collect();
         lines.push("the same paths with both (L1: flux-weighted difference of the bins)".into());
         let what = if error.stops.iter().all(|stop| stop.whole) { "albedo" } else { "into apertures" };
         let [fresnel, schlick] = ["Fresnel", "Schlick"].map(|law| format!("{what}, {law}"));

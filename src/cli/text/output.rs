@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 
+use indicatif::HumanCount;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -11,7 +12,6 @@ use crate::error::{Error, Result, is_unseen, seen_in_json};
 use crate::files;
 use crate::files::memory;
 use crate::text_decoding::decode_text;
-use crate::validate::Verdict;
 
 /// Columns of the terminal that every text fits.
 pub const WIDTH: usize = 100;
@@ -47,14 +47,15 @@ impl Output {
     }
 
     /// Prints a JSON document.
-    pub fn json(&mut self, document: &Value) -> Result<()> {
+    pub fn json(&mut self, document: &impl Serialize) -> Result<()> {
         self.print(&seen_in_json(&json_text(document)?))
     }
 }
 
 /// Text for a terminal: what would act on it instead of being seen is escaped, as `\u{202e}`; ends of lines and tabs stay.
 ///
-/// The one place for words of files on their way to a terminal. Held by: `words_of_files_cannot_act_on_a_terminal`.
+/// The one place for words of files on their way to a terminal.
+// Tested by `words_of_files_cannot_act_on_a_terminal`.
 fn seen(text: impl Display) -> String {
     let mut out = String::new();
     for c in text.to_string().chars() {
@@ -64,7 +65,7 @@ fn seen(text: impl Display) -> String {
 }
 
 /// A JSON document as text, without an end of line.
-pub fn json_text(document: &Value) -> Result<String> {
+pub fn json_text(document: &impl Serialize) -> Result<String> {
     serde_json::to_string_pretty(document).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
 }
 
@@ -153,25 +154,9 @@ pub fn wrapped(head: &str, text: &str) -> Vec<String> {
     lines
 }
 
-/// A verdict: its comparisons, each law, and all of them in one line.
-pub fn verdict_lines(verdict: &Verdict) -> Vec<String> {
-    let mut lines = verdict.lines();
-    lines.extend(verdict.judgements.iter().flat_map(|judgement| wrapped("", &judgement.line())));
-    lines.extend(wrapped("verdict: ", &verdict.verdict));
-    lines
-}
-
 /// A whole number with commas: `65,536`.
-pub fn grouped(number: impl Into<u128>) -> String {
-    let digits = number.into().to_string();
-    let mut text = String::new();
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+pub fn grouped(number: impl Into<u64>) -> String {
+    HumanCount(number.into()).to_string()
 }
 
 /// Bytes in the unit that suits them.

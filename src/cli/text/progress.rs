@@ -11,7 +11,7 @@ use super::output;
 /// Seconds between two lines where stderr is no terminal.
 const LINE_INTERVAL: u64 = 60;
 
-/// Progress on stderr, told from any thread.
+/// Progress on stderr, reported from any thread.
 pub struct RunProgress {
     total: u64,
     unit: &'static str,
@@ -94,7 +94,6 @@ fn bar(before: u64, total: u64, unit: &'static str) -> ProgressBar {
     bar
 }
 
-/// One line of progress.
 fn line(before: u64, done: u64, total: u64, unit: &str, seconds: f64) -> String {
     let rate = (done - before) as f64 / seconds.max(1e-9);
     let left = output::duration(total.saturating_sub(done) as f64 / rate.max(1e-9));

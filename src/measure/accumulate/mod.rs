@@ -1,5 +1,6 @@
 //! Sums of paths, and tables out of them.
 
+mod albedos;
 pub mod assemble;
 pub mod fresnel_sums;
 pub mod lost_light;

@@ -22,7 +22,7 @@ pub struct SeenBySlope {
 }
 
 /// One class of facets, over all realisations.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SlopeClass {
     /// Slopes in [lower, upper) along the light's azimuth, units of alpha where there is one; null: without end.
     pub slope: [Option<f64>; 2],

@@ -1,6 +1,6 @@
 //! The table as the page's pictures and its viewer take it: half floats in base64, reduced where it is large.
 //!
-//! Enters: a scene. Leaves: JSON with the axes of what is drawn and one block of halfs for each layer,
+//! Input: a scene. Output: JSON with the axes of what is drawn and one block of halfs for each layer,
 //! \[colour\]\[stop\]\[theta_r\]\[phi_r\] or \[colour\]\[stop\]\[direction\], values over `scale`; below 0: nothing was measured.
 
 use base64::Engine;
@@ -179,12 +179,10 @@ fn merged_edges(edges: &[f64], merge: usize) -> Vec<f64> {
     kept
 }
 
-/// A model's layer by its masking.
 fn model_name(masking: &str) -> String {
     format!("model, {masking}")
 }
 
-/// One layer of values, 1/sr.
 struct Layer {
     name: String,
     kind: &'static str,

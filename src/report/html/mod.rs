@@ -1,7 +1,10 @@
 //! The page: its sections, its pictures and the data that its viewer reads.
 
+pub(crate) mod figures;
+pub(crate) mod head;
 pub mod inline;
 pub mod page;
+pub mod render;
 pub(crate) mod sections;
 pub(crate) mod shown;
 pub mod specimen;

@@ -1,119 +1,32 @@
-//! The page: one self-contained HTML file that asks for nothing, with the viewer's code and data inside.
-//!
-//! Enters: a table, what validation found, its summary. Leaves: text that depends on these alone.
+//! What a page is made of.
 
-use serde_json::{Value, json};
-
-use super::inline::inline;
-use super::sections;
-use super::specimen;
+use super::specimen::ShownSpecimen;
+use crate::bench::BenchAnswer;
 use crate::campaign::Campaign;
-use crate::error::seen_in_json;
-use crate::report::plot::chart::escaped;
 use crate::report::slices::Scene;
-
-/// By this a page is told as one of ours.
-pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
-
-const TEMPLATE: &str = include_str!("assets/page.html");
-const STYLE: &str = include_str!("assets/page.css");
-/// In the order in which they build upon each other.
-const SCRIPTS: [&str; 6] = [
-    include_str!("assets/table.js"),
-    include_str!("assets/colours.js"),
-    include_str!("assets/pictures.js"),
-    include_str!("assets/lobe.js"),
-    include_str!("assets/scene.js"),
-    include_str!("assets/main.js"),
-];
+use crate::report::summary::Summary;
 
 /// What a page is made of.
 pub struct Page<'a> {
-    /// The table and the models beside it.
+    /// The table and the models of it.
     pub scene: Scene<'a>,
     /// What it was measured by; an imported table has none.
     pub campaign: Option<&'a Campaign>,
-    /// The masking that its surface is held to: which model comes first.
+    /// The masking that its surface is tested against: which model comes first.
     pub masking: Option<&'a str>,
-    /// Its summary, as `measure` writes it; what is not known is null.
-    pub summary: &'a Value,
+    /// Its summary, as `measure` writes it.
+    pub summary: &'a Summary,
     /// The first patch.
-    pub specimen: specimen::ShownSpecimen,
+    pub specimen: ShownSpecimen,
     /// The answer of `gonio bench`, for the plot of error against samples.
-    pub bench: Option<&'a Value>,
+    pub bench: Option<&'a BenchAnswer>,
 }
 
 impl Page<'_> {
-    /// Place of the masking that the surface is held to, 0 where there is none.
+    /// Place of the masking that the surface is tested against, 0 where there is none.
     pub fn masking_index(&self) -> usize {
         let prediction = self.scene.prediction;
         let names = prediction.map_or(Vec::new(), |prediction| prediction.model.maskings());
         names.iter().position(|name| Some(*name) == self.masking).unwrap_or(0)
-    }
-
-    /// The table's name.
-    pub fn name(&self) -> &str {
-        self.summary["name"].as_str().unwrap_or("table")
-    }
-}
-
-/// The whole file.
-///
-/// Nothing in it changes from run to run except what the summary says of its cost. Held by:
-/// `the_page_follows_from_the_table_and_its_summary` (tests/it/report.rs).
-pub fn page(page: &Page) -> String {
-    let inlined = inline(&page.scene, page.campaign, page.masking_index());
-    let table = inlined.as_ref().map_or(Value::Null, |inlined| inlined.data.clone());
-    let picture = page.specimen.as_ref().ok().map(sections::picture);
-    let data = json!({ "name": page.name(), "table": table, "specimen": picture });
-    let parts = [
-        ("TITLE", escaped(page.name())),
-        ("STYLE", STYLE.to_string()),
-        ("HEAD", sections::head(page)),
-        ("FIGURES", sections::figures(page)),
-        ("SPECIMEN", sections::specimen(page)),
-        ("PLOTS", sections::plots(page)),
-        ("REDUCED", sections::reduced(page, inlined.as_ref())),
-        ("FOOT", sections::foot(page)),
-        ("DATA", inside_script(&data)),
-        ("SCRIPT", format!("\"use strict\";\n{}", SCRIPTS.join("\n"))),
-    ];
-    filled(TEMPLATE, &parts)
-}
-
-/// The template with its `{{NAME}}` marks replaced, once and from the left: no part is searched for marks.
-fn filled(template: &str, parts: &[(&str, String)]) -> String {
-    let mut out = String::new();
-    let mut rest = template;
-    while let Some((before, after)) = rest.split_once("{{") {
-        out.push_str(before);
-        let Some((name, after)) = after.split_once("}}") else { break };
-        out.push_str(parts.iter().find(|(mark, _)| *mark == name).map_or("", |(_, text)| text));
-        rest = after;
-    }
-    out.push_str(rest);
-    out
-}
-
-/// JSON that cannot end the element it stands in, nor turn the text around it.
-fn inside_script(data: &Value) -> String {
-    seen_in_json(&data.to_string()).replace('<', "\\u003c")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn marks_in_the_parts_stay_as_they_are() {
-        let parts = [("A", "{{B}}".to_string()), ("B", "b".to_string())];
-        assert_eq!(filled("x{{A}}y{{B}}z{{C}}", &parts), "x{{B}}ybz");
-    }
-
-    #[test]
-    fn data_cannot_end_its_element() {
-        let text = inside_script(&json!({ "name": "</script><!--" }));
-        assert!(!text.contains('<'), "{text}");
-        assert_eq!(serde_json::from_str::<Value>(&text).expect("JSON")["name"], "</script><!--");
     }
 }

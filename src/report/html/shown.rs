@@ -1,13 +1,12 @@
 //! The hemisphere that pictures and viewer draw, whatever the table's grid is.
 //!
-//! Enters: a grid. Leaves: its light directions as a product of polar angles and azimuths, and its sensor either as rows
+//! Input: a grid. Output: its light directions as a product of polar angles and azimuths, and its sensor either as rows
 //! and columns, each with the bin that it shows, or as single directions. Values are never interpolated here.
 
 use glam::DVec3;
 
 use crate::instrument::grid::GridKind;
 use crate::instrument::{Grid, Region, Sensor};
-use crate::report::slices::middle;
 use crate::sphere;
 
 /// Columns of patches whose rings have no azimuths in common, and rows and columns of scattered directions.
@@ -66,9 +65,8 @@ pub struct Raster {
 
 /// What is drawn of a grid; `None` for kinds that are not known here. With gaps in its table nothing is drawn between
 /// single directions.
-///
-/// Held by: `klems_patches_are_drawn_where_they_lie`, `directions_in_rings_are_drawn_about_themselves`,
-/// `an_arm_in_a_plane_is_drawn_as_single_directions`.
+// Tested by `klems_patches_are_drawn_where_they_lie`, `directions_in_rings_are_drawn_about_themselves`,
+// `an_arm_in_a_plane_is_drawn_as_single_directions`.
 pub fn shown(grid: &Grid, has_gaps: bool) -> Option<DrawnHemisphere> {
     if grid.kind == GridKind::HalfDifference {
         return None;
@@ -146,7 +144,7 @@ fn patches(grid: &Grid) -> Raster {
 
 /// Single directions: rings of equal azimuths, a hemisphere of scattered ones, or spots.
 fn directions(grid: &Grid, has_gaps: bool, notes: &mut Vec<String>) -> Places {
-    let axes: Vec<DVec3> = grid.regions(0).iter().map(middle).collect();
+    let axes: Vec<DVec3> = grid.regions(0).iter().map(Region::middle).collect();
     let degrees = |axis: &DVec3| [sphere::theta(*axis).to_degrees(), sphere::phi(*axis).to_degrees()];
     let spots = || Places::Spots {
         directions_deg: axes.iter().map(degrees).collect(),

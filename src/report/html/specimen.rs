@@ -6,7 +6,7 @@ use crate::campaign::{Campaign, SurfaceKind};
 use crate::error::Result;
 use crate::measure;
 use crate::measure::{Patch, Patches};
-use crate::report::plot::chart::{Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style};
+use crate::report::plot::{Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style};
 use crate::surface::{Certificate, Heightfield, SlopeLaw};
 
 /// Cells along the longer side of the picture at most.
@@ -96,7 +96,7 @@ impl PatchPicture {
         let points: Vec<[f64; 2]> = points.collect();
         let mut highest = points.iter().map(|point| point[1]).fold(0.0, f64::max);
         let style = SeriesStyle { marker: Marker::Ring, line: false, ..MEASURED };
-        let mut series = vec![Series { label: "facets of patch 0".into(), points, error: vec![], style }];
+        let mut series = vec![Series::new("facets of patch 0", points, style)];
         if let Some(law) = self.law {
             let share = |bin: usize| {
                 let [low, high] = [bin as f64 * width, (bin + 1) as f64 * width];
@@ -105,12 +105,7 @@ impl PatchPicture {
             let points: Vec<[f64; 2]> = (0..SLOPE_BINS).map(share).collect();
             highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
             let label = format!("{law:?} law").to_lowercase();
-            series.push(Series {
-                label,
-                points,
-                error: vec![],
-                style: SeriesStyle { dashes: "", ..model_style(1) },
-            });
+            series.push(Series::new(label, points, SeriesStyle { dashes: "", ..model_style(1) }));
         }
         Chart {
             title: "Slopes of the patch".into(),

@@ -1,8 +1,6 @@
 //! A table for the page that does not fit the memory: fewer stops, evenly spread.
 //!
-//! Enters: the geometry of a stored table. Leaves: the stops that are kept, and the summary of those.
-
-use serde_json::{Value, json};
+//! Input: the geometry of a stored table. Output: the stops that are kept.
 
 use crate::error::Result;
 use crate::instrument::Grid;
@@ -14,8 +12,7 @@ const LARGEST: u64 = 1 << 28;
 
 /// The stops that a page shows of a table in which a stop takes `row_bytes`, and their geometry: all of them, or some
 /// of the angles of each axis.
-///
-/// Held by: `a_page_of_a_large_table_shows_stops_of_every_part_of_it` (tests/it/table/large_tables.rs).
+// Tested by `a_page_of_a_large_table_shows_stops_of_every_part_of_it` (tests/it/table/large_tables.rs).
 pub fn kept_stops(grid: &Grid, row_bytes: u64, bytes: u64) -> Option<(Grid, Vec<usize>)> {
     let fit = usize::try_from(bytes / row_bytes.max(1)).unwrap_or(usize::MAX).max(1);
     let all = grid.stops();
@@ -53,23 +50,4 @@ pub fn thinned(rows: &mut TableRows, bytes: u64) -> Result<(BrdfTable, Vec<usize
     };
     let table = rows.take(&stops)?;
     Ok((BrdfTable { grid: grid.unwrap_or_else(|| table.grid.clone()), ..table }, stops))
-}
-
-/// The summary with the kept stops alone, and a word about it.
-pub fn thinned_summary(summary: &Value, stops: &[usize]) -> Value {
-    let mut summary = summary.clone();
-    let all = summary["stops"].as_array().map_or(0, Vec::len);
-    if all > stops.len() {
-        summary["page_stops"] = json!([stops.len(), all]);
-    }
-    let thin = |list: &mut Value| {
-        if let Some(all) = list.as_array_mut().filter(|all| all.len() > stops.len()) {
-            *all = stops.iter().filter_map(|&stop| all.get(stop).cloned()).collect();
-        }
-    };
-    thin(&mut summary["stops"]);
-    for comparison in summary["comparisons"].as_array_mut().into_iter().flatten() {
-        thin(&mut comparison["stops"]);
-    }
-    summary
 }

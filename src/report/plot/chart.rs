@@ -1,9 +1,10 @@
 //! One chart as SVG: axes with ticks, lines, bands, points and a legend below the frame.
 //!
-//! Enters: series of numbers. Leaves: text that reads the same in grey: every series has a dash or a marker of its own.
+//! Input: series of numbers. Output: text that reads the same in grey: every series has a dash or a marker of its own.
 
-use crate::error::is_unseen;
-use std::fmt::Write;
+use super::axis::ChartAxis;
+use super::drawing::{Drawing, escaped, path, picture};
+use super::style::SeriesStyle;
 
 /// Size of the frame, and the room to its left, right, top and bottom (without the legend).
 const FRAME: [f64; 2] = [400.0, 230.0];
@@ -12,66 +13,8 @@ const LEGEND_ROW: f64 = 22.0;
 /// Room of a letter in the legend and of a sample of a line.
 const LETTER: f64 = 7.6;
 const SAMPLE: f64 = 34.0;
-
-/// How a series looks: told apart by colour, and without colour by dash and marker.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SeriesStyle {
-    /// Colour, as in CSS.
-    pub colour: &'static str,
-    /// Dashes; empty: solid.
-    pub dashes: &'static str,
-    /// Marker at the points.
-    pub marker: Marker,
-    /// Whether the points are joined.
-    pub line: bool,
-}
-
-/// Markers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Marker {
-    /// None.
-    Off,
-    /// A filled disc.
-    Disc,
-    /// An open ring.
-    Ring,
-    /// An open square.
-    Square,
-    /// An open triangle.
-    Triangle,
-}
-
-/// What was measured.
-pub const MEASURED: SeriesStyle =
-    SeriesStyle { colour: "#111", dashes: "", marker: Marker::Disc, line: true };
-
-const OTHERS: [(&str, &str); 6] = [
-    ("#0072b2", "9 4"),
-    ("#d55e00", "3 3"),
-    ("#008a63", "10 3 2 3"),
-    ("#a3336f", "14 5"),
-    ("#7a5b00", "2 5"),
-    ("#555", "6 2 2 2 2 2"),
-];
-
-/// The `index`th of the models.
-pub fn model_style(index: usize) -> SeriesStyle {
-    let (colour, dashes) = OTHERS[index % OTHERS.len()];
-    SeriesStyle { colour, dashes, marker: Marker::Off, line: true }
-}
-
-/// The `index`th of the models where it is a row of points.
-pub fn ratio_style(index: usize) -> SeriesStyle {
-    SeriesStyle { marker: series_style(index).marker, line: false, ..model_style(index) }
-}
-
-/// The `index`th of several measured series of one chart.
-pub fn series_style(index: usize) -> SeriesStyle {
-    let markers = [Marker::Disc, Marker::Ring, Marker::Square, Marker::Triangle];
-    let (colour, _) = OTHERS[index % OTHERS.len()];
-    let dashes = ["", "7 3"][index / markers.len() % 2];
-    SeriesStyle { colour, dashes, marker: markers[index % markers.len()], line: true }
-}
+/// Steps of a curve.
+const CURVE: u32 = 60;
 
 /// One series.
 #[derive(Debug, Clone)]
@@ -86,76 +29,22 @@ pub struct Series {
     pub style: SeriesStyle,
 }
 
-/// One axis.
-#[derive(Debug, Clone)]
-pub struct ChartAxis {
-    /// Quantity and unit.
-    pub label: String,
-    /// Lowest and highest value shown.
-    pub range: [f64; 2],
-    /// Whether it is logarithmic.
-    pub log: bool,
-    /// Distance of the ticks; `None`: a round number that suits.
-    pub step: Option<f64>,
-}
-
-impl ChartAxis {
-    /// A linear axis.
-    pub fn linear(label: &str, range: [f64; 2]) -> Self {
-        ChartAxis { label: label.into(), range, log: false, step: None }
-    }
-
-    /// An axis of angles, ticks at multiples of 15, 30 or 60 degrees.
-    pub fn degrees(label: &str, range: [f64; 2]) -> Self {
-        let width = range[1] - range[0];
-        let step = [15.0, 30.0, 60.0].into_iter().find(|step| width / step <= 6.0).unwrap_or(90.0);
-        ChartAxis { step: Some(step), ..ChartAxis::linear(label, range) }
-    }
-
-    /// A logarithmic axis from the decade at or below to that at or above.
-    pub fn decades(label: &str, [low, high]: [f64; 2]) -> Self {
-        let first = low.log10().floor();
-        let last = high.log10().ceil().max(first + 1.0);
-        ChartAxis { label: label.into(), range: [10f64.powf(first), 10f64.powf(last)], log: true, step: None }
-    }
-
-    /// Where a value lies between the ends, 0 to 1 inside.
-    fn place(&self, value: f64) -> f64 {
-        let [low, high] = self.range;
-        if self.log { (value / low).log10() / (high / low).log10() } else { (value - low) / (high - low) }
-    }
-
-    /// The values that get a tick and a number.
-    fn ticks(&self) -> Vec<(f64, String)> {
-        let [low, high] = self.range;
-        if self.log {
-            let (first, last) = (low.log10().round() as i32, high.log10().round() as i32);
-            let step = ((last - first) as usize).div_ceil(6).max(1);
-            return (first..=last).step_by(step).map(|k| (10f64.powi(k), decade(k))).collect();
-        }
-        let step = self.step.unwrap_or_else(|| nice_step((high - low) / 5.0));
-        let decimals = (-step.log10().floor()).max(0.0) as usize;
-        let first = (low / step - 1e-9).ceil() as i64;
-        let last = (high / step + 1e-9).floor() as i64;
-        (first..=last).map(|k| (k as f64 * step, format!("{:.decimals$}", k as f64 * step))).collect()
+impl Series {
+    /// Without errors.
+    pub fn new(label: impl Into<String>, points: Vec<[f64; 2]>, style: SeriesStyle) -> Self {
+        Series { label: label.into(), points, error: vec![], style }
     }
 }
 
-/// 10^k as SVG text.
-fn decade(k: i32) -> String {
-    match k {
-        0 => "1".into(),
-        1 => "10".into(),
-        -1 => "0.1".into(),
-        _ => format!("10<tspan dy=\"-6\" font-size=\"11\">{k}</tspan>"),
-    }
+/// The smallest and the largest of some values; [infinity, 0] without any.
+pub(super) fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    values.fold([f64::INFINITY, 0.0], |[low, high], value| [low.min(value), high.max(value)])
 }
 
-/// 1, 2, 3 or 5 (as degrees like it) times a power of ten, at least `rough`.
-fn nice_step(rough: f64) -> f64 {
-    let unit = 10f64.powf(rough.log10().floor());
-    let steps = [1.0, 2.0, 3.0, 5.0, 10.0];
-    unit * steps.into_iter().find(|step| step * unit >= rough * 0.999).unwrap_or(10.0)
+/// The curve y(x) between two x, evenly in log x.
+pub(super) fn curve(first: f64, last: f64, y: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
+    let at = |k: u32| first * (last / first).powf(f64::from(k) / f64::from(CURVE));
+    (0..=CURVE).map(at).map(|x| [x, y(x)]).collect()
 }
 
 /// One chart.
@@ -171,45 +60,28 @@ pub struct Chart {
     pub series: Vec<Series>,
 }
 
-/// Text that is safe inside HTML and SVG, attributes included.
-pub fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            c if is_unseen(c) && !matches!(c, '\n' | '\t') => out.push(char::REPLACEMENT_CHARACTER),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 impl Chart {
     /// The chart as an `<svg>` element.
     pub fn svg(&self) -> String {
-        let legend = self.legend();
-        let rows = legend.iter().map(|entry| entry.row + 1).max().unwrap_or(0);
-        let width = ROOM[0] + FRAME[0] + ROOM[1];
-        let height = ROOM[2] + FRAME[1] + ROOM[3] + LEGEND_ROW * rows as f64;
-        let title = escaped(&self.title);
-        let mut out = Drawing::new();
-        out.add(format_args!(
-            "<svg class=\"chart\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\">\n\
-             <text x=\"8\" y=\"20\" font-weight=\"bold\">{title}</text>\n\
-             <g transform=\"translate({} {})\">",
-            ROOM[0], ROOM[2]
-        ));
+        picture(&self.title, self.size(), &self.content())
+    }
+
+    /// Width and height.
+    pub fn size(&self) -> [f64; 2] {
+        let rows = self.legend().iter().map(|entry| entry.row + 1).max().unwrap_or(0);
+        [ROOM[0] + FRAME[0] + ROOM[1], ROOM[2] + FRAME[1] + ROOM[3] + LEGEND_ROW * rows as f64]
+    }
+
+    /// What stands below the title.
+    pub fn content(&self) -> String {
+        let mut out = Drawing::default();
+        out.add(format_args!("<g transform=\"translate({} {})\">", ROOM[0], ROOM[2]));
         self.axes(&mut out);
         out.add("<svg class=\"inside\" width=\"400\" height=\"230\">");
         self.series.iter().for_each(|series| self.draw(&mut out, series));
         out.add("</svg>");
-        legend.iter().for_each(|entry| entry.draw(&mut out));
-        out.add("</g></svg>");
-        out.text()
+        self.legend().iter().for_each(|entry| entry.draw(&mut out));
+        out.text() + "</g>"
     }
 
     fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
@@ -296,7 +168,6 @@ impl Chart {
     }
 }
 
-/// One entry of a legend.
 struct LegendEntry<'a> {
     series: &'a Series,
     x: f64,
@@ -320,69 +191,9 @@ impl LegendEntry<'_> {
     }
 }
 
-fn path(places: &[[f64; 2]]) -> String {
-    places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ")
-}
-
-/// SVG in the making.
-pub struct Drawing(String);
-
-impl Drawing {
-    /// Nothing yet.
-    pub fn new() -> Self {
-        Drawing(String::new())
-    }
-
-    /// Adds a line of text.
-    pub fn add(&mut self, text: impl std::fmt::Display) {
-        // Writing to a string does not fail.
-        writeln!(self.0, "{text}").ok();
-    }
-
-    fn marker(&mut self, marker: Marker, [x, y]: [f64; 2], colour: &str) {
-        let open = format!("class=\"open\" stroke=\"{colour}\"");
-        match marker {
-            Marker::Off => {}
-            Marker::Disc => {
-                self.add(format_args!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2.6\" fill=\"{colour}\"/>"))
-            }
-            Marker::Ring => self.add(format_args!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.4\" {open}/>")),
-            Marker::Square => {
-                self.add(format_args!("<path d=\"M{:.1} {:.1}h6v6h-6z\" {open}/>", x - 3.0, y - 3.0));
-            }
-            Marker::Triangle => {
-                self.add(format_args!("<path d=\"M{x:.1} {:.1}l4 7h-8z\" {open}/>", y - 4.5));
-            }
-        }
-    }
-
-    /// The text.
-    pub fn text(self) -> String {
-        self.0
-    }
-}
-
-impl Default for Drawing {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_are_round_and_inside() {
-        let labels = |axis: ChartAxis| axis.ticks().into_iter().map(|tick| tick.1).collect::<Vec<_>>();
-        assert_eq!(
-            labels(ChartAxis::degrees("", [-90.0, 90.0])),
-            ["-90", "-60", "-30", "0", "30", "60", "90"]
-        );
-        assert_eq!(labels(ChartAxis::linear("", [0.0, 1.0])), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(ChartAxis::decades("", [0.02, 30.0]).range, [0.01, 100.0]);
-        assert_eq!(labels(ChartAxis::decades("", [0.2, 3.0])), ["0.1", "1", "10"]);
-    }
 
     #[test]
     fn names_cannot_break_out_of_the_text() {

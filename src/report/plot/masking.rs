@@ -1,30 +1,30 @@
 //! The plot of masking given the normal: what the light sees of facets by their slope, against Smith's masking.
 
-use serde_json::Value;
-
-use super::chart::{Chart, ChartAxis, Series, SeriesStyle, model_style, series_style};
 use super::plots::spread;
+use crate::measure::accumulate::slopes::SlopeClass;
+use crate::report::plot::{Chart, ChartAxis, Series, SeriesStyle, model_style, series_style};
 use crate::report::slices::Scene;
+use crate::report::summary::StopSummary;
 use crate::stats;
 
 /// Light angles that are drawn at most.
 const MOST_ANGLES: usize = 4;
 /// Slopes shown, units of alpha.
 const STEEPEST: f64 = 4.0;
-/// Starts below which a class says nothing.
-const FEWEST_STARTS: f64 = 400.0;
+/// Surface samples below which a class says nothing.
+const FEWEST_SAMPLES: u64 = 400;
 
 /// The chart from the summary's stops at the first azimuth of the light; `None` where nothing was counted. Slopes are
 /// `scaled` by alpha where the surface has one.
-pub fn chart(scene: &Scene, stops: &Value, scaled: bool) -> Option<Chart> {
+pub fn chart(scene: &Scene, stops: &[StopSummary], scaled: bool) -> Option<Chart> {
     let sweep = scene.sweeps().into_iter().next()?;
-    let counted = |&&stop: &&usize| stops[stop]["seen_by_slope"].is_array();
-    let known: Vec<usize> = sweep.stops.iter().filter(counted).copied().collect();
+    let counted = |&stop: &usize| Some((stop, stops.get(stop)?.seen_by_slope.as_deref()?));
+    let known: Vec<(usize, &[SlopeClass])> = sweep.stops.iter().filter_map(counted).collect();
     let mut series = Vec::new();
     for (index, at) in spread(known.len(), MOST_ANGLES).into_iter().enumerate() {
-        let stop = known[at];
+        let (stop, classes) = known[at];
         let theta = scene.table.grid.stop_deg(stop).0;
-        let (points, error) = points(&stops[stop]["seen_by_slope"], scene.realisations);
+        let (points, error) = points(classes, scene.realisations);
         let style = SeriesStyle { line: false, ..series_style(index) };
         series.push(Series { label: format!("theta_i {theta}°"), points, error, style });
         let averaged = scene.table.grid.phi_r_relative;
@@ -33,7 +33,7 @@ pub fn chart(scene: &Scene, stops: &Value, scaled: bool) -> Option<Chart> {
             let label = if index == 0 { "Smith's G1".into() } else { String::new() };
             let points = vec![[-STEEPEST, g1], [steepest.min(STEEPEST), g1]];
             let style = SeriesStyle { dashes: "9 4", colour: series_style(index).colour, ..model_style(0) };
-            series.push(Series { label, points, error: vec![], style });
+            series.push(Series::new(label, points, style));
         }
     }
     (!series.is_empty()).then(|| Chart {
@@ -46,36 +46,39 @@ pub fn chart(scene: &Scene, stops: &Value, scaled: bool) -> Option<Chart> {
             },
             [-STEEPEST, STEEPEST],
         ),
-        y: ChartAxis::linear("share of the starts that is lit", [0.0, 1.1]),
+        y: ChartAxis::linear("share of the surface samples that the light sees", [0.0, 1.1]),
         series,
     })
 }
 
 /// (middle of the class, share) and the half-widths of 95 % intervals.
-fn points(classes: &Value, realisations: usize) -> (Vec<[f64; 2]>, Vec<f64>) {
+fn points(classes: &[SlopeClass], realisations: usize) -> (Vec<[f64; 2]>, Vec<f64>) {
     let limit = if realisations > 1 { stats::student_limit(0.05, realisations - 1) } else { 0.0 };
-    let class = |class: &Value| {
-        let ends = class["slope"][0].as_f64().zip(class["slope"][1].as_f64())?;
-        let enough = class["starts"].as_f64()? >= FEWEST_STARTS;
-        let share = class["share"].as_f64().filter(|_| enough)?;
-        Some(([0.5 * (ends.0 + ends.1), share], limit * class["share_se"].as_f64().unwrap_or(0.0)))
+    let class = |&SlopeClass { slope: [low, high], starts, share, share_se }: &SlopeClass| {
+        let (low, high) = low.zip(high)?;
+        let share = share.filter(|_| starts >= FEWEST_SAMPLES)?;
+        Some(([0.5 * (low + high), share], limit * share_se.unwrap_or(0.0)))
     };
-    classes.as_array().into_iter().flatten().filter_map(class).unzip()
+    classes.iter().filter_map(class).unzip()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     #[test]
     fn classes_without_ends_or_with_few_starts_are_left_out() {
-        let class = |slope: Value, starts: u64| json!({ "slope": slope, "starts": starts, "share": 0.5, "share_se": 0.1 });
-        let classes = json!([
-            class(json!([null, -4.0]), 900),
-            class(json!([-1.0, 0.0]), 900),
-            class(json!([0.0, 1.0]), 9)
-        ]);
+        let class = |slope: [Option<f64>; 2], starts: u64| SlopeClass {
+            slope,
+            starts,
+            share: Some(0.5),
+            share_se: Some(0.1),
+        };
+        let classes = [
+            class([None, Some(-4.0)], 900),
+            class([Some(-1.0), Some(0.0)], 900),
+            class([Some(0.0), Some(1.0)], 9),
+        ];
         let (points, error) = points(&classes, 2);
         // Student's t with one degree of freedom: tan(0.475 pi) = 12.706.
         assert_eq!(points, [[-0.5, 0.5]]);

@@ -1,9 +1,11 @@
 //! The plots of the page: which charts a table gives, and which it cannot give, with the reason.
 
-use super::chart::{
+use super::chart::ends;
+use crate::report::plot::{
     Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style, ratio_style, series_style,
 };
 use crate::report::slices::{Scene, Sweep, mirror_bin};
+use crate::report::summary::StopSummary;
 
 /// Light angles and azimuths that get plots of their own at most.
 const MOST_ANGLES: usize = 8;
@@ -72,12 +74,12 @@ pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
         let style = SeriesStyle { colour: "#777", dashes: "2 2", marker: Marker::Ring, line: true };
         let points = curve(&|bin| scene.total(stop, bin));
         highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
-        series.push(Series { label: "all orders".into(), points, error: vec![], style });
+        series.push(Series::new("all orders", points, style));
     }
     for (index, label) in scene.maskings().into_iter().enumerate() {
         let points = curve(&|bin| scene.model(index, stop, bin).unwrap_or(0.0));
         highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
-        series.push(Series { label, points, error: vec![], style: model_style(index) });
+        series.push(Series::new(label, points, model_style(index)));
     }
     let top = 1.08 * highest;
     Some(Chart {
@@ -119,20 +121,21 @@ pub fn ratio(scene: &Scene, stop: usize) -> Option<Chart> {
 
 fn line_at_one() -> Series {
     let style = SeriesStyle { colour: "#999", dashes: "", marker: Marker::Off, line: true };
-    Series { label: String::new(), points: vec![[-90.0, 1.0], [90.0, 1.0]], error: vec![], style }
+    Series::new("", vec![[-90.0, 1.0], [90.0, 1.0]], style)
 }
 
 /// Albedo by order against theta_i at one azimuth of the light, from the summary's stops; models of order 1. `None`
 /// where it is not known, or at one angle only.
-pub fn albedo(scene: &Scene, stops: &serde_json::Value, sweep: &Sweep) -> Option<Chart> {
-    let shown = &sweep.stops;
-    if shown.len() < 2 || shown.iter().all(|&stop| stops[stop]["albedo_single"].is_null()) {
+pub fn albedo(scene: &Scene, stops: &[StopSummary], sweep: &Sweep) -> Option<Chart> {
+    let theta = |stop: usize| scene.table.grid.stop_deg(stop).0;
+    let shown: Vec<&StopSummary> = sweep.stops.iter().filter_map(|&stop| stops.get(stop)).collect();
+    if shown.len() < 2 || shown.iter().all(|stop| stop.albedo_single.is_none()) {
         return None;
     }
-    let theta = |stop: usize| scene.table.grid.stop_deg(stop).0;
-    let column = |pick: &dyn Fn(&serde_json::Value) -> Option<f64>| {
-        shown.iter().filter_map(|&stop| Some([theta(stop), pick(&stops[stop])?])).collect::<Vec<_>>()
+    let column = |pick: &dyn Fn(&StopSummary) -> Option<f64>| {
+        shown.iter().filter_map(|stop| Some([stop.theta_i_deg, pick(stop)?])).collect::<Vec<_>>()
     };
+    let errors = |pick: fn(&StopSummary) -> Option<f64>| shown.iter().filter_map(|stop| pick(stop)).collect();
     let mut series = Vec::new();
     let mut add = |label: String, points: Vec<[f64; 2]>, error: Vec<f64>, style: SeriesStyle| {
         if !points.is_empty() {
@@ -140,27 +143,22 @@ pub fn albedo(scene: &Scene, stops: &serde_json::Value, sweep: &Sweep) -> Option
             series.push(Series { label, points, error, style });
         }
     };
-    let errors = |key: &str| shown.iter().filter_map(|&stop| stops[stop][key].as_f64()).collect::<Vec<_>>();
     // Another program's table does not know how often its light has bounced.
-    let orders_known = !scene.table.campaign.is_empty();
-    let first = if orders_known { "order 1" } else { "measured" };
-    add(first.into(), column(&|s| s["albedo_single"].as_f64()), errors("albedo_single_se"), MEASURED);
-    let orders =
-        shown.iter().filter_map(|&stop| stops[stop]["albedo_by_order"].as_array()).map(Vec::len).max();
+    let first = if scene.table.campaign.is_empty() { "measured" } else { "order 1" };
+    add(first.into(), column(&|stop| stop.albedo_single), errors(|stop| stop.albedo_single_se), MEASURED);
+    let orders = shown.iter().filter_map(|stop| stop.albedo_by_order.as_ref()).map(Vec::len).max();
     for order in 1..orders.unwrap_or(1).min(5) {
-        let points = column(&|s| s["albedo_by_order"][order].as_f64());
+        let points = column(&|stop| stop.albedo_by_order.as_ref()?.get(order).copied());
         add(format!("order {}", order + 1), points, vec![], series_style(order));
     }
     if scene.has_multiple() {
-        add(
-            "all orders".into(),
-            column(&|s| s["albedo_total"].as_f64()),
-            errors("albedo_total_se"),
-            series_style(5),
-        );
+        let points = column(&|stop| stop.albedo_total);
+        add("all orders".into(), points, errors(|stop| stop.albedo_total_se), series_style(5));
     }
     for (index, label) in scene.maskings().into_iter().enumerate() {
-        let points = shown.iter().filter_map(|&s| Some([theta(s), scene.model_albedo(index, s)?])).collect();
+        let stops = sweep.stops.iter();
+        let points =
+            stops.filter_map(|&stop| Some([theta(stop), scene.model_albedo(index, stop)?])).collect();
         add(label, points, vec![], model_style(index));
     }
     let highest = series.iter().flat_map(|s| &s.points).map(|p| p[1]).fold(0.0, f64::max);
@@ -199,11 +197,11 @@ pub fn anisotropy(scene: &Scene) -> Option<Chart> {
         let masking = scene.maskings().into_iter().next().unwrap_or_default();
         let label = if index == 0 { masking } else { String::new() };
         if !models.is_empty() {
-            series.push(Series { label, points: models, error: vec![], style: model_style(5) });
+            series.push(Series::new(label, models, model_style(5)));
         }
     }
     let values = series.iter().flat_map(|s| &s.points).map(|p| p[1]).filter(|&v| v > 0.0);
-    let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
+    let [low, high] = ends(values);
     (high > 0.0).then(|| Chart {
         title: "Mirror direction against the light's azimuth".into(),
         x: ChartAxis::degrees("light phi_i, degrees", [first, last]),

@@ -1,6 +1,7 @@
 //! The polar plot: every lobe of one azimuth of the light over a half circle, each to its own peak.
 
-use super::chart::{Drawing, MEASURED, escaped, model_style};
+use super::drawing::{Drawing, escaped, path, picture};
+use super::style::{MEASURED, model_style};
 use crate::report::slices::Scene;
 
 const RADIUS: f64 = 200.0;
@@ -18,19 +19,14 @@ pub fn polar(scene: &Scene, stops: &[usize], masking: usize) -> Option<String> {
     let (_, phi) = scene.table.grid.stop_deg(first);
     let azimuth = if scene.has_azimuths() { format!(", phi_i {phi}°") } else { String::new() };
     let title = format!("Polar plot in the plane of incidence{azimuth}");
-    let mut out = Drawing::new();
-    let [x, y] = CENTRE;
-    out.add(format_args!(
-        "<svg class=\"chart\" viewBox=\"0 0 480 {HEIGHT}\" role=\"img\" aria-label=\"{title}\">\n\
-         <text x=\"8\" y=\"20\" font-weight=\"bold\">{title}</text>\n<g transform=\"translate({x} {y})\">"
-    ));
+    let mut out = Drawing::default();
+    out.add(format_args!("<g transform=\"translate({} {})\">", CENTRE[0], CENTRE[1]));
     rings(&mut out);
     lobes.iter().for_each(|lobe| lobe.draw(&mut out));
     out.add("</g>");
     let model = scene.maskings().get(masking).cloned();
     legend(&mut out, model.as_deref());
-    out.add("</svg>");
-    Some(out.text())
+    Some(picture(&title, [480.0, HEIGHT], &out.text()))
 }
 
 /// A place from signed polar angle and radius.
@@ -58,7 +54,6 @@ fn rings(out: &mut Drawing) {
     }
 }
 
-/// One light angle's lobe.
 struct PolarLobe {
     theta_i_deg: f64,
     measured: Vec<[f64; 2]>,
@@ -88,9 +83,6 @@ impl PolarLobe {
     }
 
     fn draw(&self, out: &mut Drawing) {
-        let path = |places: &[[f64; 2]]| {
-            places.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect::<Vec<_>>().join(" ")
-        };
         let (measured, model) = (path(&self.measured), path(&self.model));
         let style = model_style(1);
         out.add(format_args!(

@@ -40,9 +40,9 @@ pub fn richardson(half: f64, whole: f64) -> f64 {
 
 /// The model's mean over both cones over its value at the axes, minus 1.
 ///
-/// - `wi`, `wo`: axes, unit vectors, stage's frame; both cones above the horizon. F = 1: Fresnel is smooth beside D.
+/// - `wi`, `wo`: axes, unit vectors, stage's frame; both cones above the horizon. F = 1: Fresnel is smooth next to D.
 /// - Numerics: the cubature's 1e-6, and for the light's cone 6 x 13 nodes, enough for half-angles up to alpha.
-/// - Held by: `the_aperture_bias_of_ggx_is_the_known_one` (tests/it/measure/instruments.rs).
+// Tested by `the_aperture_bias_of_ggx_is_the_known_one` (tests/it/measure/instruments.rs).
 pub fn bias(model: &Microfacet, masking: Masking, [wi, wo]: [DVec3; 2], cones: Cones) -> f64 {
     let means = BinMeans::new(vec![masking]);
     let mean = |cones: Cones| {
@@ -77,7 +77,7 @@ pub struct ApertureBias {
 ///
 /// At each stop (of the first azimuth, twelve at most) the sensor's position is the one with the largest value; for
 /// bins over the hemisphere it is the mirror direction under the light's cone alone.
-/// Held by: `check_says_what_the_apertures_do` (tests/it/measure/instruments.rs).
+// Tested by `check_says_what_the_apertures_do` (tests/it/measure/instruments.rs).
 pub fn worst(campaign: &Campaign) -> Option<ApertureBias> {
     let light = campaign.light.aperture_deg.to_radians();
     let sensor = match &campaign.sensor {
@@ -160,7 +160,7 @@ pub struct Extrapolated {
 ///
 /// - `narrow` has half of every aperture of `wide`, and is the same else. The error is that of the combination,
 ///   realisation by realisation where both were measured on the same patches, else sqrt(16 se^2 + se^2)/3.
-/// - Held by: `two_apertures_give_the_value_without_one` (tests/it/measure/instruments.rs).
+// Tested by `two_apertures_give_the_value_without_one` (tests/it/measure/instruments.rs).
 pub fn extrapolate(wide: ComparedTable, narrow: ComparedTable) -> Result<Vec<Extrapolated>, String> {
     fits(&wide, &narrow)?;
     let (grid, both) = (&wide.table.grid, paired(&wide, &narrow));

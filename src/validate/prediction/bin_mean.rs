@@ -1,6 +1,6 @@
 //! Means of the analytic BRDF over sensor bins: what a table is compared with, bin mean against bin mean.
 //!
-//! Enters: a microfacet model, the light (one direction, or nodes of its aperture) and the table's regions. Leaves:
+//! Input: a microfacet model, the light (one direction, or nodes of its aperture) and the table's regions. Output:
 //! per region and masking the mean, weighted with cos(theta_r), of D G2/(4 cos cos) ("unit", F = 1) and of the same
 //! times (1 - c)^5 ("schlick"): Schlick's BRDF with any F0 is F0 unit + (1 - F0) schlick. Another reflectance may take
 //! the place of (1 - c)^5: then the second mean is the BRDF itself.
@@ -46,7 +46,7 @@ pub struct BinMeans {
     /// At most `MASKINGS` of them.
     pub maskings: Vec<Masking>,
     /// Of the bin's flux, for the maskings that are smooth. The direction-correlated one has kinks (max and min of the
-    /// two Lambdas, the azimuth's absolute value) and is held to ten times as much.
+    /// two Lambdas, the azimuth's absolute value) and keeps to ten times as much.
     pub relative: f64,
     /// Share of the stop's incident flux below which an error in one bin does not matter.
     pub absolute: f64,
@@ -74,7 +74,7 @@ impl BinMeans {
     /// - Returns one entry per region, the same bits for any number of threads.
     /// - Several source nodes stand for the aperture only if the bin or the lobe is wider than their distance.
     /// - Cost: 225 evaluations per rectangle; one rectangle per bin far from the lobe.
-    /// - Held by: `bins_add_up_to_the_reference_albedo`, `a_lobe_of_a_ten_thousandth_is_found`.
+    // Tested by `bins_add_up_to_the_reference_albedo`, `a_lobe_of_a_ten_thousandth_is_found`.
     pub fn evaluate(&self, model: &Microfacet, source: &[(DVec3, f64)], regions: &[Region]) -> Vec<BinMean> {
         regions.par_iter().map(|region| self.mean(model, source, region)).collect()
     }
@@ -117,7 +117,7 @@ impl BinMeans {
 ///
 /// - `wi`: unit vector, stage's frame, wi.z > 0. Returns numbers in [0, 1] (unless nothing is masked).
 /// - Numerics: the two orders agree to 1e-8; measured against the reference values in `albedo_matches_the_reference`.
-/// - Held by: `albedo_matches_the_reference` (tests/it/validate/bin_means.rs).
+// Tested by `albedo_matches_the_reference` (tests/it/validate/bin_means.rs).
 pub fn albedo(model: &Microfacet, wi: DVec3, masking: Masking) -> (f64, f64) {
     let whole = Region::Rectangle { theta: [0.0, FRAC_PI_2], phi: [0.0, TAU] };
     let means = BinMeans { relative: 1e-8, absolute: 1e-10, ..BinMeans::new(vec![masking]) };
@@ -133,7 +133,7 @@ pub fn albedo(model: &Microfacet, wi: DVec3, masking: Masking) -> (f64, f64) {
 ///
 /// - Domain: the cone stays above the horizon. A half-angle of 0 gives the axis alone.
 /// - The weights add up to 1 (to rounding) and are positive.
-/// - Held by: `source_nodes_integrate_the_cone` (tests/it/validate/bin_means.rs).
+// Tested by `source_nodes_integrate_the_cone` (tests/it/validate/bin_means.rs).
 pub fn source_nodes(axis: DVec3, half_angle: f64, order: usize) -> Vec<(DVec3, f64)> {
     if half_angle == 0.0 {
         return vec![(axis, 1.0)];

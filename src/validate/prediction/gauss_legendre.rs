@@ -3,7 +3,7 @@
 /// Nodes and weights of the Gauss-Legendre rule of `order` points on [0, 1]; the weights add up to 1.
 ///
 /// Newton's iteration on P_n from Tricomi's guess (roots to a few ulp for the orders of interest, up to 100).
-/// Held by: `gauss_legendre_integrates_powers`.
+// Tested by `gauss_legendre_integrates_powers`.
 pub fn gauss_legendre(order: usize) -> Vec<(f64, f64)> {
     let n = order as f64;
     let node = |k: usize| {

@@ -42,6 +42,19 @@ pub enum Model {
     },
 }
 
+/// The law of a surface's normals; `None` of a mirror, of grooves, and of a measured map.
+pub fn ndf_of(kind: &SurfaceKind) -> Option<Ndf> {
+    match kind {
+        SurfaceKind::Ggx(_) => Some(Ndf::Ggx),
+        SurfaceKind::Beckmann { .. } => Some(Ndf::Beckmann),
+        SurfaceKind::StudentT { gamma, .. } => Some(Ndf::StudentT { gamma: *gamma }),
+        SurfaceKind::BlinnPhong { .. } => Some(Ndf::BlinnPhong),
+        SurfaceKind::Smith(smith) if smith.ndf == SmithNdf::Ggx => Some(Ndf::Ggx),
+        SurfaceKind::Smith(_) => Some(Ndf::Beckmann),
+        SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
+    }
+}
+
 /// One model's means over the bins of one stop.
 pub struct StopMeans {
     /// \[masking\]\[colour\]\[bin\], 1/sr.
@@ -52,31 +65,17 @@ impl Model {
     /// The models of a campaign; `None` where theory has nothing to say (a measured map).
     pub fn of(campaign: &Campaign) -> Option<Self> {
         let rotation = campaign.surface.rotation_deg.to_radians();
-        let microfacet = |ndf| {
-            let alpha = campaign.alphas()[0]?;
-            let surface = Microfacet { ndf, alpha_x: alpha.x, alpha_y: alpha.y, rotation };
-            let shadowed = vec![Masking::Separable, Masking::HeightCorrelated, Masking::DirectionCorrelated];
-            let maskings = if campaign.trace.visibility { shadowed } else { vec![Masking::None] };
-            Some(Model::Microfacet { surface, maskings })
-        };
+        let lobes = |name, masking, slope| Some(Model::Lobes { name, masking, slope, rotation });
         match &campaign.surface.kind {
-            SurfaceKind::Ggx(_) => microfacet(Ndf::Ggx),
-            SurfaceKind::Beckmann { .. } => microfacet(Ndf::Beckmann),
-            SurfaceKind::StudentT { gamma, .. } => microfacet(Ndf::StudentT { gamma: *gamma }),
-            SurfaceKind::BlinnPhong { .. } => microfacet(Ndf::BlinnPhong),
-            SurfaceKind::Smith(smith) => {
-                microfacet(if smith.ndf == SmithNdf::Ggx { Ndf::Ggx } else { Ndf::Beckmann })
+            SurfaceKind::Mirror => lobes("mirror", "none", None),
+            SurfaceKind::VGroove { slope } => lobes("torrance_sparrow", "v_cavity", Some(*slope)),
+            kind => {
+                let (ndf, alpha) = (ndf_of(kind)?, campaign.alphas()[0]?);
+                let surface = Microfacet { ndf, alpha_x: alpha.x, alpha_y: alpha.y, rotation };
+                let maskings =
+                    if campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
+                Some(Model::Microfacet { surface, maskings: maskings.to_vec() })
             }
-            SurfaceKind::Mirror => {
-                Some(Model::Lobes { name: "mirror", masking: "none", slope: None, rotation })
-            }
-            SurfaceKind::VGroove { slope } => Some(Model::Lobes {
-                name: "torrance_sparrow",
-                masking: "v_cavity",
-                slope: Some(*slope),
-                rotation,
-            }),
-            SurfaceKind::File(_) => None,
         }
     }
 
@@ -101,7 +100,8 @@ impl Model {
     ///
     /// With s = hypot(alpha_x w.x, alpha_y w.y): w.m >= 0 where the slope is at most w.z/s. `None` for other models, for
     /// a surface without shadows, and (`averaged`) where an anisotropic one is averaged over the azimuth. `wi`: unit
-    /// vector, stage's frame. Held by: `smith_masks_all_facets_alike_up_to_a_slope`.
+    /// vector, stage's frame.
+    // Tested by `smith_masks_all_facets_alike_up_to_a_slope`.
     pub fn smith(&self, wi: DVec3, averaged: bool) -> Option<[f64; 2]> {
         let Model::Microfacet { surface, maskings } = self else { return None };
         if (averaged && !surface.is_isotropic()) || maskings.contains(&Masking::None) {
@@ -120,15 +120,8 @@ impl Model {
         let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
         let turns = if averaged { AZIMUTHS } else { 1 };
         let rotations = (0..turns).map(|k| PI * k as f64 / turns as f64);
-        let mut sum: Option<Vec<Vec<Vec<f64>>>> = None;
-        for rotation in rotations {
-            let part = self.turned_means(rotation, grid, stop, &source, &colours);
-            sum = Some(match sum {
-                None => part,
-                Some(sum) => zip3(sum, &part),
-            });
-        }
-        let mut values = sum.unwrap_or_default();
+        let parts = rotations.map(|rotation| self.turned_means(rotation, grid, stop, &source, &colours));
+        let mut values = parts.reduce(added).unwrap_or_default();
         values.iter_mut().flatten().flatten().for_each(|value| *value /= turns as f64);
         StopMeans { values }
     }
@@ -208,11 +201,9 @@ fn lobe_means(
     means
 }
 
-fn zip3(mut sum: Vec<Vec<Vec<f64>>>, part: &[Vec<Vec<f64>>]) -> Vec<Vec<Vec<f64>>> {
-    let flat = sum.iter_mut().flatten().flatten();
-    for (sum, part) in flat.zip(part.iter().flatten().flatten()) {
-        *sum += part;
-    }
+fn added(mut sum: Vec<Vec<Vec<f64>>>, part: Vec<Vec<Vec<f64>>>) -> Vec<Vec<Vec<f64>>> {
+    let values = sum.iter_mut().flatten().flatten().zip(part.iter().flatten().flatten());
+    values.for_each(|(sum, part)| *sum += part);
     sum
 }
 

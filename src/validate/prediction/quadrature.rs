@@ -1,6 +1,6 @@
 //! Adaptive cubature of several functions at once over rectangles of two angles.
 //!
-//! Enters: rectangles and an `Integrand`, which also says how its narrow feature varies. Leaves: the integrals, an
+//! Input: rectangles and an `Integrand`, which also says how its narrow feature varies. Output: the integrals, an
 //! estimate of their errors, and the number of rectangles it took. Tensor Gauss-Kronrod rule (7, 15), Kronrod 1965
 //! in QUADPACK's digits; worst rectangle first. Everything is sequential and free of randomness: same bits always.
 
@@ -86,8 +86,7 @@ const FEATURE_STEP: f64 = 2.0;
 /// the coordinates s vary by at most 2 (1 + min |s|). Only then is an error estimate believed, so a lobe of 1e-4 rad
 /// cannot hide between the nodes of a large bin. Then the rectangle with the largest error is halved, along the
 /// parameter in which the two orders disagree more, until the precision is reached.
-///
-/// Held by: `a_spike_far_smaller_than_the_rectangle_is_found`, `polynomials_are_integrated_exactly`.
+// Tested by `a_spike_far_smaller_than_the_rectangle_is_found`, `polynomials_are_integrated_exactly`.
 pub fn integrate<I: Integrand>(integrand: &I, rects: &[Rect], precision: &Precision) -> Integral {
     let mut leaves = Vec::new();
     for &rect in rects {

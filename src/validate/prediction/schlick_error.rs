@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::campaign::{Campaign, FresnelLaw, Optics, Polarisation, RefractiveIndex, materials};
 use crate::instrument::GridKind;
@@ -17,7 +17,7 @@ use crate::table::BrdfTable;
 const STEPS: u32 = 360;
 
 /// The difference of Schlick's formula and Fresnel's equations, unpolarised.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct SchlickError {
     /// Each colour by itself.
     pub colours: Vec<ColourError>,
@@ -26,7 +26,7 @@ pub struct SchlickError {
 }
 
 /// One colour over the angle at a facet.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ColourError {
     /// Its channel's name.
     pub colour: String,
@@ -41,7 +41,7 @@ pub struct ColourError {
 }
 
 /// One stop, means of the colours.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct StopError {
     /// The stop.
     pub theta_i_deg: f64,
@@ -59,8 +59,7 @@ pub struct StopError {
 
 impl SchlickError {
     /// What is known for a table's material; `None` where its index is not.
-    ///
-    /// Held by: `schlick_is_exact_at_normal_and_grazing_incidence_alone` (tests/it/measure/materials.rs).
+    // Tested by `schlick_is_exact_at_normal_and_grazing_incidence_alone` (tests/it/measure/materials.rs).
     pub fn of(campaign: &Campaign, table: &BrdfTable) -> Option<Self> {
         let media = index_of(&campaign.optics)?;
         let names = table.colour_names();

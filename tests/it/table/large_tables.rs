@@ -11,7 +11,7 @@ use gonio::report::html::thinned::kept_stops;
 use gonio::table::realisations;
 use gonio::table::{BrdfTable, TableRows, TableWriter, store};
 use gonio::validate::two_tables::{ComparedTable, TableDifference, difference, difference_of_rows};
-use gonio::validate::{Verdict, examine, examine_laws, examine_rows};
+use gonio::validate::{Verdict, examine, examine_rows};
 
 use crate::support::analytic::{Ggx, hemisphere, measured_looking, steps};
 use crate::support::program::{exits, gonio};
@@ -150,7 +150,7 @@ fn a_table_examined_by_rows_has_the_verdict_of_the_whole() {
             assert_eq!(json(&found), json(&whole), "{bytes} bytes");
         }
         let found = examine_rows(&mut TableRows::open(&path).expect("opened"), None, parts, 1).expect("read");
-        assert_eq!(json(&found), json(&examine_laws(&measured.table, parts)));
+        assert_eq!(json(&found), json(&examine(&measured.table, None, parts)));
     }
 }
 

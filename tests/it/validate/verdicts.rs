@@ -6,7 +6,7 @@
 use gonio::campaign::Campaign;
 use gonio::measure::Measured;
 use gonio::table::{BrdfTable, Realisations};
-use gonio::validate::{Judgement, Ruling, Verdict, examine, examine_laws};
+use gonio::validate::{Judgement, Ruling, Verdict, examine};
 
 use crate::support::measuring::{measured, measured_one};
 
@@ -182,14 +182,14 @@ fn imported(table: &BrdfTable, value: impl Fn(f32) -> f32) -> BrdfTable {
 #[test]
 fn an_imported_table_that_reflects_more_than_it_gets_fails() {
     let measured = smith(&format!("{CORRELATED}alpha = 0.3"), LIGHT, "");
-    let right = examine_laws(&imported(&measured.table, |f| f), None);
+    let right = examine(&imported(&measured.table, |f| f), None, None);
     assert_eq!(ruling(&right, "energy"), Ruling::Passed);
     assert_eq!(ruling(&right, "model"), Ruling::NotJudged);
-    let wrong = examine_laws(&imported(&measured.table, |f| 1.2 * f), None);
+    let wrong = examine(&imported(&measured.table, |f| 1.2 * f), None, None);
     let energy = judged(&wrong, "energy");
     assert_eq!((energy.ruling, energy.allowance), (Ruling::Failed, None), "{}", energy.reason);
     assert!(energy.reason.contains("errors n/a"), "{}", energy.reason);
-    let black = examine_laws(&imported(&measured.table, |_| 0.0), None);
+    let black = examine(&imported(&measured.table, |_| 0.0), None, None);
     assert!(judged(&black, "light").reason.contains("every value is 0"), "{:?}", black.judgements);
     assert_eq!(ruling(&black, "light"), Ruling::NotJudged);
 }

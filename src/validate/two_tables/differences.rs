@@ -4,12 +4,12 @@
 //! the shorter has entries. A table without realisations has its value and error split: with z_k normal,
 //! x + se sqrt(R) (z_k - mean z) has variance R se^2, and two of them covariance se^2 - se^2 = 0, so that they are R
 //! independent realisations where the noise is normal; where the error is 0 they are the value.
-//! Held by: `a_difference_is_read_without_bias`, `a_table_without_realisations_is_split`.
+// Tested by `a_difference_is_read_without_bias`, `a_table_without_realisations_is_split`.
 
-use super::model_distance::FEWEST;
-use super::two_tables::ComparedTable;
+use super::compared_table::ComparedTable;
 use crate::rng::{self, Purpose, StreamId};
 use crate::table::Realisations;
+use crate::validate::model_distance::FEWEST;
 
 /// The place of a bin: in the tables at hand, and in the realisations, which have all stops.
 #[derive(Debug, Clone, Copy)]

@@ -1,0 +1,130 @@
+//! The figures of the page as tables: the comparisons, the albedos; and the cost.
+
+use super::page::Page;
+use crate::instrument::angle_decimals;
+use crate::measure::Cost;
+use crate::report::plot::escaped;
+use crate::report::plot::plots::spread;
+use crate::report::summary::{StopSummary, Summary};
+use crate::validate::compare::{Comparison, Figures};
+
+/// Rows of the tables of stops before the middle is left out.
+const MOST_ROWS: usize = 48;
+
+/// A column of albedos: its key, its heading, and its value.
+type AlbedoColumn = (&'static str, &'static str, fn(&StopSummary) -> Option<f64>);
+const ALBEDOS: [AlbedoColumn; 4] = [
+    ("albedo_single", "one bounce", |stop| stop.albedo_single),
+    ("albedo_single_se", "±", |stop| stop.albedo_single_se),
+    ("albedo_total", "all", |stop| stop.albedo_total),
+    ("albedo_total_se", "±", |stop| stop.albedo_total_se),
+];
+
+/// The comparisons, the albedos, the cost.
+pub fn figures(page: &Page) -> String {
+    [comparisons(page), albedos(page), cost(page.summary)].concat()
+}
+
+/// A number with `decimals` digits next to its key, or a dash.
+fn cell(key: &str, value: Option<f64>, decimals: usize) -> String {
+    let text = value.map_or("–".into(), |number| format!("{number:.decimals$}"));
+    format!("<td data-key=\"{key}\">{text}</td>")
+}
+
+/// The light's angles (theta, phi) at each stop; the azimuth where there are several.
+fn angle_cells(page: &Page, angles: Vec<(f64, f64)>) -> impl Fn(usize) -> String + use<> {
+    let of_theta = angle_decimals(1, angles.iter().map(|angle| angle.0));
+    let of_phi = page.scene.has_azimuths().then(|| angle_decimals(1, angles.iter().map(|angle| angle.1)));
+    move |stop| {
+        let (theta, phi) = angles[stop];
+        let azimuth = of_phi.map(|decimals| cell("phi_i_deg", Some(phi), decimals));
+        cell("theta_i_deg", Some(theta), of_theta) + &azimuth.unwrap_or_default()
+    }
+}
+
+fn distance(figures: &Figures) -> String {
+    let (key, value) = figures.distance();
+    cell(key, value, 4)
+}
+
+fn comparisons(page: &Page) -> String {
+    let all = &page.summary.comparisons[..];
+    let [first, ..] = all else {
+        return "<p>No model speaks of this surface: nothing to compare with.</p>".into();
+    };
+    let heads: String =
+        all.iter().map(|c| format!("<th>{}</th>", escaped(&c.masking.replace('_', "-")))).collect();
+    let angles = angle_cells(page, first.stops.iter().map(|s| (s.theta_i_deg, s.phi_i_deg)).collect());
+    let row = |stop: usize| {
+        let here = |c: &Comparison| c.stops.get(stop).map(|stop| stop.figures).unwrap_or_default();
+        let cells: String = all.iter().map(|c| distance(&here(c))).collect();
+        format!("<tr>{}{}{cells}</tr>", angles(stop), cell("l1_noise", first.stops[stop].figures.l1_noise, 4))
+    };
+    let rows: String = spread(first.stops.len(), MOST_ROWS).into_iter().map(row).collect();
+    let mean: String = all.iter().map(|c| distance(&c.figures)).collect();
+    let [head, foot] = if page.scene.has_azimuths() { ["<th>phi_i</th>", "<td></td>"] } else { ["", ""] };
+    format!(
+        "<h2>Against the {} model</h2>\n<p>Flux-weighted L1 distance of order 1 from the model's bin means, by \
+         masking, with the noise taken off.{}</p>\n<div class=\"scroll\"><table id=\"comparisons\"><thead><tr>\
+         <th>theta_i</th>{head}<th>noise</th>{heads}</tr></thead>\n<tbody>{rows}</tbody>\n<tfoot><tr><td>mean</td>{foot}{}{mean}\
+         </tr></tfoot></table></div>\n",
+        escaped(&first.model.replace('_', " ")),
+        left_out(first.stops.len()),
+        cell("l1_noise", first.figures.l1_noise, 4)
+    )
+}
+
+fn left_out(stops: usize) -> String {
+    if stops > MOST_ROWS {
+        format!(" {MOST_ROWS} of {stops} light directions are listed.")
+    } else {
+        String::new()
+    }
+}
+
+fn albedos(page: &Page) -> String {
+    let stops = &page.summary.stops;
+    // Another program's table does not know how often its light has bounced.
+    let columns = if page.campaign.is_some() { &ALBEDOS[..] } else { &ALBEDOS[2..] };
+    let is_known = |column: &&AlbedoColumn| stops.iter().any(|stop| column.2(stop).is_some());
+    let shown: Vec<&AlbedoColumn> = columns.iter().filter(is_known).collect();
+    let Some((first, ..)) = shown.first() else { return String::new() };
+    let alone = *first == "albedo_total";
+    let head = |&&(key, head, _): &&AlbedoColumn| {
+        format!("<th>{}</th>", if alone && key == "albedo_total" { "albedo" } else { head })
+    };
+    let heads: String = shown.iter().map(head).collect();
+    let angles = angle_cells(page, stops.iter().map(|stop| (stop.theta_i_deg, stop.phi_i_deg)).collect());
+    let row = |index: usize| {
+        let cells: String = shown.iter().map(|(key, _, pick)| cell(key, pick(&stops[index]), 5)).collect();
+        format!("<tr>{}{cells}</tr>", angles(index))
+    };
+    let rows: String = spread(stops.len(), MOST_ROWS).into_iter().map(row).collect();
+    let azimuth = if page.scene.has_azimuths() { "<th>phi_i</th>" } else { "" };
+    let what = if page.campaign.is_some() {
+        " after one bounce, and after all that were followed; ±: standard error over patches."
+    } else {
+        ", from the bins."
+    };
+    format!(
+        "<h2>Albedo</h2>\n<p>Share of the light that leaves{what}{}</p>\n<div class=\"scroll\"><table id=\"albedos\">\
+         <thead><tr><th>theta_i</th>{azimuth}{heads}</tr></thead><tbody>{rows}</tbody></table></div>\n",
+        left_out(stops.len())
+    )
+}
+
+fn cost(summary: &Summary) -> String {
+    let Some(Cost { wall_s, cpu_s, threads, samples, rays_traced, peak_bytes, .. }) = &summary.cost else {
+        return "<p id=\"cost\">What the measurement cost stands in its summary, which is not next to the table.</p>\n".into();
+    };
+    let stopped = summary.stopped_by.map(|by| format!(" Stopped by: {}.", by.to_string().replace('_', " ")));
+    let millions = |count: &u64| format!("{:.2} million", *count as f64 / 1e6);
+    format!(
+        "<p id=\"cost\">Cost: {wall_s:.1} s, {cpu_s:.1} s of processor time on {threads} threads; {} samples, {} rays, {:.0} \
+         MB of memory.{}</p>\n",
+        millions(samples),
+        millions(rays_traced),
+        *peak_bytes as f64 / 1e6,
+        stopped.unwrap_or_default()
+    )
+}

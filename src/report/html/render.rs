@@ -1,0 +1,89 @@
+//! The page: one self-contained HTML file that asks for nothing, with the viewer's code and data inside.
+//!
+//! Input: a table, what validation found, its summary. Output: text that depends on these alone.
+
+use serde_json::{Value, json};
+
+use super::figures::figures;
+use super::head::head;
+use super::inline::inline;
+use super::page::Page;
+use super::sections;
+use crate::error::seen_in_json;
+use crate::report::plot::escaped;
+
+/// By this a page is recognised as one of ours.
+pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
+
+const TEMPLATE: &str = include_str!("assets/page.html");
+const STYLE: &str = include_str!("assets/page.css");
+/// In the order in which they build upon each other.
+const SCRIPTS: [&str; 6] = [
+    include_str!("assets/table.js"),
+    include_str!("assets/colours.js"),
+    include_str!("assets/pictures.js"),
+    include_str!("assets/lobe.js"),
+    include_str!("assets/scene.js"),
+    include_str!("assets/main.js"),
+];
+
+/// The whole file.
+///
+/// Nothing in it changes from run to run except what the summary says of its cost.
+// Tested by `the_page_follows_from_the_table_and_its_summary` (tests/it/report.rs).
+pub fn page(page: &Page) -> String {
+    let inlined = inline(&page.scene, page.campaign, page.masking_index());
+    let table = inlined.as_ref().map_or(Value::Null, |inlined| inlined.data.clone());
+    let picture = page.specimen.as_ref().ok().map(sections::picture);
+    let data = json!({ "name": page.summary.name, "table": table, "specimen": picture });
+    let parts = [
+        ("TITLE", escaped(&page.summary.name)),
+        ("STYLE", STYLE.to_string()),
+        ("HEAD", head(page)),
+        ("FIGURES", figures(page)),
+        ("SPECIMEN", sections::specimen(page)),
+        ("PLOTS", sections::plots(page)),
+        ("REDUCED", sections::reduced(page, inlined.as_ref())),
+        ("FOOT", sections::foot(page)),
+        ("DATA", inside_script(&data)),
+        ("SCRIPT", format!("\"use strict\";\n{}", SCRIPTS.join("\n"))),
+    ];
+    filled(TEMPLATE, &parts)
+}
+
+/// The template with its `{{NAME}}` marks replaced, once and from the left: no part is searched for marks.
+fn filled(template: &str, parts: &[(&str, String)]) -> String {
+    let mut out = String::new();
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once("{{") {
+        out.push_str(before);
+        let Some((name, after)) = after.split_once("}}") else { break };
+        out.push_str(parts.iter().find(|(mark, _)| *mark == name).map_or("", |(_, text)| text));
+        rest = after;
+    }
+    out.push_str(rest);
+    out
+}
+
+/// JSON that cannot end the element it stands in, nor turn the text around it.
+fn inside_script(data: &Value) -> String {
+    seen_in_json(&data.to_string()).replace('<', "\\u003c")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_in_the_parts_stay_as_they_are() {
+        let parts = [("A", "{{B}}".to_string()), ("B", "b".to_string())];
+        assert_eq!(filled("x{{A}}y{{B}}z{{C}}", &parts), "x{{B}}ybz");
+    }
+
+    #[test]
+    fn data_cannot_end_its_element() {
+        let text = inside_script(&json!({ "name": "</script><!--" }));
+        assert!(!text.contains('<'), "{text}");
+        assert_eq!(serde_json::from_str::<Value>(&text).expect("JSON")["name"], "</script><!--");
+    }
+}

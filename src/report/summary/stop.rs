@@ -1,0 +1,146 @@
+//! What a summary says of one stop: from its measurement, or from the table alone.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use crate::measure::accumulate::slopes::SlopeClass;
+use crate::measure::{StopResult, StoppedBy};
+use crate::stats;
+use crate::table::brdf_table::flux;
+use crate::table::{BrdfTable, ColourChannels};
+
+/// One stop: fluxes as shares of the incident flux, means and standard errors over the realisations.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct StopSummary {
+    /// Polar angle of the light.
+    pub theta_i_deg: f64,
+    /// Azimuth of the light.
+    pub phi_i_deg: f64,
+    /// Flux that leaves after one bounce.
+    pub albedo_single: Option<f64>,
+    /// Its standard error.
+    pub albedo_single_se: Option<f64>,
+    /// Flux that leaves after any number of bounces.
+    pub albedo_total: Option<f64>,
+    /// Its standard error.
+    pub albedo_total_se: Option<f64>,
+    /// Flux of each order.
+    pub albedo_by_order: Option<Vec<f64>>,
+    /// [`StopResult::beyond_order_1`].
+    pub beyond_order_1: Option<f64>,
+    /// Its standard error.
+    pub beyond_order_1_se: Option<f64>,
+    /// Paths that leave, by order.
+    pub orders: Vec<u64>,
+    /// Paths that were truncated at the last order.
+    pub cut: u64,
+    /// Surface samples in shadow.
+    pub hidden: u64,
+    /// Paths over the edge of an open map.
+    pub left_map: u64,
+    /// What they may have added to the albedo at most.
+    pub left_map_flux: f64,
+    /// Surface samples whose facets send light into no aperture, where only that is followed.
+    pub outside: u64,
+    /// 0: no path is lost.
+    pub lost: u64,
+    /// Surface samples in each realisation.
+    pub samples: u64,
+    /// What ended the stop.
+    pub stopped_by: Option<StoppedBy>,
+    /// The relative error where it ended, if one was asked for.
+    pub relative_error: Option<f64>,
+    /// How many realisations would reach it, where the patches are the limit.
+    pub realisations_needed: Option<u64>,
+    /// The relative errors on the way.
+    pub looks: Vec<ErrorLook>,
+    /// What the light sees of the facets by their slope.
+    pub seen_by_slope: Option<Vec<SlopeClass>>,
+    /// All orders and truncated paths with F = 1: 1 up to noise.
+    pub closure: Option<f64>,
+    /// Its standard error.
+    pub closure_se: Option<f64>,
+}
+
+/// The error of a stop after so many samples.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ErrorLook {
+    /// Surface samples in each realisation.
+    pub samples: u64,
+    /// Median relative standard error of the bright bins.
+    pub relative_error: f64,
+}
+
+impl StopSummary {
+    /// Of a stop that was measured with the light at these angles.
+    pub(super) fn of_result(result: &StopResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Self {
+        let (albedo_single, albedo_single_se) = result.single();
+        let (albedo_total, albedo_total_se) = result.total();
+        let (beyond_order_1, beyond_order_1_se) = result.beyond_order_1();
+        let (closure, closure_se) = stats::known_mean(result.closure.iter().copied());
+        let mean = |order: &Vec<f64>| stats::known_mean(order.iter().copied()).0;
+        StopSummary {
+            theta_i_deg,
+            phi_i_deg,
+            albedo_single,
+            albedo_single_se,
+            albedo_total,
+            albedo_total_se,
+            albedo_by_order: result.albedo_by_order.iter().map(mean).collect(),
+            beyond_order_1,
+            beyond_order_1_se,
+            orders: result.orders.clone(),
+            cut: result.cut,
+            hidden: result.hidden,
+            left_map: result.left_map,
+            left_map_flux: result.lost_light[1],
+            outside: result.outside,
+            lost: 0,
+            samples: result.samples,
+            stopped_by: Some(result.stopped_by),
+            relative_error: result.relative_error,
+            realisations_needed: result.realisations_needed,
+            looks: looks(result),
+            seen_by_slope: result.seen_by_slope.clone(),
+            closure,
+            closure_se,
+        }
+    }
+
+    /// Of each stop of a table, or of a band of it: flux over all bins, mean of the colours, where they gather all flux.
+    pub fn of_bins(table: &BrdfTable) -> Vec<Self> {
+        (0..table.grid.stops()).map(|stop| of_bins(table, stop)).collect()
+    }
+}
+
+fn of_bins(table: &BrdfTable, stop: usize) -> StopSummary {
+    let (theta_i_deg, phi_i_deg) = table.grid.stop_deg(stop);
+    let sizes = table.grid.sizes(stop);
+    // Bins that fill the hemisphere, up to the rounding of their edges.
+    let whole = (sizes.iter().sum::<f64>() - PI).abs() < 1e-6 && table.gaps() == 0;
+    let mean = |pick: fn(&ColourChannels) -> &Vec<f32>| {
+        let flux = |colour| flux(&pick(colour)[stop * sizes.len()..], &sizes);
+        let of_colours: Vec<f64> = table.colours.iter().map(flux).collect();
+        whole.then(|| stats::mean(&of_colours))
+    };
+    StopSummary {
+        theta_i_deg,
+        phi_i_deg,
+        albedo_single: mean(|colour| &colour.single),
+        albedo_total: mean(|colour| &colour.total),
+        ..StopSummary::default()
+    }
+}
+
+/// Error against samples, as far as the run looked at it.
+fn looks(result: &StopResult) -> Vec<ErrorLook> {
+    // Samples of a block follow from what the stop had in the end.
+    let last = result.looks.last().map_or(1, |look| look.blocks);
+    let block = result.samples / last.max(1);
+    let looks = result.looks.iter();
+    looks
+        .map(|look| ErrorLook { samples: look.blocks * block, relative_error: look.relative_error })
+        .collect()
+}
