@@ -4,6 +4,7 @@ mod claim;
 pub mod exr_header;
 pub mod image;
 pub mod image_blocks;
+mod image_part;
 pub mod image_rows;
 pub mod lock;
 pub mod memory;

@@ -6,7 +6,8 @@
 use std::io::{self, Write};
 
 use npyz::{
-    AutoSerialize, DType, Deserialize, Endianness, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder,
+    AutoSerialize, DType, Deserialize, Endianness, NpyFile, NpyHeader, NpyWriter, Order, TypeChar,
+    WriterBuilder,
 };
 
 use super::memory;
@@ -209,8 +210,13 @@ pub fn encode<T: AutoSerialize>(
     shape: &[usize],
     values: impl Iterator<Item = T>,
 ) -> io::Result<()> {
+    let mut array = writer(out, shape)?;
+    array.extend(values)?;
+    array.finish()
+}
+
+/// Begins an array of this shape.
+pub fn writer<T: AutoSerialize, W: Write>(out: W, shape: &[usize]) -> io::Result<NpyWriter<T, W>> {
     let shape: Vec<u64> = shape.iter().map(|&side| side as u64).collect();
-    let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(out).begin_nd()?;
-    writer.extend(values)?;
-    writer.finish()
+    npyz::WriteOptions::new().default_dtype().shape(&shape).writer(out).begin_nd()
 }

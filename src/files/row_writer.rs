@@ -11,7 +11,7 @@ use exr::prelude::Vec2;
 use rayon::prelude::*;
 
 use super::exr_header;
-use super::image::ImagePart;
+use super::image_part::ImagePart;
 use super::image_rows;
 
 /// A file under way.

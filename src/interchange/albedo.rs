@@ -3,17 +3,15 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::format::Format;
 use super::resample::sampling::{integral, samples};
-use super::{Brdf, Lookup, Reason};
+use super::{Brdf, Lookup};
+use crate::error::Checked;
 use crate::sphere;
 
 /// Directions of each of three kinds in an integral: of smooth lobes right to 0.1 %.
 const SAMPLES: usize = 1 << 11;
 /// Incidences of the table that are looked at, at most.
 const STOPS: usize = 12;
-/// The last incidence, degrees.
-const LAST_DEG: f64 = 85.0;
 /// Where to look between two incidences: 1 less the golden ratio, far from every fraction of small numbers.
 const PLACE: f64 = 0.381_966;
 /// Azimuths where all are alike: formats of cells tell them apart.
@@ -73,9 +71,8 @@ impl AlbedoPoint {
 }
 
 impl AlbedoCurve {
-    /// The curve of a file; `None` where the table is dark.
-    pub fn of(lookup: &Lookup, file: &dyn Brdf, format: Format) -> Option<Self> {
-        let (theta_i_end, theta_r_end) = reach(format, lookup);
+    /// The curve of a file whose light and sensor go up to these angles, degrees; `None` where the table is dark.
+    pub fn of(lookup: &Lookup, file: &dyn Brdf, (theta_i_end, theta_r_end): (f64, f64)) -> Option<Self> {
         let horizon = theta_r_end.to_radians().cos();
         let thetas =
             between(&lookup.theta_i().iter().map(|t| t.to_degrees()).collect::<Vec<_>>(), theta_i_end);
@@ -100,7 +97,7 @@ impl AlbedoCurve {
         let (worst_point, worst) =
             points.iter().map(AlbedoPoint::off).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let lit = points.iter().any(|point| point.table.iter().any(|&value| value > 0.0));
-        let theta_i_last_deg = last_deg(lookup);
+        let theta_i_last_deg = lookup.last_theta_i_deg();
         lit.then_some(AlbedoCurve {
             points,
             theta_i_last_deg,
@@ -115,7 +112,7 @@ impl AlbedoCurve {
     ///
     /// Held by: `an_export_that_makes_light_is_refused`, `an_export_with_another_albedo_is_refused_unless_allowed`
     /// (tests/it/interchange/interchange_albedo.rs).
-    pub fn check(&self, allowed: f64) -> Reason<()> {
+    pub fn check(&self, allowed: f64) -> Checked<()> {
         let most = |pick: fn(&AlbedoPoint) -> &Vec<f64>| {
             let of = |point| pick(point).iter().copied().fold(0.0, f64::max);
             self.points.iter().map(|point| (of(point), point)).max_by(|a, b| a.0.total_cmp(&b.0))
@@ -128,7 +125,7 @@ impl AlbedoCurve {
                  {table:.4} at most): the format's directions do not hold the lobe; choose another format, a wider \
                  lobe, or more incidences and bins",
                 at.theta_i_deg, at.phi_i_deg
-            ));
+            ).into());
         }
         let inside = self.points.iter().filter(|point| !self.is_beyond(point));
         match inside.max_by(|a, b| a.off().total_cmp(&b.off())).filter(|at| at.off() > allowed) {
@@ -139,7 +136,7 @@ impl AlbedoCurve {
                 at.difference(),
                 100.0 * allowed,
                 (100.0 * at.off()).ceil()
-            )),
+            ).into()),
         }
     }
 
@@ -173,21 +170,6 @@ impl AlbedoCurve {
             }
         }
         rows.into_iter().map(|[theta, table, file, count]| [theta, table / count, file / count]).collect()
-    }
-}
-
-/// The table's last incidence, degrees.
-fn last_deg(lookup: &Lookup) -> f64 {
-    lookup.theta_i()[lookup.theta_i().len() - 1].to_degrees()
-}
-
-/// The last polar angles of light and sensor that a format has, degrees.
-fn reach(format: Format, lookup: &Lookup) -> (f64, f64) {
-    let last = last_deg(lookup);
-    match format {
-        Format::Utia => (75.0, 75.0),
-        Format::Zemax => (last, 90.0),
-        _ => (LAST_DEG.max(last.min(89.0)), 90.0),
     }
 }
 

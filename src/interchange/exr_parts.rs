@@ -4,25 +4,57 @@
 //! beside them; the campaign stands in the first part. Comes back bit for bit.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, Seek};
+use std::io::{Read, Seek};
+use std::path::Path;
 
-use super::Reason;
-use super::numpy::npz;
+use super::codec::{self, Codec, Encoded, Holds};
+use super::numpy::arrays;
 use super::read_back::{Listing, ReadBack};
+use super::{Checked, Imported, Options, needed};
 use crate::files::image::{self, ImagePart, Samples};
-use crate::files::image_rows;
+use crate::files::image_blocks::BlockReader;
+use crate::files::{exr_header, image_rows};
 use crate::instrument::Grid;
 use crate::table::brdf_table::named_wavelength;
 use crate::table::{BrdfTable, ColourChannels, SchlickSums, check_grid};
 
 /// How the values are meant.
-pub const CONVENTION: &str = "one part a stop, named by its angles; column = phi_r, row = theta_r; FLOAT, BRDF in 1/sr, no \
+const CONVENTION: &str = "one part a stop, named by its angles; column = phi_r, row = theta_r; FLOAT, BRDF in 1/sr, no \
     cosine, bin means; attribute gonio.grid: the geometry as JSON; mirror direction at phi_r = phi_i + 180";
 
 const GRID: &str = "gonio.grid";
 const STOP: &str = "gonio.stop";
 /// Texts of the table that the first part carries.
 const TEXTS: [&str; 4] = ["gonio.campaign", "gonio.version", "gonio.seed", "gonio.patch_digest"];
+
+/// The format.
+pub struct ExrParts;
+
+impl Codec for ExrParts {
+    fn name(&self) -> &'static str {
+        "exr_parts"
+    }
+
+    fn holds(&self) -> Holds {
+        Holds { more_than_totals: true, gaps: true, wavelengths: true, ..Holds::TOTALS }
+    }
+
+    fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
+        if exr_header::is_exr(bytes) { needed::image_table(bytes) } else { Ok(4 * bytes.len() as u64) }
+    }
+
+    fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
+        Ok((Imported::Table(read(bytes)?), vec![]))
+    }
+
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+        Ok(Encoded::bytes(write(table)?, CONVENTION, vec![]))
+    }
+
+    fn read_back(&self, path: &Path, table: &BrdfTable, _options: &Options) -> Checked<Option<ReadBack>> {
+        read_back(BlockReader::open(codec::open(path)?)?, table)
+    }
+}
 
 type NamedChannel =
     (&'static str, fn(&ColourChannels) -> &Vec<f32>, fn(&mut ColourChannels) -> &mut Vec<f32>);
@@ -36,26 +68,26 @@ const CHANNELS: [NamedChannel; 5] = [
 
 /// Width and height of a part: columns and rows of bins, or all bins in a row.
 fn size(grid: &Grid) -> (usize, usize) {
-    match npz::shape(grid, 1)[..] {
+    match arrays::shape(grid, 1)[..] {
         [_, _, rows, columns] => (columns, rows),
         _ => (grid.bins(), 1),
     }
 }
 
 /// The bytes of a file; the table's values go into it row by row.
-pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
+pub fn write(table: &BrdfTable) -> Checked<Vec<u8>> {
     let grid = serde_json::to_string(&table.grid).map_err(|e| e.to_string())?;
     let parts: Vec<ImagePart> = (0..table.grid.stops()).map(|stop| part(table, stop, &grid)).collect();
     let (width, height) = size(&table.grid);
     let planes: BTreeMap<String, &[f32]> = planes(table).into_iter().collect();
-    image_rows::encode(&parts, |(stop, name, row), out| {
+    Ok(image_rows::encode(&parts, |(stop, name, row), out| {
         let first = (stop * height + row) * width;
         let places = out.as_chunks_mut::<4>().0.iter_mut();
         match planes.get(name) {
             Some(values) => places.zip(&values[first..]).for_each(|(out, value)| *out = value.to_ne_bytes()),
             None => places.zip(&table.hits[first..]).for_each(|(out, hits)| *out = hits.to_ne_bytes()),
         }
-    })
+    })?)
 }
 
 /// Every FLOAT channel of the table, by its name in the file.
@@ -94,35 +126,38 @@ fn part(table: &BrdfTable, stop: usize, grid: &str) -> ImagePart {
     part
 }
 
-/// Holds the totals of a file to the table that it was written from, row by row.
-pub fn read_back(file: impl BufRead + Seek, table: &BrdfTable) -> Reason<Option<ReadBack>> {
-    let (width, mut listing) = (size(&table.grid).0, Listing::new(table));
-    image_rows::each_row(file, STOP, |(stop, name, row), values| {
-        let Some(colour) = table.colour_names().iter().position(|colour| *colour == name) else {
-            return Ok(());
-        };
-        if !(0.0..table.grid.stops() as f64).contains(&stop) || values.len() != 4 * width {
-            return Err(format!("{STOP} = {stop}, {} bytes in a row", values.len()));
+/// Compares the totals of a file with the table that it was written from, row by row.
+fn read_back(mut file: BlockReader<impl Read + Seek>, table: &BrdfTable) -> Checked<Option<ReadBack>> {
+    let (width, names, mut listing) = (size(&table.grid).0, table.colour_names(), Listing::new(table));
+    for part in 0..file.outlines().len() {
+        let stop = file.outlines()[part].number(STOP).unwrap_or(-1.0);
+        if !(0.0..table.grid.stops() as f64).contains(&stop) || file.outlines()[part].width != width {
+            return Err(format!("{STOP} = {stop}, {} columns", file.outlines()[part].width).into());
         }
-        for (column, value) in values.as_chunks::<4>().0.iter().enumerate() {
-            listing.add(stop as usize, row * width + column, colour, f32::from_ne_bytes(*value));
+        for number in 0..file.count(part) {
+            for (name, row, values) in file.read(part, number)?.lines() {
+                let Some(colour) = names.iter().position(|colour| *colour == name) else { continue };
+                for (column, value) in values.as_chunks::<4>().0.iter().enumerate() {
+                    listing.add(stop as usize, row * width + column, colour, f32::from_ne_bytes(*value));
+                }
+            }
         }
-        Ok(())
-    })?;
+    }
     listing.finish()
 }
 
 /// The table in the bytes of a file.
 ///
 /// Held by: `exr_parts_come_back_bit_for_bit`, `damaged_parts_are_refused`.
-pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let mut parts = image::decode(bytes)?;
     let number = |part: &ImagePart| part.number(STOP).filter(|&stop| stop >= 0.0 && stop.fract() == 0.0);
     if let Some(part) = parts.iter().find(|part| number(part).is_none()) {
         return Err(format!(
             "part `{}` has no {STOP}: not written by this program",
             part.name.as_deref().unwrap_or("")
-        ));
+        )
+        .into());
     }
     parts.sort_by(|a, b| number(a).unwrap_or(0.0).total_cmp(&number(b).unwrap_or(0.0)));
     let text = parts[0].text(GRID).ok_or_else(|| format!("the first part has no {GRID}"))?;
@@ -133,7 +168,9 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
         number(part) == Some(stop as f64) && (part.width, part.height) == (width, height)
     };
     if parts.len() != stops || !parts.iter().enumerate().all(fits) {
-        return Err(format!("{} parts do not make {stops} stops of {width} x {height} bins", parts.len()));
+        return Err(
+            format!("{} parts do not make {stops} stops of {width} x {height} bins", parts.len()).into()
+        );
     }
     let names = colour_names(&parts[0]);
     let mut colours: Vec<ColourChannels> = names
@@ -175,23 +212,24 @@ fn colour_names(part: &ImagePart) -> Vec<String> {
 }
 
 /// A FLOAT channel of all parts, where the first one has it.
-fn optional(parts: &mut [ImagePart], name: &str) -> Reason<Option<Vec<f32>>> {
+fn optional(parts: &mut [ImagePart], name: &str) -> Checked<Option<Vec<f32>>> {
     let there = parts.first().is_some_and(|part| part.channels.contains_key(name));
     there.then(|| floats(parts, name)).transpose()
 }
 
 /// A FLOAT channel of all parts, one after the other.
-fn floats(parts: &mut [ImagePart], name: &str) -> Reason<Vec<f32>> {
+fn floats(parts: &mut [ImagePart], name: &str) -> Checked<Vec<f32>> {
     let mut all = Vec::new();
     for (stop, part) in parts.iter_mut().enumerate() {
         let Some(Samples::F32(values)) = part.channels.remove(name) else {
-            return Err(format!("stop {stop}: channel `{name}` (FLOAT) is missing"));
+            return Err(format!("stop {stop}: channel `{name}` (FLOAT) is missing").into());
         };
         if let Some(bin) = values.iter().position(|value| !value.is_finite()) {
             return Err(format!(
                 "stop {stop}, channel `{name}`, bin {bin}: {} is not a finite number",
                 values[bin]
-            ));
+            )
+            .into());
         }
         all.extend(values);
     }

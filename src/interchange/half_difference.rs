@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::resample::{default_grid, resample_spectrum, thirds};
-use super::{Brdf, Colour, Reason};
+use super::{Brdf, Checked, Colour};
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -47,7 +47,7 @@ pub struct HalfDifference {
 
 impl HalfDifference {
     /// The totals of a table.
-    pub fn new(table: &BrdfTable) -> Reason<Self> {
+    pub fn new(table: &BrdfTable) -> Checked<Self> {
         let grid = &table.grid;
         if grid.kind != GridKind::HalfDifference {
             return Err("the table has no half/difference angles".into());
@@ -117,12 +117,12 @@ impl Brdf for HalfDifference {
 
 /// Such a table as one of stops and bins: means over the bins of `grid`, or over centred bins of 2.5 x 5 degrees under
 /// stops of 5 (anisotropic: 15) degrees. `None` where it is one already.
-pub fn as_arms(table: &BrdfTable, grid: Option<&Grid>) -> Reason<Option<BrdfTable>> {
+pub fn as_arms(table: &BrdfTable, grid: Option<&Grid>) -> Checked<Option<BrdfTable>> {
     if table.grid.kind != GridKind::HalfDifference {
         return Ok(None);
     }
     let own = default_arms(table.grid.is_isotropic());
-    let parts = thirds(table).iter().map(HalfDifference::new).collect::<Reason<Vec<_>>>()?;
+    let parts = thirds(table).iter().map(HalfDifference::new).collect::<Checked<Vec<_>>>()?;
     let parts = parts.iter().map(|part| part as &dyn Brdf);
     resample_spectrum(parts, &table.wavelengths_nm(), grid.unwrap_or(&own)).map(Some)
 }

@@ -5,9 +5,9 @@
 
 use std::path::Path;
 
-use super::{Reason, needed};
+use super::{Checked, needed};
 use crate::campaign;
-use crate::error::{Error, Result};
+use crate::error::{ContentError, Error, Result};
 use crate::files::image::{self, ImagePart, Samples};
 use crate::files::{self, memory};
 
@@ -29,7 +29,7 @@ pub struct Maps {
 pub fn load(folder: &Path) -> Result<Maps> {
     let [alpha, f0] = FILES.map(|name| folder.join(name));
     let (alpha, f0) = (files::read(&alpha)?, files::read(&f0)?);
-    let wrong = |why: String| Error::format(folder, why);
+    let wrong = |why: ContentError| Error::format(folder, why);
     let bytes = needed::image(&alpha).map_err(wrong)?.saturating_add(needed::image(&f0).map_err(wrong)?);
     // The images and their channels as floats.
     memory::check_file(folder, bytes.saturating_mul(3))?;
@@ -39,8 +39,8 @@ pub fn load(folder: &Path) -> Result<Maps> {
 /// The maps in the bytes of `ax_ay.exr` and `ps.exr`, which must have one size.
 ///
 /// Held by: `a_texel_becomes_a_campaign`, `damaged_maps_are_refused` (tests/it/interchange/interchange_maps.rs).
-pub fn read(alpha: &[u8], f0: &[u8]) -> Reason<Maps> {
-    let part = |name: &str, bytes: &[u8]| -> Reason<ImagePart> {
+pub fn read(alpha: &[u8], f0: &[u8]) -> Checked<Maps> {
+    let part = |name: &str, bytes: &[u8]| -> Checked<ImagePart> {
         let parts = image::decode(bytes).map_err(|why| format!("{name}: {why}"))?;
         let [part] =
             <[ImagePart; 1]>::try_from(parts).map_err(|_| format!("{name}: several parts, one needed"))?;
@@ -52,18 +52,19 @@ pub fn read(alpha: &[u8], f0: &[u8]) -> Reason<Maps> {
         return Err(format!(
             "{} is {width} x {height}, {} {} x {}: one size needed",
             FILES[0], FILES[1], f0_part.width, f0_part.height
-        ));
+        )
+        .into());
     }
     let [x, y] = ["R", "G"].map(|name| channel(FILES[0], &alpha_part, name));
     let [r, g, b] = ["R", "G", "B"].map(|name| channel(FILES[1], &f0_part, name));
     Ok(Maps { width, height, alpha: [x?, y?], f0: [r?, g?, b?] })
 }
 
-fn channel(file: &str, part: &ImagePart, name: &str) -> Reason<Vec<f32>> {
+fn channel(file: &str, part: &ImagePart, name: &str) -> Checked<Vec<f32>> {
     match part.channels.get(name) {
         Some(Samples::F32(values)) => Ok(values.clone()),
         Some(Samples::F16(values)) => Ok(values.iter().map(|value| value.to_f32()).collect()),
-        _ => Err(format!("{file}: no channel `{name}` of floats")),
+        _ => Err(format!("{file}: no channel `{name}` of floats").into()),
     }
 }
 
@@ -71,9 +72,9 @@ impl Maps {
     /// The campaign of a texel, as the text of its file. Equal roughnesses make a 3-D campaign, others a 4-D one.
     ///
     /// A texel whose values no campaign may have (roughness outside [1e-4, 10], F0 outside [0, 1], not finite) is refused.
-    pub fn campaign(&self, column: usize, row: usize) -> Reason<String> {
+    pub fn campaign(&self, column: usize, row: usize) -> Checked<String> {
         if column >= self.width || row >= self.height {
-            return Err(format!("texel {column},{row} lies outside {} x {}", self.width, self.height));
+            return Err(format!("texel {column},{row} lies outside {} x {}", self.width, self.height).into());
         }
         let at = row * self.width + column;
         let [x, y] = [0, 1].map(|k| self.alpha[k][at]);
@@ -92,6 +93,6 @@ impl Maps {
              phi_r_bins = 36\nbins = \"centred\"\n\n[optics]\nf0 = [{r:?}, {g:?}, {b:?}]\n\n[stop]\nsamples = 1_000_000\n"
         );
         let parsed = campaign::parse(&text, &format!("texel {column},{row}"), Path::new(""));
-        parsed.map(|_| text).map_err(|fault| fault.to_string().replace('\n', "; "))
+        Ok(parsed.map(|_| text).map_err(|fault| fault.to_string().replace('\n', "; "))?)
     }
 }

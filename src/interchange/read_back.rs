@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::resample::mean;
-use super::{Brdf, Colour, Reason};
+use super::{Brdf, Colour};
+use crate::error::Checked;
 use crate::instrument::{Grid, GridKind, Region};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -37,7 +38,7 @@ struct StopSums {
     bins: usize,
 }
 
-/// Holds `brdf` to the totals of `table`. Points count with their cosine.
+/// Compares `brdf` with the totals of `table`. Points count with their cosine.
 ///
 /// `None` where the table holds nothing but zeros.
 pub fn read_back(table: &BrdfTable, brdf: &dyn Brdf) -> Option<ReadBack> {
@@ -92,7 +93,7 @@ fn stop_sums(table: &BrdfTable, brdf: &dyn Brdf, stop: usize, stride: usize) -> 
     sums
 }
 
-/// Values that a reader finds at the table's own bins, in any order, held to the table as they come.
+/// Values that a reader finds at the table's own bins, in any order, compared with it as they come.
 pub struct Listing<'a> {
     table: &'a BrdfTable,
     /// Of the bins of any stop.
@@ -138,7 +139,7 @@ impl<'a> Listing<'a> {
     }
 
     /// The measures; `None` as for [`read_back`]. Values that are missing, or are there twice, are a reason.
-    pub fn finish(self) -> Reason<Option<ReadBack>> {
+    pub fn finish(self) -> Checked<Option<ReadBack>> {
         let mut held = BandErrors::default();
         held.join(self)?;
         Ok(held.read_back())
@@ -158,12 +159,12 @@ pub struct BandErrors {
 
 impl BandErrors {
     /// Takes in a band that was read to its end.
-    pub fn join(&mut self, band: Listing) -> Reason<()> {
+    pub fn join(&mut self, band: Listing) -> Checked<()> {
         let grid = &band.table.grid;
         let bins = grid.stops() * grid.bins() - band.table.gaps();
         let wanted = bins * band.table.colours.len();
         if band.count != wanted {
-            return Err(format!("{} values, {wanted} needed", band.count));
+            return Err(format!("{} values, {wanted} needed", band.count).into());
         }
         let lit = band.sums.iter().filter(|sums| sums[2] > 0.0);
         self.ratios.extend(lit.map(|[_, distance, sum]| distance / sum));
@@ -188,8 +189,8 @@ impl BandErrors {
     }
 }
 
-/// Holds totals in the table's own order to the table.
-pub fn listed(table: &BrdfTable, totals: &[Vec<f32>]) -> Reason<Option<ReadBack>> {
+/// Compares totals in the table's own order with the table.
+pub fn listed(table: &BrdfTable, totals: &[&[f32]]) -> Checked<Option<ReadBack>> {
     let (bins, mut listing) = (table.grid.bins(), Listing::new(table));
     for (colour, found) in totals.iter().enumerate().take(table.colours.len()) {
         found.iter().enumerate().for_each(|(k, &value)| listing.add(k / bins, k % bins, colour, value));

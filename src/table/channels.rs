@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::error::Checked;
 use crate::files::image::{ImagePart, Samples};
 use crate::instrument::Grid;
 use crate::instrument::grid::GridKind;
@@ -17,13 +18,10 @@ pub(super) const GRID: &str = "gonio.grid";
 /// Name of the attribute of the albedos' errors: a number for each stop and colour, stop major.
 const ALBEDO_SE: &str = "gonio.albedo_se";
 
-/// A reason, to be completed with the file's path.
-pub(super) type Reason<T> = Result<T, String>;
-
 /// Stops and bins of a grid; an axis that no instrument has is a reason to refuse it.
 ///
 /// Held by: `axes_that_no_instrument_has_are_refused`.
-pub fn check_grid(grid: &Grid) -> Result<(usize, usize), String> {
+pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
     if grid.kind == GridKind::HalfDifference {
         return half_difference(grid);
     }
@@ -34,7 +32,8 @@ pub fn check_grid(grid: &Grid) -> Result<(usize, usize), String> {
         if !grid.theta_i_deg.is_empty() || !grid.phi_i_deg.is_empty() {
             return Err(format!(
                 "{GRID}: stops_deg beside the axes theta_i_deg and phi_i_deg: only one is allowed"
-            ));
+            )
+            .into());
         }
         directions("stops_deg", &grid.stops_deg)?;
     }
@@ -58,9 +57,11 @@ pub fn check_grid(grid: &Grid) -> Result<(usize, usize), String> {
 }
 
 /// Axes of half vectors and differences; others are of no use beside them.
-fn half_difference(grid: &Grid) -> Reason<(usize, usize)> {
+fn half_difference(grid: &Grid) -> Checked<(usize, usize)> {
     if !(grid.theta_i_deg.is_empty() && grid.phi_i_deg.is_empty() && grid.stops_deg.is_empty()) {
-        return Err(format!("{GRID}: stops of the light beside half/difference angles: only one is allowed"));
+        return Err(
+            format!("{GRID}: stops of the light beside half/difference angles: only one is allowed").into()
+        );
     }
     let axes = [
         ("theta_h_deg", &grid.theta_h_deg, 90.0),
@@ -72,52 +73,52 @@ fn half_difference(grid: &Grid) -> Reason<(usize, usize)> {
         axis(name, values, 1, 0.0..=most)?;
         increasing(name, values)?;
         if most > 90.0 && values.last() == Some(&most) {
-            return Err(format!("{GRID}: {name} = {most} is there already, as 0"));
+            return Err(format!("{GRID}: {name} = {most} is there already, as 0").into());
         }
     }
     Ok((grid.stops(), grid.bins()))
 }
 
-fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusive<f64>) -> Reason<()> {
+fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusive<f64>) -> Checked<()> {
     if values.len() < least {
-        return Err(format!("{GRID}: {name} has {} values, at least {least} needed", values.len()));
+        return Err(format!("{GRID}: {name} has {} values, at least {least} needed", values.len()).into());
     }
     match values.iter().find(|value| !range.contains(value)) {
         Some(value) => {
-            Err(format!("{GRID}: {name} = {value} lies outside [{}, {}]", range.start(), range.end()))
+            Err(format!("{GRID}: {name} = {value} lies outside [{}, {}]", range.start(), range.end()).into())
         }
         None => Ok(()),
     }
 }
 
-fn directions(name: &str, values: &[[f64; 2]]) -> Reason<()> {
+fn directions(name: &str, values: &[[f64; 2]]) -> Checked<()> {
     axis(name, &values.iter().map(|d| d[0]).collect::<Vec<_>>(), 1, 0.0..=90.0)?;
     axis(name, &values.iter().map(|d| d[1]).collect::<Vec<_>>(), 1, -360.0..=360.0)
 }
 
-fn patches(values: &[[f64; 4]]) -> Reason<()> {
+fn patches(values: &[[f64; 4]]) -> Checked<()> {
     axis("patches_deg", &values.iter().flat_map(|p| [p[0], p[1]]).collect::<Vec<_>>(), 2, 0.0..=90.0)?;
     axis("patches_deg", &values.iter().flat_map(|p| [p[2], p[3]]).collect::<Vec<_>>(), 2, -720.0..=720.0)?;
     match values.iter().find(|p| p[0] >= p[1] || p[2] >= p[3] || p[3] - p[2] > 360.0) {
-        Some(p) => Err(format!("{GRID}: the patch {p:?} is empty or wider than a turn")),
+        Some(p) => Err(format!("{GRID}: the patch {p:?} is empty or wider than a turn").into()),
         None => Ok(()),
     }
 }
 
-fn increasing(name: &str, values: &[f64]) -> Reason<()> {
+fn increasing(name: &str, values: &[f64]) -> Checked<()> {
     match values.windows(2).find(|pair| pair[0] >= pair[1]) {
-        Some(pair) => Err(format!("{GRID}: {name} does not increase from {} to {}", pair[0], pair[1])),
+        Some(pair) => Err(format!("{GRID}: {name} does not increase from {} to {}", pair[0], pair[1]).into()),
         None => Ok(()),
     }
 }
 
 /// The grid as the text of its attribute.
-pub(super) fn grid_text(grid: &Grid) -> Reason<String> {
-    serde_json::to_string(grid).map_err(|e| format!("{GRID}: {e}"))
+pub(super) fn grid_text(grid: &Grid) -> Checked<String> {
+    Ok(serde_json::to_string(grid).map_err(|e| format!("{GRID}: {e}"))?)
 }
 
 /// The grid that a part carries; its size must be the part's.
-pub(super) fn read_grid(part: &ImagePart) -> Reason<Grid> {
+pub(super) fn read_grid(part: &ImagePart) -> Checked<Grid> {
     let text = part.text(GRID).ok_or_else(|| format!("no {GRID} attribute: not a table of this program"))?;
     let grid: Grid = serde_json::from_str(text).map_err(|e| format!("{GRID}: {e}"))?;
     let (stops, bins) = check_grid(&grid)?;
@@ -125,7 +126,8 @@ pub(super) fn read_grid(part: &ImagePart) -> Reason<Grid> {
         return Ok(grid);
     }
     let (width, height) = (part.width, part.height);
-    Err(format!("{GRID} says {stops} stops and {bins} bins, the image is {width} wide and {height} high"))
+    Err(format!("{GRID} says {stops} stops and {bins} bins, the image is {width} wide and {height} high")
+        .into())
 }
 
 /// A table's channel where it lies.
@@ -163,7 +165,7 @@ impl Plane<'_> {
 }
 
 /// A table's channels by name, the first row being that of `first_stop`; each must fit the grid and be finite.
-pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Reason<BTreeMap<String, Plane<'_>>> {
+pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Checked<BTreeMap<String, Plane<'_>>> {
     let (stops, bins) = check_grid(&table.grid)?;
     let mut planes = BTreeMap::new();
     for (name, colour) in distinct_names(table)?.iter().zip(&table.colours) {
@@ -184,7 +186,9 @@ pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Reason<BTreeMap<St
     planes.insert("hits".into(), Plane::U32(&table.hits));
     for (name, plane) in &planes {
         if plane.len() != stops * bins {
-            return Err(format!("channel `{name}` has {} values, {} needed", plane.len(), stops * bins));
+            return Err(
+                format!("channel `{name}` has {} values, {} needed", plane.len(), stops * bins).into()
+            );
         }
         if let Plane::F32(values) = plane {
             check_finite(name, values, bins, first_stop)?;
@@ -194,10 +198,10 @@ pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Reason<BTreeMap<St
 }
 
 /// Adds a FLOAT channel, which must fit the part and be finite.
-pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Reason<()> {
+pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Checked<()> {
     let pixels = part.width * part.height;
     if values.len() != pixels {
-        return Err(format!("channel `{name}` has {} values, {pixels} needed", values.len()));
+        return Err(format!("channel `{name}` has {} values, {pixels} needed", values.len()).into());
     }
     check_finite(name, values, part.width, 0)?;
     part.channels.insert(name.into(), Samples::F32(values.to_vec()));
@@ -205,20 +209,20 @@ pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Reason
 }
 
 /// Takes a FLOAT channel out of a part, the first row of which is that of `first_stop`; its values must be finite.
-pub(super) fn take(part: &mut ImagePart, name: &str, first_stop: usize) -> Reason<Vec<f32>> {
+pub(super) fn take(part: &mut ImagePart, name: &str, first_stop: usize) -> Checked<Vec<f32>> {
     match part.channels.remove(name) {
         Some(Samples::F32(values)) => check_finite(name, &values, part.width, first_stop).map(|()| values),
-        Some(Samples::F16(_)) => Err(format!("channel `{name}` is HALF, FLOAT needed")),
-        Some(Samples::U32(_)) => Err(format!("channel `{name}` is UINT, FLOAT needed")),
-        None => Err(format!("channel `{name}` is missing")),
+        Some(Samples::F16(_)) => Err(format!("channel `{name}` is HALF, FLOAT needed").into()),
+        Some(Samples::U32(_)) => Err(format!("channel `{name}` is UINT, FLOAT needed").into()),
+        None => Err(format!("channel `{name}` is missing").into()),
     }
 }
 
-fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> Reason<()> {
+fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> Checked<()> {
     match values.iter().position(|value| !value.is_finite()) {
         Some(at) => {
             let (stop, bin, value) = (first_stop + at / width, at % width, values[at]);
-            Err(format!("channel `{name}`, stop {stop}, bin {bin}: {value} is not a finite number"))
+            Err(format!("channel `{name}`, stop {stop}, bin {bin}: {value} is not a finite number").into())
         }
         None => Ok(()),
     }
@@ -228,7 +232,7 @@ fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> 
 pub(super) type ColourName = (String, Option<f64>);
 
 /// The colours that a part's channels speak of, wavelengths in their order.
-pub(super) fn colour_names(part: &ImagePart) -> Reason<Vec<ColourName>> {
+pub(super) fn colour_names(part: &ImagePart) -> Checked<Vec<ColourName>> {
     let has = |name: &str| part.channels.contains_key(name);
     let plain = |names: &[&str]| names.iter().map(|name| (name.to_string(), None)).collect();
     let waves = part.channels.keys().filter_map(|name| Some((name.clone(), named_wavelength(name)?)));
@@ -244,7 +248,7 @@ pub(super) fn colour_names(part: &ImagePart) -> Reason<Vec<ColourName>> {
 }
 
 /// The channel names of a table's colours; colours that are not told apart are a reason to refuse it.
-pub(super) fn distinct_names(table: &BrdfTable) -> Reason<Vec<String>> {
+pub(super) fn distinct_names(table: &BrdfTable) -> Checked<Vec<String>> {
     let names = table.colour_names();
     let spectral = table.colours.iter().filter(|colour| colour.wavelength_nm.is_some()).count();
     let plain = matches!(names.len(), 1 | 3) && spectral == 0;
@@ -252,17 +256,22 @@ pub(super) fn distinct_names(table: &BrdfTable) -> Reason<Vec<String>> {
     if plain || (spectral == names.len() && spectral > 0 && increasing) {
         return Ok(names);
     }
-    Err(format!("{} colours; 1 or 3 needed, or each with its wavelength, in increasing order", names.len()))
+    Err(format!("{} colours; 1 or 3 needed, or each with its wavelength, in increasing order", names.len())
+        .into())
 }
 
 /// Adds the sums of Schlick's formula.
-pub(super) fn insert_schlick(part: &mut ImagePart, sums: Option<&SchlickSums>, by_order: bool) -> Reason<()> {
+pub(super) fn insert_schlick(
+    part: &mut ImagePart,
+    sums: Option<&SchlickSums>,
+    by_order: bool,
+) -> Checked<()> {
     let channels = sums.map(|sums| sums.channels(by_order)).unwrap_or_default();
     channels.into_iter().try_for_each(|(name, values)| insert(part, &name, values))
 }
 
 /// Takes the sums of Schlick's formula, where they are there.
-pub(super) fn take_schlick(part: &mut ImagePart, first_stop: usize) -> Reason<Option<SchlickSums>> {
+pub(super) fn take_schlick(part: &mut ImagePart, first_stop: usize) -> Checked<Option<SchlickSums>> {
     SchlickSums::gathered(|name| match part.channels.contains_key(name) {
         true => take(part, name, first_stop).map(Some),
         false => Ok(None),
@@ -286,7 +295,7 @@ pub(super) fn albedo_errors(
     colours: usize,
     stops: &[usize],
     of: usize,
-) -> Reason<Vec<Vec<f32>>> {
+) -> Checked<Vec<Vec<f32>>> {
     let Some(text) = part.text(ALBEDO_SE) else { return Ok(vec![Vec::new(); colours]) };
     let number = |word: &str| word.parse().ok().filter(|se: &f32| se.is_finite() && *se >= 0.0);
     let all: Option<Vec<f32>> = text.split_whitespace().map(number).collect();
@@ -309,7 +318,7 @@ pub(super) fn content_of(part: &ImagePart) -> ContentDigest {
 /// Compares a part's digest with its content; a missing one is a warning.
 ///
 /// `origin` is the text that older digests held beside the grid: the patches' digest, or the table's.
-pub(super) fn check_digest(part: &ImagePart, origin: &str, warnings: &mut Vec<String>) -> Reason<()> {
+pub(super) fn check_digest(part: &ImagePart, origin: &str, warnings: &mut Vec<String>) -> Checked<()> {
     match part.text(DIGEST) {
         None => {
             warnings.push(no_digest());
@@ -330,7 +339,7 @@ pub(super) fn same_digest(
     content: &ContentDigest,
     part: &ImagePart,
     origin: &str,
-) -> Reason<()> {
+) -> Checked<()> {
     let found = content.finish(part);
     if stored == found {
         return Ok(());
@@ -339,12 +348,12 @@ pub(super) fn same_digest(
         return Err(format!(
             "{DIGEST} is of an older version, which left the campaign and the other texts out: a change of them \
              could not be noticed; measure it again"
-        ));
+        ).into());
     }
     Err(format!(
         "{DIGEST} says {stored}, the content gives {found}: the file was changed or damaged, or is older than \
          digests by channel; measure it again"
-    ))
+    ).into())
 }
 
 #[cfg(test)]
@@ -371,7 +380,7 @@ mod tests {
         let reason = |change: fn(&mut Grid)| {
             let mut grid = table(1).grid;
             change(&mut grid);
-            check_grid(&grid).expect_err("must be refused")
+            check_grid(&grid).expect_err("must be refused").to_string()
         };
         assert!(reason(|g| g.phi_r_edges_deg.clear()).contains("phi_r_edges_deg has 0 values"));
         assert!(reason(|g| g.theta_r_edges_deg.swap(0, 1)).contains("does not increase"));

@@ -5,12 +5,12 @@
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Checked, ContentError, Error, Result};
 use crate::files::NewFile;
 use crate::files::image::{self, ImagePart};
 use crate::instrument::Grid;
 
-use super::channels::{self, ColourName, DIGEST, GRID, Reason};
+use super::channels::{self, ColourName, DIGEST, GRID};
 use super::{BrdfTable, RealisationPart, Realisations, SchlickSums, store};
 
 /// The attribute by which a file of realisations is told as one of ours.
@@ -147,7 +147,7 @@ pub fn encode_of(
     let parts = (0..)
         .zip(&realisations.parts)
         .map(|(index, part)| to_part(index, part, table, table_digest, group_size))
-        .collect::<Reason<Vec<_>>>()
+        .collect::<Checked<Vec<_>>>()
         .map_err(|why| Error::Refused(format!("the realisations cannot be stored: {why}")))?;
     image::encode(parts).map_err(|why| Error::Internal(format!("encoding the realisations: {why}")))
 }
@@ -202,11 +202,11 @@ fn to_part(
     table: &BrdfTable,
     table_digest: &str,
     group_size: usize,
-) -> Reason<ImagePart> {
+) -> Checked<ImagePart> {
     let (height, width) = channels::check_grid(&table.grid)?;
     let names = table.colour_names();
     if values.total.len() != names.len() || values.single.len() != names.len() {
-        return Err(format!("{} has other colours than the table", part_name(index)));
+        return Err(format!("{} has other colours than the table", part_name(index)).into());
     }
     let mut part = ImagePart { name: Some(part_name(index)), width, height, ..ImagePart::default() };
     for (c, name) in names.iter().enumerate() {
@@ -223,7 +223,7 @@ fn to_part(
     Ok(part)
 }
 
-fn from_parts(parts: Vec<ImagePart>) -> Reason<RealisationsFile> {
+fn from_parts(parts: Vec<ImagePart>) -> Checked<RealisationsFile> {
     let first = parts.first().ok_or("no parts")?;
     let grid = channels::read_grid(first)?;
     let same =
@@ -231,15 +231,16 @@ fn from_parts(parts: Vec<ImagePart>) -> Reason<RealisationsFile> {
     let (table_digest, group) = (same(TABLE_DIGEST)?, same(GROUP_SIZE)?);
     let group_size = match group.parse() {
         Ok(size) if size > 0 => size,
-        _ => return Err(format!("{GROUP_SIZE} = {group}: a positive integer needed")),
+        _ => return Err(format!("{GROUP_SIZE} = {group}: a positive integer needed").into()),
     };
     let mut warnings = Vec::new();
     let mut realisations = Realisations::default();
     let names = channels::colour_names(first)?;
     for (index, mut part) in parts.into_iter().enumerate() {
-        let wrong = |why: String| format!("part {index}: {why}");
+        let wrong = |why: ContentError| why.at(format_args!("part {index}"));
         if part.name.as_deref() != Some(part_name(index).as_str()) {
-            return Err(wrong(format!("its name is {:?}, not `{}`", part.name, part_name(index))));
+            let what = format!("its name is {:?}, not `{}`", part.name, part_name(index));
+            return Err(wrong(what.into()));
         }
         if channels::read_grid(&part).map_err(wrong)? != grid
             || part.text(TABLE_DIGEST) != Some(&table_digest)
@@ -253,7 +254,7 @@ fn from_parts(parts: Vec<ImagePart>) -> Reason<RealisationsFile> {
     Ok(RealisationsFile { grid, table_digest, group_size, realisations, warnings })
 }
 
-fn take_part(part: &mut ImagePart, names: &[ColourName]) -> Reason<RealisationPart> {
+fn take_part(part: &mut ImagePart, names: &[ColourName]) -> Checked<RealisationPart> {
     let mut values =
         RealisationPart { schlick: channels::take_schlick(part, 0)?, ..RealisationPart::default() };
     for (name, _) in names {

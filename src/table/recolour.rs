@@ -5,6 +5,7 @@
 
 use super::brdf_table::HITS_OF_AN_EMPTY_BIN;
 use super::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
+use crate::error::Checked;
 use crate::optics::parts;
 
 /// The table for another F0 of R, G and B, and its realisations.
@@ -22,7 +23,7 @@ pub fn recolour(
     realisations: Option<&Realisations>,
     f0: [f64; 3],
     campaign: String,
-) -> Result<(BrdfTable, Option<Realisations>), String> {
+) -> Checked<(BrdfTable, Option<Realisations>)> {
     let sums = usable(table)?;
     let parts: Option<Vec<RealisationPart>> =
         realisations.and_then(|all| all.parts.iter().map(|part| recoloured(part, f0)).collect());
@@ -46,7 +47,7 @@ pub fn recolour(
 }
 
 /// The sums of a table that hold for all of its orders.
-fn usable(table: &BrdfTable) -> Result<&SchlickSums, String> {
+fn usable(table: &BrdfTable) -> Checked<&SchlickSums> {
     let Some(sums) = &table.schlick else {
         return Err(
             "holds no `schlick` sums, which another material follows from: it was measured with F = 1, with \

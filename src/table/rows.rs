@@ -7,7 +7,7 @@ use std::io::BufReader;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::error::{Checked, ContentError, Error, Result};
 use crate::files;
 use crate::files::image::{self, ImagePart};
 use crate::files::image_blocks::BlockReader;
@@ -31,7 +31,7 @@ pub struct TableRows {
 impl TableRows {
     /// Reads the header of a table's file.
     pub fn open(path: &Path) -> Result<Self> {
-        let wrong = |why: String| Error::format(path, why);
+        let wrong = |why: ContentError| Error::format(path, why);
         let blocks = BlockReader::open(BufReader::new(files::open(path)?)).map_err(wrong)?;
         let [outline] = blocks.outlines() else {
             return Err(store::several(path, blocks.outlines().len()));
@@ -120,7 +120,7 @@ impl TableRows {
         self.rows_of(stops).map_err(|why| Error::format(&path, why))
     }
 
-    fn rows_of(&mut self, stops: &[usize]) -> std::result::Result<BrdfTable, String> {
+    fn rows_of(&mut self, stops: &[usize]) -> Checked<BrdfTable> {
         let whole = stops.len() == self.outline.height;
         let grid =
             if whole { Some(self.grid().clone()) } else { self.grid().of_stops(stops.iter().copied()) };

@@ -6,12 +6,12 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Checked, ContentError, Error, Result};
 use crate::files::NewFile;
 use crate::files::image::{self, ImagePart, Samples};
 use crate::instrument::Grid;
 
-use super::channels::{self, ColourName, DIGEST, GRID, Plane, Reason};
+use super::channels::{self, ColourName, DIGEST, GRID, Plane};
 use super::content_digest::ContentDigest;
 use super::{BrdfTable, ColourChannels, TableWriter};
 
@@ -61,7 +61,7 @@ pub fn staged(path: &Path, table: &BrdfTable) -> Result<NewFile> {
 
 /// The digest that the table's file carries.
 pub fn digest(table: &BrdfTable) -> Result<String> {
-    let no = |why: String| Error::Refused(format!("the table has no digest: {why}"));
+    let no = |why: ContentError| Error::Refused(format!("the table has no digest: {why}"));
     let mut content = ContentDigest::default();
     let planes = channels::planes(table, 0).map_err(no)?;
     let bins = table.grid.bins();
@@ -101,7 +101,7 @@ pub(super) fn several(path: &Path, parts: usize) -> Error {
     Error::format(path, format!("a table has one part, this file has {parts}"))
 }
 
-fn from_part(mut part: ImagePart) -> Reason<Loaded> {
+fn from_part(mut part: ImagePart) -> Checked<Loaded> {
     let TableHeader { empty, names, mut warnings } = header(&mut part)?;
     channels::check_digest(&part, &empty.patch_digest, &mut warnings)?;
     let stops: Vec<usize> = (0..part.height).collect();
@@ -120,7 +120,7 @@ pub(super) struct TableHeader {
 }
 
 /// Reads what a part says besides its values; channels that are none of a table's are taken out of it.
-pub(super) fn header(part: &mut ImagePart) -> Reason<TableHeader> {
+pub(super) fn header(part: &mut ImagePart) -> Checked<TableHeader> {
     let mut warnings = Vec::new();
     let grid = channels::read_grid(part)?;
     let seed = read_seed(part, &mut warnings)?;
@@ -149,13 +149,13 @@ pub(super) fn filled(
     part: &mut ImagePart,
     names: &[ColourName],
     (stops, of): (&[usize], usize),
-) -> Reason<BrdfTable> {
+) -> Checked<BrdfTable> {
     let first_stop = stops.first().copied().unwrap_or(0);
     let errors = channels::albedo_errors(part, names.len(), stops, of)?;
     let mut colour = |(name, albedo_se)| {
         take_colour(part, name, first_stop).map(|colour| ColourChannels { albedo_se, ..colour })
     };
-    let colours = names.iter().zip(errors).map(&mut colour).collect::<Reason<_>>()?;
+    let colours = names.iter().zip(errors).map(&mut colour).collect::<Checked<_>>()?;
     let hits = match part.channels.remove("hits") {
         Some(Samples::U32(hits)) => hits,
         Some(_) => return Err("channel `hits` is not UINT".into()),
@@ -166,7 +166,11 @@ pub(super) fn filled(
 }
 
 /// The header of a table's file: all but the values, the digest yet to be filled in.
-pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, Plane>) -> Reason<ImagePart> {
+pub(super) fn outline(
+    table: &BrdfTable,
+    grid: &Grid,
+    planes: &BTreeMap<String, Plane>,
+) -> Checked<ImagePart> {
     let (height, width) = channels::check_grid(grid)?;
     let mut part = ImagePart { width, height, ..ImagePart::default() };
     part.channels = planes.iter().map(|(name, plane)| (name.clone(), plane.kind())).collect();
@@ -182,19 +186,19 @@ pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, 
     Ok(part)
 }
 
-fn read_seed(part: &ImagePart, warnings: &mut Vec<String>) -> Reason<u64> {
+fn read_seed(part: &ImagePart, warnings: &mut Vec<String>) -> Checked<u64> {
     let Some(text) = part.text(SEED) else {
         warnings.push(format!("no {SEED} attribute; 0 is taken"));
         return Ok(0);
     };
-    text.parse().map_err(|_| format!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))
+    Ok(text.parse().map_err(|_| format!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))?)
 }
 
 fn take_colour(
     part: &mut ImagePart,
     (name, wavelength_nm): &ColourName,
     first: usize,
-) -> Reason<ColourChannels> {
+) -> Checked<ColourChannels> {
     let mut orders = Vec::new();
     for order in 2.. {
         let channel = format!("order{order}.{name}");
@@ -248,12 +252,12 @@ mod tests {
     use super::super::test_tables::{colour, table};
     use super::*;
 
-    fn to_part(table: &BrdfTable) -> Reason<ImagePart> {
-        image::decode(&encode(table).map_err(|e| e.to_string())?).map(|mut parts| parts.remove(0))
+    fn to_part(table: &BrdfTable) -> Checked<ImagePart> {
+        image::decode(&encode(table)?).map(|mut parts| parts.remove(0))
     }
 
     fn reason(part: ImagePart) -> String {
-        from_part(part).expect_err("must be refused").clone()
+        from_part(part).expect_err("must be refused").to_string()
     }
 
     #[test]

@@ -5,7 +5,7 @@
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::error::{ContentError, Error, Result};
 use crate::files::NewFile;
 use crate::files::image::ImagePart;
 use crate::files::row_writer::RowWriter;
@@ -81,6 +81,6 @@ impl<W: Write + Seek> TableWriter<W> {
     }
 }
 
-fn refused(why: String) -> Error {
+fn refused(why: ContentError) -> Error {
     Error::Refused(format!("the table cannot be stored: {why}"))
 }

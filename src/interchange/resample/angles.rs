@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::instrument::{Grid, GridKind};
-use crate::interchange::Reason;
+use crate::interchange::Checked;
 use crate::sphere;
 
 /// Angles of one arm: values in increasing order, and where the table has each.
@@ -13,7 +13,7 @@ pub(crate) struct Ordered {
 }
 
 /// Polar angles and azimuths whose product the stops are, degrees.
-pub(crate) fn stop_axes(grid: &Grid) -> Reason<(Vec<f64>, Vec<f64>)> {
+pub(crate) fn stop_axes(grid: &Grid) -> Checked<(Vec<f64>, Vec<f64>)> {
     if grid.kind == GridKind::HalfDifference {
         return Err("half/difference angles are no stops and bins".into());
     }
@@ -24,7 +24,7 @@ pub(crate) fn stop_axes(grid: &Grid) -> Reason<(Vec<f64>, Vec<f64>)> {
 }
 
 /// Polar angles and azimuths whose product the middles of the bins are, degrees.
-pub(crate) fn bin_axes(grid: &Grid) -> Reason<(Vec<f64>, Vec<f64>)> {
+pub(crate) fn bin_axes(grid: &Grid) -> Checked<(Vec<f64>, Vec<f64>)> {
     let middles = |edges: &[f64]| edges.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
     let points = match grid.kind {
         GridKind::Hemisphere => {
@@ -52,24 +52,24 @@ fn product(list: &[[f64; 2]]) -> Option<(Vec<f64>, Vec<f64>)> {
 }
 
 /// Polar angles of an arm that sees the hemisphere.
-pub(crate) fn increasing(name: &str, deg: &[f64]) -> Reason<Ordered> {
+pub(crate) fn increasing(name: &str, deg: &[f64]) -> Checked<Ordered> {
     if let Some(negative) = deg.iter().find(|&&angle| angle < 0.0) {
-        return Err(format!("{name} = {negative}: an arm in one plane does not see the hemisphere"));
+        return Err(format!("{name} = {negative}: an arm in one plane does not see the hemisphere").into());
     }
     ordered(name, deg.iter().map(|angle| angle.to_radians()).collect())
 }
 
 /// Azimuths in [0, 2 pi).
-pub(crate) fn around(name: &str, deg: &[f64]) -> Reason<Ordered> {
+pub(crate) fn around(name: &str, deg: &[f64]) -> Checked<Ordered> {
     ordered(name, deg.iter().map(|&angle| sphere::reduced_deg(angle).to_radians() % TAU).collect())
 }
 
-fn ordered(name: &str, angles: Vec<f64>) -> Reason<Ordered> {
+fn ordered(name: &str, angles: Vec<f64>) -> Checked<Ordered> {
     let mut places: Vec<usize> = (0..angles.len()).collect();
     places.sort_by(|&a, &b| angles[a].total_cmp(&angles[b]));
     let sorted: Vec<f64> = places.iter().map(|&place| angles[place]).collect();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(format!("{name} = {} is there twice", pair[0].to_degrees())),
+        Some(pair) => Err(format!("{name} = {} is there twice", pair[0].to_degrees()).into()),
         None => Ok(Ordered { angles: sorted, places }),
     }
 }

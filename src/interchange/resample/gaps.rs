@@ -7,13 +7,22 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::angles::bin_axes;
-use super::axis::{AzimuthCircle, Polar, Taps};
-use super::lookup::WIDEST_GAP_DEG;
+use super::axis::{AzimuthCircle, Polar, Taps, WIDEST_GAP_DEG};
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::text::samples::key;
-use crate::interchange::{Reason, spectral_table};
+use crate::interchange::{Checked, spectral_table};
 use crate::sphere;
 use crate::table::BrdfTable;
+
+/// Why a table with gaps is not what was asked for.
+pub(crate) fn not_measured(table: &BrdfTable) -> String {
+    format!(
+        "{} of {} pairs of directions were not measured; npz, csv, astm, exr_parts and pabopto keep such gaps, import \
+         --like TABLE.exr fills them in",
+        table.gaps(),
+        table.grid.stops() * table.grid.bins()
+    )
+}
 
 /// What is to be said of the gaps of a scan; half/difference angles have cells below the horizon, which are none.
 pub fn note(table: &BrdfTable) -> Option<String> {
@@ -30,14 +39,14 @@ pub fn note(table: &BrdfTable) -> Option<String> {
 /// table itself where it has all of them. Refused: more to fill in than was measured, azimuths too far apart.
 ///
 /// Held by: tests/it/interchange/ragged_scans.rs.
-pub fn filled(table: BrdfTable) -> Reason<(BrdfTable, Option<String>)> {
+pub fn filled(table: BrdfTable) -> Checked<(BrdfTable, Option<String>)> {
     let gaps = table.gaps();
     let whole = gaps == 0 && (table.grid.kind != GridKind::Points || bin_axes(&table.grid).is_ok());
     if whole || table.grid.kind == GridKind::HalfDifference {
         return Ok((table, None));
     }
     if table.grid.kind != GridKind::Points {
-        return Err(format!("{gaps} bins were not measured: nothing is interpolated over them"));
+        return Err(format!("{gaps} bins were not measured: nothing is interpolated over them").into());
     }
     let (stops, measured) = (table.grid.stops(), table.grid.stops() * table.grid.bins() - gaps);
     let rows = Rows::of(&table.grid);
@@ -46,7 +55,7 @@ pub fn filled(table: BrdfTable) -> Reason<(BrdfTable, Option<String>)> {
         return Err(format!(
             "the sensor's polar angles and azimuths make {all} pairs with the lights, of which {measured} were \
              measured: too few to fill in the rest; leave --like out to keep what was measured as it is"
-        ));
+        ).into());
     }
     let mut total = vec![Vec::with_capacity(all); table.colours.len()];
     let mut lacking = 0;
@@ -54,10 +63,8 @@ pub fn filled(table: BrdfTable) -> Reason<(BrdfTable, Option<String>)> {
         for (colour, total) in total.iter_mut().enumerate() {
             let mut cells = rows.cells(&table, stop, colour);
             lacking += usize::from(colour == 0) * cells.iter().filter(|cell| cell.is_none()).count();
-            rows.fill(&mut cells).map_err(|why| {
-                let (theta, phi) = table.grid.stop_deg(stop);
-                format!("light {theta} {phi} degrees: {why}")
-            })?;
+            let (theta, phi) = table.grid.stop_deg(stop);
+            rows.fill(&mut cells).map_err(|why| why.at(format_args!("light {theta} {phi} degrees")))?;
             total.extend(cells.into_iter().map(|cell| cell.unwrap_or(0.0) as f32));
         }
     }
@@ -127,7 +134,7 @@ impl Rows {
     }
 
     /// Fills in the values of one stop.
-    fn fill(&self, cells: &mut [Option<f64>]) -> Reason<()> {
+    fn fill(&self, cells: &mut [Option<f64>]) -> Checked<()> {
         let columns = self.phi.len();
         let mut full = Vec::new();
         let measured = cells.to_vec();

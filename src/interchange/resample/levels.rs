@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use rayon::prelude::*;
 
 use super::axis::Taps;
-use super::lookup::Lookup;
+use super::guided::Guided;
 use super::sampling::{integral, samples};
 use crate::interchange::Colour;
 use crate::sphere;
@@ -56,15 +56,16 @@ fn nodes(stops: &[f64], end: Option<f64>) -> Vec<(f64, bool)> {
 
 impl Levels {
     /// The scales of an interpolant that has its guide.
-    pub fn of(lookup: &Lookup) -> Self {
-        let theta = nodes(lookup.theta_i(), Some(LAST.max(lookup.theta_i()[lookup.theta_i().len() - 1])));
-        let phi = nodes(lookup.phi_i(), None);
-        let columns = lookup.phi_i().len();
-        let ratios: Vec<Colour> = (0..lookup.theta_i().len() * columns)
+    pub fn of(guided: &Guided) -> Self {
+        let values = &guided.values;
+        let theta = nodes(values.theta_i(), Some(LAST.max(values.theta_i()[values.theta_i().len() - 1])));
+        let phi = nodes(values.phi_i(), None);
+        let columns = values.phi_i().len();
+        let ratios: Vec<Colour> = (0..values.theta_i().len() * columns)
             .into_par_iter()
             .map(|stop| {
-                let (theta, phi) = (lookup.theta_i()[stop / columns], lookup.phi_i()[stop % columns]);
-                let [table, law] = albedos(lookup, theta, phi);
+                let (theta, phi) = (values.theta_i()[stop / columns], values.phi_i()[stop % columns]);
+                let [table, law] = albedos(guided, theta, phi);
                 std::array::from_fn(|c| table[c] / law[c])
             })
             .collect();
@@ -74,8 +75,8 @@ impl Levels {
             if on_row && on_column {
                 return [1.0; 3];
             }
-            let wanted = interpolated(&ratios, columns, lookup.stop_taps(theta, phi));
-            let [found, law] = albedos(lookup, theta, phi);
+            let wanted = interpolated(&ratios, columns, values.stop_taps(theta, phi));
+            let [found, law] = albedos(guided, theta, phi);
             std::array::from_fn(|c| if found[c] > 0.0 { wanted[c].max(0.0) * law[c] / found[c] } else { 1.0 })
         };
         let factors = (0..theta.len() * phi.len()).into_par_iter().map(factor).collect();
@@ -101,10 +102,10 @@ impl Levels {
 }
 
 /// The integrals of f cos of the interpolant and of its guide.
-fn albedos(lookup: &Lookup, theta: f64, phi: f64) -> [Colour; 2] {
+fn albedos(guided: &Guided, theta: f64, phi: f64) -> [Colour; 2] {
     let wi = sphere::direction(theta.min(FRAC_PI_2), phi);
-    let to = samples(wi, lookup.guide().lobe(), SAMPLES);
-    [integral(&to, |wo| lookup.guided(wi, wo)), integral(&to, |wo| lookup.guide().brdf(wi, wo))]
+    let to = samples(wi, guided.guide.lobe(), SAMPLES);
+    [integral(&to, |wo| guided.brdf(wi, wo)), integral(&to, |wo| guided.guide.brdf(wi, wo))]
 }
 
 fn interpolated(ratios: &[Colour], columns: usize, (polar, circle): (Taps, Taps)) -> Colour {

@@ -1,19 +1,22 @@
 //! A BRDF averaged over the bins of a grid: how a foreign file becomes a table, and how a file is held to its table.
 
 pub(crate) mod angles;
-pub(crate) mod axis;
-pub(crate) mod folds;
+mod axis;
+mod folds;
 pub(crate) mod gaps;
-pub(crate) mod guide;
-pub(crate) mod levels;
+mod guide;
+mod guided;
+pub(crate) mod incidence_values;
+mod levels;
+pub(crate) mod lobe;
 pub mod lookup;
-pub(crate) mod means;
+mod means;
 pub(crate) mod sampling;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Brdf, Colour, Reason, needed, spectral_table};
+use super::{Brdf, Checked, Colour, needed, spectral_table};
 use crate::files::memory;
 use crate::instrument::{Grid, Region};
 use crate::sphere;
@@ -82,7 +85,7 @@ pub fn mean(brdf: &dyn Brdf, wi: DVec3, region: &Region) -> Colour {
 }
 
 /// The table of a BRDF on a grid, without error bars.
-pub fn resample(brdf: &dyn Brdf, grid: &Grid) -> Reason<BrdfTable> {
+pub fn resample(brdf: &dyn Brdf, grid: &Grid) -> Checked<BrdfTable> {
     resample_spectrum([brdf].into_iter(), &[], grid)
 }
 
@@ -93,7 +96,7 @@ pub fn resample_spectrum<'a>(
     parts: impl Iterator<Item = &'a dyn Brdf>,
     wavelengths_nm: &[f64],
     grid: &Grid,
-) -> Reason<BrdfTable> {
+) -> Checked<BrdfTable> {
     let parts: Vec<&dyn Brdf> = parts.collect();
     let (stops, bins) = (grid.stops(), grid.bins());
     let pairs = stops.checked_mul(bins).filter(|&pairs| pairs <= MOST_VALUES);

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use super::named_columns::{ColourValues, Columns};
 use crate::files::memory;
 use crate::instrument::{Grid, GridKind};
-use crate::interchange::read_back::{Listing, ReadBack, middles_deg, upper};
-use crate::interchange::{Reason, needed, spectral_table};
+use crate::interchange::read_back::{Listing, middles_deg, upper};
+use crate::interchange::{Checked, needed, spectral_table};
 use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
 
@@ -78,12 +78,12 @@ impl MeasuredPair {
 /// same at all stops, the table has those. Pairs that the list does not have are gaps ([`BrdfTable::is_gap`]).
 ///
 /// Held by: tests/it/interchange/interchange_angles.rs, tests/it/interchange/ragged_scans.rs.
-pub fn table(samples: &[MeasuredPair], columns: &Columns, isotropic: bool) -> Reason<BrdfTable> {
+pub fn table(samples: &[MeasuredPair], columns: &Columns, isotropic: bool) -> Checked<BrdfTable> {
     if samples.is_empty() {
         return Err("no samples".into());
     }
     if let Some(fault) = samples.iter().find_map(MeasuredPair::fault) {
-        return Err(fault);
+        return Err(fault.into());
     }
     let from_light = || samples.iter().cloned().map(MeasuredPair::seen_from_light).collect::<Vec<_>>();
     if isotropic {
@@ -125,14 +125,14 @@ impl<'a> SampleLayout<'a> {
         self.stops.list.len().saturating_mul(self.points.list.len()).saturating_sub(self.samples.len())
     }
 
-    fn table(self, columns: &Columns, phi_r_relative: bool) -> Reason<BrdfTable> {
+    fn table(self, columns: &Columns, phi_r_relative: bool) -> Checked<BrdfTable> {
         let (stop_count, bins) = (self.stops.list.len(), self.points.list.len());
         if self.gaps() > MOST_GAPS {
             return Err(format!(
                 "{} samples of {stop_count} lights and {bins} directions of the sensor: most directions belong to one \
                  light alone, and a table of all pairs would be nearly empty; at most {MOST_GAPS} gaps are kept",
                 self.samples.len()
-            ));
+            ).into());
         }
         // A few thousand lines may list millions of pairs, each with all colours: no length of a file says it before.
         memory::check(needed::table(stop_count * bins, columns.colours()))?;
@@ -196,12 +196,13 @@ pub fn alike(a: f64, b: f64) -> bool {
     (a - b).abs() <= 4.0 * f64::from(f32::EPSILON) * a.abs().max(b.abs())
 }
 
-fn agree(a: &MeasuredPair, b: &MeasuredPair) -> Reason<()> {
+fn agree(a: &MeasuredPair, b: &MeasuredPair) -> Checked<()> {
     match (0..a.values.len()).find(|&c| !alike(f64::from(a.values[c]), f64::from(b.values[c]))) {
         Some(c) => Err(format!(
             "lines {} and {}: the same light {:?} and sensor {:?} (degrees) with {} and {}",
             a.line, b.line, b.light, b.sensor, a.values[c], b.values[c]
-        )),
+        )
+        .into()),
         None => Ok(()),
     }
 }
@@ -209,7 +210,7 @@ fn agree(a: &MeasuredPair, b: &MeasuredPair) -> Reason<()> {
 /// The table with its single azimuth of the light standing for all.
 ///
 /// Held by: `the_users_word_makes_a_single_azimuth_isotropic` (tests/it/interchange/interchange_angles.rs).
-pub fn one_azimuth(mut table: BrdfTable) -> Reason<BrdfTable> {
+pub fn one_azimuth(mut table: BrdfTable) -> Checked<BrdfTable> {
     let grid = &mut table.grid;
     if grid.is_isotropic() {
         return Ok(table);
@@ -230,21 +231,12 @@ pub fn one_azimuth(mut table: BrdfTable) -> Reason<BrdfTable> {
     Ok(table)
 }
 
-/// Holds samples of the table's own bins, in their order, to the table; their angles may be off by `digits` degrees.
-pub fn held_to(
-    table: &BrdfTable,
-    digits: f64,
-    visit: impl FnOnce(&mut dyn FnMut(MeasuredPair) -> Reason<()>) -> Reason<()>,
-) -> Reason<Option<ReadBack>> {
-    listed(table, digits, visit)?.finish()
-}
-
-/// The same as a listing, for tables of which this is a band.
+/// Compares samples of the table's own bins, in their order, with the table; their angles may be off by `digits` degrees.
 pub fn listed<'a>(
     table: &'a BrdfTable,
     digits: f64,
-    visit: impl FnOnce(&mut dyn FnMut(MeasuredPair) -> Reason<()>) -> Reason<()>,
-) -> Reason<Listing<'a>> {
+    visit: impl FnOnce(&mut dyn FnMut(MeasuredPair) -> Checked<()>) -> Checked<()>,
+) -> Checked<Listing<'a>> {
     let (grid, bins) = (&table.grid, table.grid.bins());
     let (mut listing, mut entry, mut middles) = (Listing::new(table), 0, Vec::new());
     let mut middles_of = None;
@@ -268,7 +260,7 @@ pub fn listed<'a>(
             turn.min(360.0 - turn) > digits
         });
         if off {
-            return Err(format!("entry {entry} is at {found:?} degrees, the bin at {wanted:?}"));
+            return Err(format!("entry {entry} is at {found:?} degrees, the bin at {wanted:?}").into());
         }
         for colour in 0..table.colours.len() {
             listing.add(stop, bin, colour, sample.values[colour]);
@@ -282,7 +274,7 @@ pub fn listed<'a>(
 
 /// The stops as axes where they are a product.
 pub(crate) fn with_axes(grid: Grid) -> Grid {
-    match crate::interchange::resample::lookup::stop_axes(&grid) {
+    match crate::interchange::resample::angles::stop_axes(&grid) {
         Ok((theta_i_deg, phi_i_deg)) => Grid { theta_i_deg, phi_i_deg, stops_deg: vec![], ..grid },
         Err(_) => grid,
     }

@@ -205,11 +205,11 @@ fn every_verb_takes_half_difference_angles() {
 #[test]
 fn grids_of_half_and_difference_angles_are_checked() {
     let grid = merl::grid(Sampling::Node);
-    assert_eq!(gonio::table::check_grid(&grid), Ok((90, 16_200)));
+    assert_eq!(gonio::table::check_grid(&grid).expect("sound"), (90, 16_200));
     let reason = |change: fn(&mut Grid)| {
         let mut grid = grid.clone();
         change(&mut grid);
-        gonio::table::check_grid(&grid).expect_err("refused")
+        gonio::table::check_grid(&grid).expect_err("refused").to_string()
     };
     assert!(reason(|g| g.theta_h_deg[3] = f64::NAN).contains("theta_h_deg = NaN"));
     assert!(reason(|g| g.phi_d_deg.clear()).contains("phi_d_deg has 0 values"));
@@ -222,16 +222,16 @@ fn grids_of_half_and_difference_angles_are_checked() {
 fn damaged_files_are_refused() {
     let reason = |bytes: &[u8]| merl::read(bytes, Sampling::Node).err().expect("must be refused");
     let header: Vec<u8> = [90i32, 90, 180].iter().flat_map(|side| side.to_le_bytes()).collect();
-    assert!(reason(b"").contains("too few"));
-    assert!(reason(&[0; 12]).contains("0 x 0 x 0"));
-    assert!(reason(&header).contains("34992012"));
+    assert!(reason(b"").to_string().contains("too few"));
+    assert!(reason(&[0; 12]).to_string().contains("0 x 0 x 0"));
+    assert!(reason(&header).to_string().contains("34992012"));
     let mut whole = [header.clone(), vec![0; 34_992_000]].concat();
     whole[12 + 8 * 7..12 + 8 * 8].copy_from_slice(&f64::NAN.to_le_bytes());
-    assert!(reason(&whole).contains("value 7 is NaN"));
+    assert!(reason(&whole).to_string().contains("value 7 is NaN"));
     whole.push(0);
-    assert!(reason(&whole).contains("34992013 bytes"));
+    assert!(reason(&whole).to_string().contains("34992013 bytes"));
     let negative: Vec<u8> = std::iter::repeat_n((-1.0f64).to_le_bytes(), 4_374_000).flatten().collect();
-    assert!(reason(&[header.clone(), negative].concat()).contains("every value"));
+    assert!(reason(&[header.clone(), negative].concat()).to_string().contains("every value"));
     let short = [header, vec![0x3f; 500]].concat();
     assert_eq!(mutations::survives(&short, 100_000, |bytes| merl::read(bytes, Sampling::Node)), 100_000);
 }

@@ -46,7 +46,7 @@ fn function(text: &str) -> Box<dyn Brdf> {
 }
 
 fn refusal(text: &str) -> String {
-    ssdd::read_with_notes(text.as_bytes()).err().expect("refused")
+    ssdd::read_with_notes(text.as_bytes()).err().expect("refused").to_string()
 }
 
 /// A vector turned about y (z towards x) and then about z, degrees.
@@ -235,7 +235,7 @@ fn ssdd_says_what_it_does_not_read() {
         ssdd::read_with_notes(&binary("\n# more\nDATA_TYPE specular_reflectance\nCOLOR_MODEL rgb\n"));
     assert!(further.expect("read").1[0].contains("`specular_reflectance`"));
     let junk = ssdd::read_with_notes(&binary("\u{7}\u{7}\u{7}\u{7}")).err().expect("refused");
-    assert!(junk.contains("bytes after the 24 values"), "{junk}");
+    assert!(junk.to_string().contains("bytes after the 24 values"), "{junk}");
 }
 
 #[test]

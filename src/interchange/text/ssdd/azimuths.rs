@@ -1,6 +1,6 @@
 //! Azimuths that go round: each once, increasing from 0, with the places that a list has for it.
 
-use crate::interchange::Reason;
+use crate::interchange::Checked;
 use crate::interchange::text::samples::alike;
 
 /// Angles nearer than this are one, degrees.
@@ -46,24 +46,25 @@ impl Azimuths {
 
     /// Refuses azimuths of the light or the half vector that leave out more than the specification's own example; a single
     /// one stands for all.
-    pub fn go_round(&self) -> Reason<()> {
+    pub fn go_round(&self) -> Checked<()> {
         let gap = self.widest_gap(360.0);
         if gap > WIDEST_GAP + SAME {
             return Err(format!(
                 "PARAM1_LIST: {gap} degrees without an azimuth; steps of at most 90 are read"
-            ));
+            )
+            .into());
         }
         Ok(())
     }
 
     /// Refuses azimuths of the sensor that leave out half of `turn`: two opposite ones are a scan in a plane, of more a
     /// forgotten symmetry.
-    pub fn is_whole(&self, turn: f64) -> Reason<()> {
+    pub fn is_whole(&self, turn: f64) -> Checked<()> {
         let (gap, half) = (self.widest_gap(turn), 0.5 * turn);
         if gap > if self.angles.len() == 2 { half + SAME } else { half - SAME } {
             return Err(format!(
                 "PARAM3_LIST: {gap} degrees without an azimuth; half of {turn} is what a REDUCTION_TYPE leaves out"
-            ));
+            ).into());
         }
         Ok(())
     }

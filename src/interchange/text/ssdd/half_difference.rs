@@ -4,16 +4,15 @@ use super::azimuths::{Azimuths, merged, seam_note};
 use super::header::SsddHeader;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::half_difference::{HalfDifference, default_arms};
-use crate::interchange::import::Imported;
 use crate::interchange::text::samples::alike;
-use crate::interchange::{Brdf, Reason, spectral_table};
+use crate::interchange::{Brdf, Checked, Imported, spectral_table};
 use crate::table::{BrdfTable, check_grid};
 
 /// Cosines below this are those of arms on the horizon.
 const HORIZON: f64 = 1e-9;
 
 /// What a file holds, and what is to be said of it.
-pub fn imported(header: &SsddHeader, total: Vec<Vec<f32>>) -> Reason<(Imported, Vec<String>)> {
+pub fn imported(header: &SsddHeader, total: Vec<Vec<f32>>) -> Checked<(Imported, Vec<String>)> {
     let turn = if header.reciprocal { 180.0 } else { 360.0 };
     let round = Azimuths::of(header.list(1, [0.0, 360.0])?, 360.0, false);
     round.go_round()?;
@@ -73,7 +72,7 @@ fn halved(grid: &Grid, values: &[Vec<f32>]) -> Option<(Grid, Vec<Vec<f32>>)> {
 }
 
 /// The function of values that are not reciprocal.
-fn function(header: &SsddHeader, grid: Grid, values: &[Vec<f32>]) -> Reason<Imported> {
+fn function(header: &SsddHeader, grid: Grid, values: &[Vec<f32>]) -> Checked<Imported> {
     let table = with_gaps(spectral_table(grid, values.to_vec(), &header.wavelengths_nm)?);
     let arms = default_arms(table.grid.is_isotropic());
     let part = |values: &[Vec<f32>]| -> Box<dyn Brdf> {

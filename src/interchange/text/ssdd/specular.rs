@@ -9,10 +9,9 @@ use glam::DVec3;
 
 use super::azimuths::{Azimuths, merged, seam_note};
 use super::header::SsddHeader;
-use crate::interchange::import::Imported;
 use crate::interchange::resample::default_grid;
 use crate::interchange::text::zemax::{Zemax, rotation_deg};
-use crate::interchange::{Brdf, Colour, Reason};
+use crate::interchange::{Brdf, Checked, Colour, Imported};
 
 /// A file as a function of at most three of its colours.
 struct Specular {
@@ -31,7 +30,7 @@ impl Brdf for Specular {
 }
 
 /// The function that a file's values are, and what is to be said of them.
-pub fn function(header: &SsddHeader, total: Vec<Vec<f32>>) -> Reason<(Imported, Vec<String>)> {
+pub fn function(header: &SsddHeader, total: Vec<Vec<f32>>) -> Checked<(Imported, Vec<String>)> {
     if header.reciprocal {
         return Err("REDUCTION_TYPE reciprocity: half_difference_coordinate_system needed".into());
     }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Zemax, about, frame};
+use super::tables::{Zemax, about, frame};
 use crate::instrument::GridKind;
 use crate::sphere;
 use crate::table::BrdfTable;

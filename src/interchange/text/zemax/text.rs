@@ -5,8 +5,8 @@
 use std::fmt::Write;
 use std::iter::Peekable;
 
-use super::Zemax;
-use crate::interchange::Reason;
+use super::tables::Zemax;
+use crate::interchange::Checked;
 use crate::interchange::radiance::xml::{negative_note, short};
 use crate::sphere;
 use crate::text_decoding::decode_text_or_latin1;
@@ -58,7 +58,7 @@ struct ZemaxHeader {
 ///
 /// Held by: `keywords_are_read_in_any_case_and_a_closed_seam_is_dropped`, `azimuths_go_round` and others in
 /// tests/it/interchange/interchange_zemax.rs.
-pub fn parse(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
+pub fn parse(bytes: &[u8]) -> Checked<(Zemax, Vec<String>)> {
     let text = decode_text_or_latin1(bytes)?;
     let uncommented = text.lines().map(|line| line.split('#').next().unwrap_or_default());
     let mut words = uncommented.flat_map(str::split_whitespace).peekable();
@@ -80,7 +80,7 @@ pub fn parse(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
     for _ in header.channels {
         let channel = channel(&mut words, header.channels)?;
         if !tis[channel].is_empty() {
-            return Err(format!("{} is there twice", header.channels[channel]));
+            return Err(format!("{} is there twice", header.channels[channel]).into());
         }
         for _ in 0..rotations.len() * light.len() {
             tis[channel].push(block(
@@ -97,7 +97,7 @@ pub fn parse(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
         }
     }
     if words.any(|word| is(word, "DataBegin") || is(word, "TIS")) {
-        return Err(format!("more data than {} need", header.channels.join(", ")));
+        return Err(format!("more data than {} need", header.channels.join(", ")).into());
     }
     file.tis = tis.iter().map(|tis| merged(tis, [1, sizes[0], sizes[1]], &turns.places).0).collect();
     let mut seam = 0.0f64;
@@ -124,7 +124,7 @@ fn is(word: &str, key: &str) -> bool {
 }
 
 /// Everything up to the name of the first channel, or its data.
-fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Reason<ZemaxHeader> {
+fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Checked<ZemaxHeader> {
     let mut header = ZemaxHeader { symmetric: true, channels: &["Monochrome"], lists: Default::default() };
     loop {
         let word = *words.peek().ok_or("no DataBegin: not a Zemax BSDF")?;
@@ -157,34 +157,34 @@ fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Reason<Zem
         header.lists[0].push(0.0);
     }
     match KEYS.iter().zip(&header.lists).find(|(_, list)| list.is_empty()) {
-        Some((key, _)) => Err(format!("no {key}")),
+        Some((key, _)) => Err(format!("no {key}").into()),
         None => Ok(header),
     }
 }
 
 /// A number of angles, and the angles.
-fn list<'a>(key: &str, words: &mut impl Iterator<Item = &'a str>) -> Reason<Vec<f64>> {
+fn list<'a>(key: &str, words: &mut impl Iterator<Item = &'a str>) -> Checked<Vec<f64>> {
     let count =
         words.next().and_then(|word| word.parse::<usize>().ok()).filter(|n| (1..=LONGEST).contains(n));
     let count = count.ok_or_else(|| format!("{key}: a number of angles from 1 to {LONGEST} needed"))?;
-    let list = (0..count).map(|_| number(words.next())).collect::<Reason<Vec<f64>>>()?;
+    let list = (0..count).map(|_| number(words.next())).collect::<Checked<Vec<f64>>>()?;
     match list.windows(2).all(|pair| pair[0] < pair[1]) {
         true => Ok(list),
-        false => Err(format!("{key}: the angles do not increase")),
+        false => Err(format!("{key}: the angles do not increase").into()),
     }
 }
 
 /// The name of a channel, by which its place is known, and DataBegin.
-fn channel<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>, channels: &[&str]) -> Reason<usize> {
+fn channel<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>, channels: &[&str]) -> Checked<usize> {
     let word = *words.peek().ok_or_else(|| format!("cut off before {}", channels[channels.len() - 1]))?;
     let found = channels.iter().position(|channel| is(word, channel));
     if found.is_none() && (channels.len() > 1 || !is(word, "DataBegin")) {
-        return Err(format!("{:?} where {} is needed", short(word), channels.join(", ")));
+        return Err(format!("{:?} where {} is needed", short(word), channels.join(", ")).into());
     }
     words.next_if(|word| !is(word, "DataBegin"));
     match words.next_if(|word| is(word, "DataBegin")) {
         Some(_) => Ok(found.unwrap_or(0)),
-        None => Err(format!("no DataBegin behind {}", channels[found.unwrap_or(0)])),
+        None => Err(format!("no DataBegin behind {}", channels[found.unwrap_or(0)]).into()),
     }
 }
 
@@ -202,7 +202,7 @@ fn block<'a>(
     count: usize,
     values: &mut Vec<f64>,
     seen: &mut ValueCheck,
-) -> Reason<f64> {
+) -> Checked<f64> {
     if !words.next().is_some_and(|word| is(word, "TIS")) {
         return Err("TIS needed before the values of each incidence".into());
     }
@@ -210,7 +210,7 @@ fn block<'a>(
     for _ in 0..count {
         let value = number(words.next())?;
         if !(value as f32).is_finite() {
-            return Err(format!("{value:e} is no BRDF value"));
+            return Err(format!("{value:e} is no BRDF value").into());
         }
         seen.values += 1;
         seen.negative += usize::from(value < 0.0);
@@ -220,9 +220,10 @@ fn block<'a>(
     Ok(tis)
 }
 
-fn number(word: Option<&str>) -> Reason<f64> {
+fn number(word: Option<&str>) -> Checked<f64> {
     let value = word.and_then(|word| word.parse::<f64>().ok()).filter(|value| value.is_finite());
-    value.ok_or_else(|| format!("{:?} where a finite number is needed", short(word.unwrap_or_default())))
+    Ok(value
+        .ok_or_else(|| format!("{:?} where a finite number is needed", short(word.unwrap_or_default())))?)
 }
 
 /// Angles that go round: reduced to [0, 360), increasing; and for each where the list has it. Two places for an angle
@@ -232,12 +233,13 @@ struct AngleCircle {
     places: Vec<Vec<usize>>,
 }
 
-fn circle(key: &str, list: &[f64]) -> Reason<AngleCircle> {
+fn circle(key: &str, list: &[f64]) -> Checked<AngleCircle> {
     let (first, last) = (list[0], list[list.len() - 1]);
     if first < -360.0 || last > 360.0 || last - first > 360.0 + SAME {
         return Err(format!(
             "{key}: the angles from {first} to {last} are more than a turn, or outside [-360, 360]"
-        ));
+        )
+        .into());
     }
     let closed = list.len() > 1 && last - first > 360.0 - SAME;
     let open = if closed { list.len() - 1 } else { list.len() };
@@ -270,7 +272,7 @@ fn merged(raw: &[f64], [outer, nodes, inner]: [usize; 3], places: &[Vec<usize>])
 }
 
 /// Whether the angles make tables that can be read; `listed` are the azimuths as the file has them.
-fn check(file: &Zemax, listed: &[f64]) -> Reason<()> {
+fn check(file: &Zemax, listed: &[f64]) -> Checked<()> {
     let within = |list: &[f64], most: f64| list.iter().all(|angle| (0.0..=most).contains(angle));
     if !within(&file.light, 90.0) || !within(&file.radials, 180.0) {
         return Err("an angle lies outside [0, 90] (incidence) or [0, 180] (radial)".into());
@@ -290,12 +292,14 @@ fn check(file: &Zemax, listed: &[f64]) -> Reason<()> {
     if !file.symmetric && count > 1 && widest > if count == 2 { 180.0 } else { 180.0 - SAME } {
         return Err(format!(
             "ScatterAzimuth: {widest} degrees without any azimuth; half a turn is what PlaneSymmetrical has"
-        ));
+        )
+        .into());
     }
     if file.rotations.len() > 1 && (file.symmetric || gap(&file.rotations) > WIDEST_GAP) {
         return Err(format!(
             "several rotations must be asymmetrical and go round in steps of at most {WIDEST_GAP}"
-        ));
+        )
+        .into());
     }
     Ok(())
 }

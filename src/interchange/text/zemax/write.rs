@@ -7,10 +7,10 @@
 use rayon::prelude::*;
 
 use super::energy::albedo;
+use super::tables::{Zemax, about, frame, rotation_deg};
 use super::text;
-use super::{Zemax, about, frame, rotation_deg};
 use crate::interchange::resample::sampling::{integral, samples};
-use crate::interchange::{Brdf, Lookup, Reason};
+use crate::interchange::{Brdf, Checked, Lookup};
 use crate::sphere;
 use crate::table::BrdfTable;
 
@@ -29,7 +29,7 @@ const SAMPLES: usize = 512;
 const AZIMUTHS: usize = 4;
 
 /// An incidence of a file.
-struct Incidence {
+struct FileIncidence {
     theta_deg: f64,
     /// By rotation.
     blocks: Vec<IncidenceBlock>,
@@ -51,7 +51,7 @@ struct IncidenceBlock {
 ///
 /// Held by: `tis_is_the_albedo_of_the_table`, `the_albedo_holds_between_incidences`,
 /// `zemax_tables_stand_about_the_mirror_direction` (tests/it/interchange/interchange_text.rs).
-pub fn write(table: &BrdfTable, lookup: &Lookup) -> Reason<(String, Vec<String>)> {
+pub fn write(table: &BrdfTable, lookup: &Lookup) -> Checked<(String, Vec<String>)> {
     let isotropic = lookup.is_isotropic();
     // Rotations increase: azimuths fall, but for 0.
     let mut turns: Vec<(f64, usize)> =
@@ -71,9 +71,9 @@ pub fn write(table: &BrdfTable, lookup: &Lookup) -> Reason<(String, Vec<String>)
             values: stop_values(&file, lookup, (ti, pi)),
             albedo: albedo(table, lookup.theta_i()[ti], lookup.phi_i()[pi]),
         });
-        Incidence { theta_deg: deg(lookup.theta_i()[ti]), blocks: blocks.collect(), is_settled: false }
+        FileIncidence { theta_deg: deg(lookup.theta_i()[ti]), blocks: blocks.collect(), is_settled: false }
     };
-    let mut incidences: Vec<Incidence> = (0..lookup.theta_i().len()).map(at_stop).collect();
+    let mut incidences: Vec<FileIncidence> = (0..lookup.theta_i().len()).map(at_stop).collect();
     loop {
         let notes = fill(&mut file, &incidences);
         let added = missing(&file, lookup, &mut incidences);
@@ -93,7 +93,7 @@ fn deg(angle: f64) -> f64 {
 }
 
 /// Puts incidences into a file, their values scaled to their albedos; what is to be said of that.
-fn fill(file: &mut Zemax, incidences: &[Incidence]) -> Vec<String> {
+fn fill(file: &mut Zemax, incidences: &[FileIncidence]) -> Vec<String> {
     file.light = incidences.iter().map(|incidence| incidence.theta_deg).collect();
     let by_turn = |turn: usize| incidences.iter().map(move |incidence| &incidence.blocks[turn]);
     let blocks: Vec<&IncidenceBlock> = (0..file.rotations.len()).flat_map(by_turn).collect();
@@ -107,7 +107,7 @@ fn fill(file: &mut Zemax, incidences: &[Incidence]) -> Vec<String> {
 }
 
 /// The middles of gaps in which the file's albedo is not the table's, the worst first, as many as there is room for.
-fn missing(file: &Zemax, lookup: &Lookup, incidences: &mut [Incidence]) -> Vec<f64> {
+fn missing(file: &Zemax, lookup: &Lookup, incidences: &mut [FileIncidence]) -> Vec<f64> {
     let gap = |k: usize| (incidences[k].theta_deg, incidences[k + 1].theta_deg);
     let open: Vec<usize> = (0..incidences.len() - 1)
         .filter(|&k| !incidences[k].is_settled && gap(k).1 - gap(k).0 >= NARROWEST)
@@ -142,11 +142,17 @@ fn off(file: &Zemax, lookup: &Lookup, theta_deg: f64) -> f64 {
 /// The values at a stop.
 fn stop_values(file: &Zemax, lookup: &Lookup, stop: (usize, usize)) -> Vec<f32> {
     let (theta, phi) = (lookup.theta_i()[stop.0], lookup.phi_i()[stop.1]);
-    values(file, theta, |out| lookup.at_stop(stop, phi, sphere::turned(out, phi.sin_cos()))[0])
+    values(file, theta, |out| lookup.values().at_stop(stop, phi, sphere::turned(out, phi.sin_cos()))[0])
 }
 
 /// An incidence between stops, of no larger albedo than `most`; `None` where bins have no sizes.
-fn between(file: &Zemax, lookup: &Lookup, turns: &[usize], theta_deg: f64, most: Option<f64>) -> Incidence {
+fn between(
+    file: &Zemax,
+    lookup: &Lookup,
+    turns: &[usize],
+    theta_deg: f64,
+    most: Option<f64>,
+) -> FileIncidence {
     let theta = theta_deg.to_radians();
     let block = |&pi: &usize| {
         let phi = lookup.phi_i()[pi];
@@ -156,7 +162,7 @@ fn between(file: &Zemax, lookup: &Lookup, turns: &[usize], theta_deg: f64, most:
         let albedo = most.map(|most| integral(&to, |wo| lookup.brdf(wi, wo))[0].min(most));
         IncidenceBlock { values, albedo }
     };
-    Incidence { theta_deg, blocks: turns.par_iter().map(block).collect(), is_settled: false }
+    FileIncidence { theta_deg, blocks: turns.par_iter().map(block).collect(), is_settled: false }
 }
 
 /// The values of a block; `value` is that of a direction seen with the light at azimuth 0.
