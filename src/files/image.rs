@@ -49,6 +49,12 @@ pub fn decode(bytes: &[u8]) -> Checked<Vec<ImagePart>> {
     filled(blocks)
 }
 
+/// The only part in the bytes of a file.
+pub fn decode_one(bytes: &[u8]) -> Checked<ImagePart> {
+    let [part] = <[ImagePart; 1]>::try_from(decode(bytes)?).map_err(|_| "several parts, one needed")?;
+    Ok(part)
+}
+
 fn filled(mut blocks: BlockReader<impl Read + Seek>) -> Checked<Vec<ImagePart>> {
     let mut parts = blocks.outlines().to_vec();
     for part in &mut parts {

@@ -89,6 +89,15 @@ impl ImagePart {
         }
     }
 
+    /// Takes out a channel of floats, HALF or FLOAT.
+    pub fn take_floats(&mut self, name: &str) -> Option<Vec<f32>> {
+        match self.channels.remove(name)? {
+            Samples::F32(values) => Some(values),
+            Samples::F16(values) => Some(values.iter().map(|value| value.to_f32()).collect()),
+            Samples::U32(_) => None,
+        }
+    }
+
     /// Sets the text of an attribute; an empty one is left out.
     pub fn set_text(&mut self, name: &str, text: &str) {
         if !text.is_empty() {

@@ -15,8 +15,7 @@ use crate::files::image::{self, ImagePart, Samples};
 use crate::files::image_blocks::BlockReader;
 use crate::files::{exr_header, image_rows};
 use crate::instrument::Grid;
-use crate::table::brdf_table::named_wavelength;
-use crate::table::{BrdfTable, ColourChannels, SchlickSums, check_grid};
+use crate::table::{BrdfTable, Plane, check_grid, planes, store};
 
 /// How the values are meant.
 const CONVENTION: &str = "one part a stop, named by its angles; column = phi_r, row = theta_r; FLOAT, BRDF in 1/sr, no \
@@ -44,7 +43,7 @@ impl Codec for ExrParts {
     }
 
     fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
-        Ok((Imported::Table(read(bytes)?), vec![]))
+        Ok((read(bytes)?.into(), vec![]))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
@@ -55,16 +54,6 @@ impl Codec for ExrParts {
         read_back(BlockReader::open(codec::open(path)?)?, table)
     }
 }
-
-type NamedChannel =
-    (&'static str, fn(&ColourChannels) -> &Vec<f32>, fn(&mut ColourChannels) -> &mut Vec<f32>);
-const CHANNELS: [NamedChannel; 5] = [
-    ("", |c| &c.total, |c| &mut c.total),
-    ("single.", |c| &c.single, |c| &mut c.single),
-    ("multiple.", |c| &c.multiple, |c| &mut c.multiple),
-    ("stderr.", |c| &c.stderr, |c| &mut c.stderr),
-    ("stderr.single.", |c| &c.stderr_single, |c| &mut c.stderr_single),
-];
 
 /// Width and height of a part: columns and rows of bins, or all bins in a row.
 fn size(grid: &Grid) -> (usize, usize) {
@@ -77,43 +66,26 @@ fn size(grid: &Grid) -> (usize, usize) {
 /// The bytes of a file; the table's values go into it row by row.
 pub fn write(table: &BrdfTable) -> Checked<Vec<u8>> {
     let grid = serde_json::to_string(&table.grid).map_err(|e| e.to_string())?;
-    let parts: Vec<ImagePart> = (0..table.grid.stops()).map(|stop| part(table, stop, &grid)).collect();
+    let mut planes = planes(table, 0)?;
+    planes.retain(|name, _| !name.starts_with("left_map."));
+    let parts: Vec<ImagePart> =
+        (0..table.grid.stops()).map(|stop| part(table, stop, &planes, &grid)).collect();
     let (width, height) = size(&table.grid);
-    let planes: BTreeMap<String, &[f32]> = planes(table).into_iter().collect();
     Ok(image_rows::encode(&parts, |(stop, name, row), out| {
         let first = (stop * height + row) * width;
-        let places = out.as_chunks_mut::<4>().0.iter_mut();
-        match planes.get(name) {
-            Some(values) => places.zip(&values[first..]).for_each(|(out, value)| *out = value.to_ne_bytes()),
-            None => places.zip(&table.hits[first..]).for_each(|(out, hits)| *out = hits.to_ne_bytes()),
-        }
+        let mut bytes = Vec::with_capacity(out.len());
+        planes[name].bytes(first..first + width, &mut bytes);
+        out.copy_from_slice(&bytes);
     })?)
 }
 
-/// Every FLOAT channel of the table, by its name in the file.
-fn planes(table: &BrdfTable) -> Vec<(String, &[f32])> {
-    let mut planes: Vec<(String, &[f32])> = Vec::new();
-    for (name, colour) in table.colour_names().iter().zip(&table.colours) {
-        planes
-            .extend(CHANNELS.iter().map(|(layer, of, _)| (format!("{layer}{name}"), of(colour).as_slice())));
-        let orders = (2..).zip(&colour.orders);
-        planes.extend(orders.map(|(order, values)| (format!("order{order}.{name}"), values.as_slice())));
-    }
-    let sums = table.schlick.iter().flat_map(|sums| sums.channels(table.is_by_order()));
-    planes.extend(sums.map(|(name, sums)| (name, sums.as_slice())));
-    planes
-}
-
 /// The heading of a part: its channels have types only.
-fn part(table: &BrdfTable, stop: usize, grid: &str) -> ImagePart {
+fn part(table: &BrdfTable, stop: usize, planes: &BTreeMap<String, Plane>, grid: &str) -> ImagePart {
     let (width, height) = size(&table.grid);
     let (theta_i, phi_i) = table.grid.stop_deg(stop);
     let mut part = ImagePart { width, height, ..ImagePart::default() };
     part.name = Some(format!("stop{stop:04}_thetaI{theta_i:05.1}_phiI{phi_i:05.1}"));
-    for (name, _) in planes(table) {
-        part.channels.insert(name, Samples::F32(vec![]));
-    }
-    part.channels.insert("hits".into(), Samples::U32(vec![]));
+    part.channels = planes.iter().map(|(name, plane)| (name.clone(), plane.kind())).collect();
     for (name, value) in [(STOP, stop as f64), ("gonio.theta_i_deg", theta_i), ("gonio.phi_i_deg", phi_i)] {
         part.attributes.insert(name.into(), image::Attribute::Number(value));
     }
@@ -172,66 +144,28 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
             format!("{} parts do not make {stops} stops of {width} x {height} bins", parts.len()).into()
         );
     }
-    let names = colour_names(&parts[0]);
-    let mut colours: Vec<ColourChannels> = names
-        .iter()
-        .map(|name| ColourChannels { wavelength_nm: named_wavelength(name), ..ColourChannels::default() })
-        .collect();
-    for (name, colour) in names.iter().zip(&mut colours) {
-        for (layer, _, place) in CHANNELS {
-            *place(colour) = floats(&mut parts, &format!("{layer}{name}"))?;
-        }
-        while let Some(order) = optional(&mut parts, &format!("order{}.{name}", colour.orders.len() + 2))? {
-            colour.orders.push(order);
-        }
-    }
-    let mut hits = Vec::with_capacity(stops * width * height);
-    for part in &mut parts {
-        match part.channels.remove("hits") {
-            Some(Samples::U32(values)) => hits.extend(values),
-            _ => return Err("channel `hits` (UINT) is missing".into()),
-        }
-    }
-    let schlick = SchlickSums::gathered(|name| optional(&mut parts, name))?;
     let [campaign, version, seed, patch_digest] =
         TEXTS.map(|name| parts[0].text(name).unwrap_or_default().to_string());
     let seed = seed.parse().map_err(|_| format!("gonio.seed = `{seed}` is no seed"))?;
-    Ok(BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick })
+    let (colours, hits, schlick) = (vec![], vec![], None);
+    let empty = BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick };
+    store::of_channels(empty, joined(parts)?)
 }
 
-/// Y, wavelengths in increasing order, or R, G, B.
-fn colour_names(part: &ImagePart) -> Vec<String> {
-    let wavelength = |name: &String| named_wavelength(name).map(|nm| (nm, name.clone()));
-    let mut spectral: Vec<(f64, String)> = part.channels.keys().filter_map(wavelength).collect();
-    spectral.sort_by(|a, b| a.0.total_cmp(&b.0));
-    match spectral.is_empty() {
-        false => spectral.into_iter().map(|(_, name)| name).collect(),
-        true if part.channels.contains_key("Y") => vec!["Y".into()],
-        true => ["R", "G", "B"].map(String::from).to_vec(),
-    }
-}
-
-/// A FLOAT channel of all parts, where the first one has it.
-fn optional(parts: &mut [ImagePart], name: &str) -> Checked<Option<Vec<f32>>> {
-    let there = parts.first().is_some_and(|part| part.channels.contains_key(name));
-    there.then(|| floats(parts, name)).transpose()
-}
-
-/// A FLOAT channel of all parts, one after the other.
-fn floats(parts: &mut [ImagePart], name: &str) -> Checked<Vec<f32>> {
-    let mut all = Vec::new();
-    for (stop, part) in parts.iter_mut().enumerate() {
-        let Some(Samples::F32(values)) = part.channels.remove(name) else {
-            return Err(format!("stop {stop}: channel `{name}` (FLOAT) is missing").into());
-        };
-        if let Some(bin) = values.iter().position(|value| !value.is_finite()) {
-            return Err(format!(
-                "stop {stop}, channel `{name}`, bin {bin}: {} is not a finite number",
-                values[bin]
-            )
-            .into());
+/// The parts, one after the other, as the rows of one.
+fn joined(parts: Vec<ImagePart>) -> Checked<ImagePart> {
+    let (width, height) = (parts[0].width * parts[0].height, parts.len());
+    let mut parts = parts.into_iter().enumerate();
+    let first = parts.next().map(|(_, part)| part.channels).unwrap_or_default();
+    let mut whole = ImagePart { width, height, channels: first, ..ImagePart::default() };
+    for (stop, mut part) in parts {
+        for (name, samples) in &mut whole.channels {
+            match (samples, part.channels.remove(name)) {
+                (Samples::F32(all), Some(Samples::F32(values))) => all.extend(values),
+                (Samples::U32(all), Some(Samples::U32(values))) => all.extend(values),
+                _ => return Err(format!("stop {stop}: channel `{name}` (FLOAT) is missing").into()),
+            }
         }
-        all.extend(values);
     }
-    Ok(all)
+    Ok(whole)
 }

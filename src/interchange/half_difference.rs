@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::resample::interval::{around, interval};
 use super::resample::{default_grid, resample_spectrum, thirds};
 use super::{Brdf, Checked, Colour};
 use crate::instrument::{Grid, GridKind};
@@ -20,18 +21,13 @@ struct AngleAxis {
 }
 
 impl AngleAxis {
-    /// The nodes on both sides of x and the share of the second; beyond the ends of an open axis the end.
+    /// The nodes on both sides of x, with their weights.
     fn around(&self, x: f64) -> [(usize, f64); 2] {
-        let (count, x) = (self.nodes.len(), self.turn.map_or(x, |turn| x % turn));
-        let above = self.nodes.partition_point(|&node| node <= x);
-        let (low, high) = match self.turn {
-            Some(_) => ((above + count - 1) % count, above % count),
-            None => (above.saturating_sub(1), above.min(count - 1)),
+        let ([low, high], place) = match self.turn {
+            Some(turn) => around(&self.nodes, x % turn, turn),
+            None => interval(&self.nodes, x),
         };
-        let width = |step: f64| self.turn.map_or(step, |turn| step.rem_euclid(turn));
-        let gap = width(self.nodes[high] - self.nodes[low]);
-        let share = if low == high || gap == 0.0 { 0.0 } else { width(x - self.nodes[low]) / gap };
-        [(low, 1.0 - share), (high, share)]
+        [(low, 1.0 - place), (high, place)]
     }
 }
 

@@ -39,7 +39,7 @@ pub fn import(
     let (imported, notes) = codec.decode(&bytes, options).map_err(wrong)?;
     let imported = match imported {
         Imported::Table(table) if options.isotropic => Imported::Table(one_azimuth(table).map_err(wrong)?),
-        Imported::Function(..) | Imported::Spectrum { .. } if options.isotropic => {
+        Imported::Function { .. } if options.isotropic => {
             return Err(wrong("says itself whether it is isotropic: leave --isotropic out".into()));
         }
         imported => imported,
@@ -67,8 +67,7 @@ fn on_grid(imported: Imported, like: Option<&Grid>) -> Checked<(BrdfTable, Vec<S
             let table = resample_spectrum(parts.iter().map(Box::as_ref), &table.wavelengths_nm(), grid)?;
             return Ok((table, filled.into_iter().chain([format!("resampled: {how}")]).collect()));
         }
-        Imported::Function(brdf, own) => (vec![brdf], vec![], own),
-        Imported::Spectrum { parts, wavelengths_nm, grid } => (parts, wavelengths_nm, grid),
+        Imported::Function { parts, wavelengths_nm, grid } => (parts, wavelengths_nm, grid),
     };
     let grid = like.unwrap_or(&own);
     let (stops, bins) = (grid.stops(), grid.bins());

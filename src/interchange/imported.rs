@@ -11,39 +11,34 @@ use crate::table::BrdfTable;
 pub enum Imported {
     /// Incidences and bins of its own.
     Table(BrdfTable),
-    /// A function of two directions, and a grid that suits it.
-    Function(Box<dyn Brdf>, Grid),
-    /// The same with a wavelength for each colour.
-    Spectrum {
-        /// Three wavelengths each, the last what is left.
+    /// A function of two directions.
+    Function {
+        /// Three colours each, the last what is left.
         parts: Vec<Box<dyn Brdf>>,
-        /// All, nm.
+        /// One for each colour, nm; none of Y and R, G, B.
         wavelengths_nm: Vec<f64>,
         /// A grid that suits it.
         grid: Grid,
     },
 }
 
+impl From<BrdfTable> for Imported {
+    fn from(table: BrdfTable) -> Self {
+        Imported::Table(table)
+    }
+}
+
 impl Imported {
-    /// The function that `part` makes of the values of at most three colours.
-    pub(super) fn function(
-        values: &[Vec<f32>],
-        wavelengths_nm: &[f64],
-        grid: Grid,
-        part: impl Fn(&[Vec<f32>]) -> Box<dyn Brdf>,
-    ) -> Self {
-        if wavelengths_nm.is_empty() {
-            return Imported::Function(part(values), grid);
-        }
-        let parts = values.chunks(3).map(part).collect();
-        Imported::Spectrum { parts, wavelengths_nm: wavelengths_nm.to_vec(), grid }
+    /// A function of Y, or of R, G and B.
+    pub(super) fn of(brdf: impl Brdf + 'static, grid: Grid) -> Self {
+        Imported::Function { parts: vec![Box::new(brdf)], wavelengths_nm: vec![], grid }
     }
 
     /// A file without wavelengths as a function.
     pub(super) fn into_function(self) -> Checked<Box<dyn Brdf>> {
         match self {
-            Imported::Function(brdf, _) => Ok(brdf),
-            Imported::Spectrum { .. } => Err("the file has wavelengths".into()),
+            Imported::Function { mut parts, .. } if parts.len() == 1 => Ok(parts.remove(0)),
+            Imported::Function { .. } => Err("the file has wavelengths".into()),
             Imported::Table(table) => function_of(table),
         }
     }

@@ -8,7 +8,7 @@ use std::path::Path;
 use super::{Checked, needed};
 use crate::campaign;
 use crate::error::{ContentError, Error, Result};
-use crate::files::image::{self, ImagePart, Samples};
+use crate::files::image::{self, ImagePart};
 use crate::files::{self, memory};
 
 /// The maps' files in their folder.
@@ -40,32 +40,23 @@ pub fn load(folder: &Path) -> Result<Maps> {
 ///
 /// Held by: `a_texel_becomes_a_campaign`, `damaged_maps_are_refused` (tests/it/interchange/interchange_maps.rs).
 pub fn read(alpha: &[u8], f0: &[u8]) -> Checked<Maps> {
-    let part = |name: &str, bytes: &[u8]| -> Checked<ImagePart> {
-        let parts = image::decode(bytes).map_err(|why| format!("{name}: {why}"))?;
-        let [part] =
-            <[ImagePart; 1]>::try_from(parts).map_err(|_| format!("{name}: several parts, one needed"))?;
-        Ok(part)
-    };
-    let (alpha_part, f0_part) = (part(FILES[0], alpha)?, part(FILES[1], f0)?);
-    let (width, height) = (alpha_part.width, alpha_part.height);
-    if (f0_part.width, f0_part.height) != (width, height) {
+    let part = |name: &str, bytes: &[u8]| image::decode_one(bytes).map_err(|why| why.at(name));
+    let (mut alpha, mut f0) = (part(FILES[0], alpha)?, part(FILES[1], f0)?);
+    let (width, height) = (alpha.width, alpha.height);
+    if (f0.width, f0.height) != (width, height) {
         return Err(format!(
             "{} is {width} x {height}, {} {} x {}: one size needed",
-            FILES[0], FILES[1], f0_part.width, f0_part.height
+            FILES[0], FILES[1], f0.width, f0.height
         )
         .into());
     }
-    let [x, y] = ["R", "G"].map(|name| channel(FILES[0], &alpha_part, name));
-    let [r, g, b] = ["R", "G", "B"].map(|name| channel(FILES[1], &f0_part, name));
+    let [x, y] = ["R", "G"].map(|name| channel(FILES[0], &mut alpha, name));
+    let [r, g, b] = ["R", "G", "B"].map(|name| channel(FILES[1], &mut f0, name));
     Ok(Maps { width, height, alpha: [x?, y?], f0: [r?, g?, b?] })
 }
 
-fn channel(file: &str, part: &ImagePart, name: &str) -> Checked<Vec<f32>> {
-    match part.channels.get(name) {
-        Some(Samples::F32(values)) => Ok(values.clone()),
-        Some(Samples::F16(values)) => Ok(values.iter().map(|value| value.to_f32()).collect()),
-        _ => Err(format!("{file}: no channel `{name}` of floats").into()),
-    }
+fn channel(file: &str, part: &mut ImagePart, name: &str) -> Checked<Vec<f32>> {
+    Ok(part.take_floats(name).ok_or_else(|| format!("{file}: no channel `{name}` of floats"))?)
 }
 
 impl Maps {

@@ -60,7 +60,7 @@ impl Codec for MerlFile {
     }
 
     fn decode(&self, bytes: &[u8], options: &Options) -> Checked<(Imported, Vec<String>)> {
-        Ok((Imported::Table(read_table(bytes, options.merl_sampling)?), vec![]))
+        Ok((read(bytes, options.merl_sampling)?.into(), vec![]))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, options: &'a Options) -> Checked<Encoded<'a>> {
@@ -205,25 +205,11 @@ fn gap(brdf: &dyn Brdf, cells: &[Colour], at: usize) -> Colour {
     std::array::from_fn(|c| middle[c] - 0.5 * (low[c] + high[c]))
 }
 
-/// A file as a function: linear between its values, invalid ones left out.
-pub struct Merl {
-    half: HalfDifference,
-    /// Share of the values that are negative: marks of "below the horizon".
-    pub invalid: f64,
-}
-
-/// Reads the bytes of a file.
-pub fn read(bytes: &[u8], sampling: Sampling) -> Checked<Merl> {
-    let table = read_table(bytes, sampling)?;
-    let invalid = table.gaps() as f64 / CELLS as f64;
-    Ok(Merl { half: HalfDifference::new(&table)?, invalid })
-}
-
 /// The table of a file's own cells; invalid ones are gaps.
 ///
 /// Refused: another length, another size of the grid, values that are not finite. Held by:
 /// `damaged_files_are_refused`, `the_cells_of_a_file_are_a_table` (tests/it/interchange/interchange_merl.rs).
-pub fn read_table(bytes: &[u8], sampling: Sampling) -> Checked<BrdfTable> {
+pub fn read(bytes: &[u8], sampling: Sampling) -> Checked<BrdfTable> {
     let side = |k: usize| bytes.get(4 * k..4 * k + 4).map(|b| i32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let sides = [side(0), side(1), side(2)];
     if sides != SIZE.map(|side| Some(side as i32)) {
@@ -258,14 +244,4 @@ pub fn read_table(bytes: &[u8], sampling: Sampling) -> Checked<BrdfTable> {
     let mut table = foreign_table(grid(sampling), total.into_iter().map(seen).collect())?;
     (0..CELLS).filter(|&cell| hits[cell] == 0).for_each(|cell| table.set_gap(cell));
     Ok(table)
-}
-
-impl Brdf for Merl {
-    fn colours(&self) -> usize {
-        3
-    }
-
-    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        self.half.brdf(wi, wo)
-    }
 }

@@ -46,7 +46,7 @@ impl Codec for Utia {
     }
 
     fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
-        Ok((Imported::Table(read(bytes)?), vec![]))
+        Ok((read(bytes)?.into(), vec![]))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, options: &'a Options) -> Checked<Encoded<'a>> {
@@ -126,8 +126,7 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
 
 /// The image form, floats or halves.
 fn read_image(bytes: &[u8]) -> Checked<BrdfTable> {
-    let parts = image::decode(bytes)?;
-    let [mut part] = <[ImagePart; 1]>::try_from(parts).map_err(|_| "several parts, one needed")?;
+    let mut part = image::decode_one(bytes)?;
     if (part.width, part.height) != (DIRECTIONS, DIRECTIONS) {
         return Err(format!(
             "{} x {} pixels, 288 x 288 needed (row = light, column = sensor)",
@@ -135,12 +134,8 @@ fn read_image(bytes: &[u8]) -> Checked<BrdfTable> {
         )
         .into());
     }
-    let plane = |name: &&str| match part.channels.remove(*name) {
-        Some(Samples::F32(values)) => Ok(values),
-        Some(Samples::F16(values)) => Ok(values.iter().map(|value| value.to_f32()).collect()),
-        _ => Err(format!("no channel `{name}` of floats")),
-    };
-    of_planes(NAMES.iter().map(plane).collect::<Result<_, String>>()?)
+    let plane = |name| part.take_floats(name).ok_or_else(|| format!("no channel `{name}` of floats"));
+    of_planes(NAMES.map(plane).into_iter().collect::<Result<_, String>>()?)
 }
 
 fn of_planes(mut planes: Vec<Vec<f32>>) -> Checked<BrdfTable> {

@@ -132,7 +132,7 @@ pub(super) fn read_grid(part: &ImagePart) -> Checked<Grid> {
 
 /// A table's channel where it lies.
 #[derive(Clone, Copy)]
-pub(super) enum Plane<'a> {
+pub(crate) enum Plane<'a> {
     /// FLOAT.
     F32(&'a [f32]),
     /// UINT.
@@ -165,7 +165,7 @@ impl Plane<'_> {
 }
 
 /// A table's channels by name, the first row being that of `first_stop`; each must fit the grid and be finite.
-pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Checked<BTreeMap<String, Plane<'_>>> {
+pub(crate) fn planes(table: &BrdfTable, first_stop: usize) -> Checked<BTreeMap<String, Plane<'_>>> {
     let (stops, bins) = check_grid(&table.grid)?;
     let mut planes = BTreeMap::new();
     for (name, colour) in distinct_names(table)?.iter().zip(&table.colours) {

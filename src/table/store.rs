@@ -102,11 +102,9 @@ pub(super) fn several(path: &Path, parts: usize) -> Error {
 }
 
 fn from_part(mut part: ImagePart) -> Checked<Loaded> {
-    let TableHeader { empty, names, mut warnings } = header(&mut part)?;
+    let TableHeader { empty, mut warnings, .. } = header(&mut part)?;
     channels::check_digest(&part, &empty.patch_digest, &mut warnings)?;
-    let stops: Vec<usize> = (0..part.height).collect();
-    let table = filled(empty, &mut part, &names, (&stops, stops.len()))?;
-    Ok(Loaded { table, warnings })
+    Ok(Loaded { table: of_channels(empty, part)?, warnings })
 }
 
 /// What a part says besides its values.
@@ -141,6 +139,13 @@ pub(super) fn header(part: &mut ImagePart) -> Checked<TableHeader> {
     let (colours, hits, schlick) = (Vec::new(), Vec::new(), None);
     let empty = BrdfTable { grid, campaign, version, seed, patch_digest, colours, hits, schlick };
     Ok(TableHeader { empty, names, warnings })
+}
+
+/// The table whose channels are those of `part`, a row each incidence; channels that are none of a table's are left out.
+pub(crate) fn of_channels(empty: BrdfTable, mut part: ImagePart) -> Checked<BrdfTable> {
+    let names = channels::colour_names(&part)?;
+    let stops: Vec<usize> = (0..part.height).collect();
+    filled(empty, &mut part, &names, (&stops, stops.len()))
 }
 
 /// The table with the channels of `part`, whose rows are those of some `stops`, of so many in the file.

@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::direction_map::{Map, u_of_phi, u_of_theta};
 use super::tensor_file::TensorFile;
 use super::warp::{Slices, Warp, cell};
+use crate::interchange::resample::interval::interval;
 use crate::interchange::{Brdf, Checked, Colour};
 use crate::sphere;
 
@@ -134,11 +135,9 @@ impl Rgl {
     }
 
     fn slices(&self, theta: f64, phi: f64) -> Slices {
-        let (t0, t) = interval(&self.theta, theta);
-        let (p0, p) = if self.phi.len() <= 2 { (0, 0.0) } else { interval(&self.phi, phi) };
-        let at = |dp: usize, dt: usize| {
-            (p0 + dp).min(self.phi.len() - 1) * self.theta.len() + (t0 + dt).min(self.theta.len() - 1)
-        };
+        let (rows, t) = interval(&self.theta, theta);
+        let (columns, p) = if self.phi.len() <= 2 { ([0, 0], 0.0) } else { interval(&self.phi, phi) };
+        let at = |p: usize, t: usize| columns[p] * self.theta.len() + rows[t];
         [
             (at(0, 0), (1.0 - p) * (1.0 - t)),
             (at(0, 1), (1.0 - p) * t),
@@ -146,15 +145,6 @@ impl Rgl {
             (at(1, 1), p * t),
         ]
     }
-}
-
-/// The interval that holds x and the place in it; outside, the end.
-fn interval(nodes: &[f64], x: f64) -> (usize, f64) {
-    if nodes.len() < 2 {
-        return (0, 0.0);
-    }
-    let k = nodes.partition_point(|&node| node <= x).clamp(1, nodes.len() - 1) - 1;
-    (k, ((x - nodes[k]) / (nodes[k + 1] - nodes[k])).clamp(0.0, 1.0))
 }
 
 impl Brdf for Rgl {

@@ -36,7 +36,7 @@ impl Codec for RglFile {
     fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
         let rgl = read(bytes)?;
         let grid = default_grid(rgl.theta_i_deg(), rgl.phi_i_deg());
-        Ok((Imported::Function(Box::new(rgl), grid), vec![]))
+        Ok((Imported::of(rgl, grid), vec![]))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, options: &'a Options) -> Checked<Encoded<'a>> {

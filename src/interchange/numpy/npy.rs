@@ -8,7 +8,7 @@ use std::path::Path;
 use super::arrays::{interleaved, shape};
 use crate::files::npy;
 use crate::interchange::codec::{self, BandCodec, Codec, Encoded, Holds};
-use crate::interchange::read_back::{BandErrors, Listing, ReadBack};
+use crate::interchange::read_back::{Listing, ReadBack, ReadErrors};
 use crate::interchange::{Bands, Checked, Imported, Options};
 use crate::table::BrdfTable;
 
@@ -64,7 +64,7 @@ impl BandCodec for Npy {
         let outline = bands.outline();
         let colours = outline.colours.len();
         let mut values = npy::values_of(file, &shape(&outline.grid, colours))?;
-        let mut errors = BandErrors::default();
+        let mut errors = ReadErrors::default();
         bands.each(&mut |band| {
             let (mut listing, bins) = (Listing::new(band), band.grid.bins());
             for (at, value) in values.by_ref().take(band.hits.len() * colours).enumerate() {

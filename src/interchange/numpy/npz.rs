@@ -49,7 +49,7 @@ impl Codec for Npz {
     }
 
     fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
-        Ok((Imported::Table(read(bytes)?), vec![]))
+        Ok((read(bytes)?.into(), vec![]))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
@@ -63,9 +63,16 @@ impl Codec for Npz {
     }
 }
 
-/// Where a channel is read from, and where it is put.
-type ReadChannel = fn(&ColourChannels) -> &Vec<f32>;
-type WriteChannel = fn(&mut ColourChannels) -> &mut Vec<f32>;
+/// An array of a channel: its name, where its values are read from, and where they are put.
+type ChannelArray =
+    (&'static str, fn(&ColourChannels) -> &Vec<f32>, fn(&mut ColourChannels) -> &mut Vec<f32>);
+const CHANNELS: [ChannelArray; 5] = [
+    ("brdf", |c| &c.total, |c| &mut c.total),
+    ("single", |c| &c.single, |c| &mut c.single),
+    ("multiple", |c| &c.multiple, |c| &mut c.multiple),
+    ("stderr", |c| &c.stderr, |c| &mut c.stderr),
+    ("stderr_single", |c| &c.stderr_single, |c| &mut c.stderr_single),
+];
 
 /// The archive while it is written.
 struct Archive<W: Write> {
@@ -106,14 +113,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
     let mut archive = Archive { zip: ZipWriter::new_stream(out) };
     let grid = &table.grid;
     let shape_of = |colours: usize| shape(grid, colours);
-    let channels: [(&str, ReadChannel); 5] = [
-        ("brdf", |c| &c.total),
-        ("single", |c| &c.single),
-        ("multiple", |c| &c.multiple),
-        ("stderr", |c| &c.stderr),
-        ("stderr_single", |c| &c.stderr_single),
-    ];
-    for (name, channel) in channels {
+    for (name, channel, _) in CHANNELS {
         let values: Vec<&[f32]> = table.colours.iter().map(|colour| channel(colour).as_slice()).collect();
         archive.array(name, &shape_of(values.len()), interleaved(&values))?;
     }
@@ -173,13 +173,7 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let wanted = shape(&grid, colours);
     let total = members.channel("brdf", &wanted)?.ok_or("no array `brdf`")?;
     let mut table = spectral_table(grid, apart(&total, colours), &wavelengths)?;
-    let channels: [(&str, WriteChannel); 4] = [
-        ("single", |c| &mut c.single),
-        ("multiple", |c| &mut c.multiple),
-        ("stderr", |c| &mut c.stderr),
-        ("stderr_single", |c| &mut c.stderr_single),
-    ];
-    for (name, place) in channels {
+    for (name, _, place) in &CHANNELS[1..] {
         if let Some(values) = members.channel(name, &wanted)? {
             let channels = table.colours.iter_mut().zip(apart(&values, colours));
             channels.for_each(|(colour, values)| *place(colour) = values);

@@ -43,7 +43,7 @@ impl Codec for Klems {
 
     fn decode(&self, bytes: &[u8], options: &Options) -> Checked<(Imported, Vec<String>)> {
         let (table, notes) = read_side(bytes, options.side)?;
-        Ok((Imported::Table(table), notes))
+        Ok((table.into(), notes))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, options: &'a Options) -> Checked<Encoded<'a>> {

@@ -44,7 +44,7 @@ impl Codec for TensorTreeFile {
         let (tree, notes) = read_side(bytes, options.side)?;
         let even = |count: u32| (0..count).map(|k| 15.0 * f64::from(k)).collect();
         let grid = default_grid(even(6), if tree.is_isotropic() { vec![] } else { even(24) });
-        Ok((Imported::Function(Box::new(tree), grid), notes))
+        Ok((Imported::of(tree, grid), notes))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::axis::Taps;
 use super::guided::Guided;
+use super::interval::interval;
 use super::sampling::{integral, samples};
 use crate::interchange::Colour;
 use crate::sphere;
@@ -87,12 +88,9 @@ impl Levels {
     /// The scale of light from a polar angle and an azimuth.
     pub fn at(&self, theta: f64, phi: f64) -> Colour {
         let first = self.phi[0];
-        let (row, x) = interval(&self.theta, theta);
-        let (column, y) = interval(&self.phi, first + (phi - first).rem_euclid(TAU));
-        let columns = self.phi.len();
-        let node = |r: usize, c: usize| {
-            self.factors[(row + r).min(self.theta.len() - 1) * columns + (column + c).min(columns - 1)]
-        };
+        let (rows, x) = interval(&self.theta, theta);
+        let (columns, y) = interval(&self.phi, first + (phi - first).rem_euclid(TAU));
+        let node = |r: usize, c: usize| self.factors[rows[r] * self.phi.len() + columns[c]];
         let corners = [node(0, 0), node(0, 1), node(1, 0), node(1, 1)];
         std::array::from_fn(|k| {
             let line = |low: usize| (1.0 - y) * corners[low][k] + y * corners[low + 1][k];
@@ -117,13 +115,4 @@ fn interpolated(ratios: &[Colour], columns: usize, (polar, circle): (Taps, Taps)
         }
     }
     sum
-}
-
-/// The interval that holds x and the place in it; outside, the end.
-fn interval(nodes: &[f64], x: f64) -> (usize, f64) {
-    if nodes.len() < 2 {
-        return (0, 0.0);
-    }
-    let k = nodes.partition_point(|&node| node <= x).clamp(1, nodes.len() - 1) - 1;
-    (k, ((x - nodes[k]) / (nodes[k + 1] - nodes[k])).clamp(0.0, 1.0))
 }

@@ -7,6 +7,7 @@ pub(crate) mod gaps;
 mod guide;
 mod guided;
 pub(crate) mod incidence_values;
+pub(crate) mod interval;
 mod levels;
 pub(crate) mod lobe;
 pub mod lookup;

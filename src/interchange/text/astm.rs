@@ -42,7 +42,7 @@ impl Codec for Astm {
     }
 
     fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
-        Ok((Imported::Table(read(bytes)?), vec![]))
+        Ok((read(bytes)?.into(), vec![]))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {

@@ -9,7 +9,7 @@ use super::samples;
 use super::samples::MeasuredPair;
 use crate::instrument::Region;
 use crate::interchange::codec::{self, BandCodec, Codec, Encoded, Holds};
-use crate::interchange::read_back::{BandErrors, ReadBack, middles_deg};
+use crate::interchange::read_back::{ReadBack, ReadErrors, middles_deg};
 use crate::interchange::{Bands, Checked, Imported, Options, needed};
 use crate::table::BrdfTable;
 use crate::text_decoding::decode_text_or_latin1;
@@ -45,7 +45,7 @@ impl Codec for Csv {
     }
 
     fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
-        Ok((Imported::Table(read(bytes)?), vec![]))
+        Ok((read(bytes)?.into(), vec![]))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
@@ -76,7 +76,7 @@ impl BandCodec for Csv {
     }
 
     fn read_back(&self, file: BufReader<File>, bands: &mut dyn Bands) -> Checked<Option<ReadBack>> {
-        let (mut errors, mut lines) = (BandErrors::default(), SampleLines::open(file)?);
+        let (mut errors, mut lines) = (ReadErrors::default(), SampleLines::open(file)?);
         bands.each(&mut |band| {
             let samples = lines.by_ref().take(band.hits.len() - band.gaps());
             errors.join(samples::listed(band, 0.0, |each| samples.into_iter().try_for_each(|s| each(s?)))?)

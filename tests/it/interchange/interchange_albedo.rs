@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use gonio::interchange::albedo::AlbedoPoint;
+use gonio::interchange::half_difference::HalfDifference;
 use gonio::interchange::mitsuba::rgl;
 use gonio::interchange::radiance::tensor_tree;
 use gonio::interchange::text::zemax;
@@ -211,7 +212,10 @@ fn every_resampled_file_has_the_albedo_of_its_table() {
             Format::Rgl => Box::new(rgl::read(&bytes).expect("sound")),
             Format::Zemax => Box::new(zemax::read(&bytes).expect("sound")),
             Format::TensorTree => Box::new(tensor_tree::read(&bytes).expect("sound")),
-            _ => Box::new(merl::read(&bytes, merl::Sampling::Node).expect("sound")),
+            _ => {
+                let table = merl::read(&bytes, merl::Sampling::Node).expect("sound");
+                Box::new(HalfDifference::new(&table).expect("cells"))
+            }
         }
     };
     for format in [Format::Rgl, Format::Zemax, Format::TensorTree, Format::Merl] {

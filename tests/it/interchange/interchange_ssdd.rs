@@ -39,9 +39,9 @@ fn read(text: &str) -> (Imported, Vec<String>) {
 
 fn function(text: &str) -> Box<dyn Brdf> {
     match read(text).0 {
-        Imported::Function(brdf, _) => brdf,
+        Imported::Function { mut parts, wavelengths_nm, .. } if wavelengths_nm.is_empty() => parts.remove(0),
+        Imported::Function { .. } => panic!("a spectrum"),
         Imported::Table(table) => panic!("a table: {:?}", table.grid),
-        Imported::Spectrum { .. } => panic!("a spectrum"),
     }
 }
 

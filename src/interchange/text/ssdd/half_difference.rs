@@ -78,7 +78,8 @@ fn function(header: &SsddHeader, grid: Grid, values: &[Vec<f32>]) -> Checked<Imp
     let part = |values: &[Vec<f32>]| -> Box<dyn Brdf> {
         Box::new(HalfDifference::directed(&table.grid, values.to_vec(), &table.hits))
     };
-    Ok(Imported::function(values, &header.wavelengths_nm, arms, part))
+    let wavelengths_nm = header.wavelengths_nm.clone();
+    Ok(Imported::Function { parts: values.chunks(3).map(part).collect(), wavelengths_nm, grid: arms })
 }
 
 /// A zero of an arm on or below the horizon is a gap.

@@ -130,7 +130,7 @@ fn increasing(angles: &[f64], azimuths: bool) -> Vec<(f64, usize)> {
 pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     match read_with_notes(bytes)?.0 {
         Imported::Table(table) => Ok(table),
-        Imported::Function(..) | Imported::Spectrum { .. } => {
+        Imported::Function { .. } => {
             Err("the file's directions are no list of stops and bins; give a grid with --like".into())
         }
     }
@@ -149,7 +149,7 @@ pub fn read_with_notes(bytes: &[u8]) -> Checked<(Imported, Vec<String>)> {
     let (values, mut notes) = values::all(&mut lines, &header, bytes.len())?;
     let values = if header.xyz { to_rgb(values) } else { values };
     let (imported, more) = match header.parameters {
-        AngleKind::Spherical => (Imported::Table(seam::dropped(spherical::table(&header, values)?)?), vec![]),
+        AngleKind::Spherical => (seam::dropped(spherical::table(&header, values)?)?.into(), vec![]),
         AngleKind::Specular => specular::function(&header, values)?,
         AngleKind::HalfDifference => half_difference::imported(&header, values)?,
     };

@@ -79,11 +79,12 @@ pub fn function(header: &SsddHeader, total: Vec<Vec<f32>>) -> Checked<(Imported,
         radials: radials.to_vec(),
         ..Zemax::default()
     });
-    let grid = default_grid(tables.theta_i_deg(), tables.phi_i_deg());
+    let grid = default_grid(tables.light.clone(), tables.phi_i_deg());
     let part = |values: &[Vec<f32>]| -> Box<dyn Brdf> {
         Box::new(Specular { tables: Arc::clone(&tables), values: values.to_vec() })
     };
-    Ok((Imported::function(&values, &header.wavelengths_nm, grid, part), notes))
+    let (parts, wavelengths_nm) = (values.chunks(3).map(part).collect(), header.wavelengths_nm.clone());
+    Ok((Imported::Function { parts, wavelengths_nm, grid }, notes))
 }
 
 /// Values over [light][turn][radial][azimuth] as [turn][light][azimuth][radial], the turns in another order.

@@ -44,8 +44,8 @@ impl Codec for ZemaxFile {
 
     fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
         let (zemax, notes) = read_with_notes(bytes)?;
-        let grid = default_grid(zemax.theta_i_deg(), zemax.phi_i_deg());
-        Ok((Imported::Function(Box::new(zemax), grid), notes))
+        let grid = default_grid(zemax.light.clone(), zemax.phi_i_deg());
+        Ok((Imported::of(zemax, grid), notes))
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {

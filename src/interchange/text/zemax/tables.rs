@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::interchange::radiance::colour;
+use crate::interchange::resample::interval::{around, interval};
 use crate::interchange::{Brdf, Colour};
 use crate::sphere;
 
@@ -45,29 +46,7 @@ pub struct Zemax {
     pub tis: Vec<Vec<f64>>,
 }
 
-/// The interval that holds x and the place in it; outside, the end.
-fn interval(nodes: &[f64], x: f64) -> ([usize; 2], f64) {
-    if nodes.len() < 2 {
-        return ([0, 0], 0.0);
-    }
-    let k = nodes.partition_point(|&node| node <= x).clamp(1, nodes.len() - 1) - 1;
-    ([k, k + 1], ((x - nodes[k]) / (nodes[k + 1] - nodes[k])).clamp(0.0, 1.0))
-}
-
-/// The nodes on both sides of an angle where they go round, and the share of the second.
-fn around(nodes: &[f64], at: f64) -> ([usize; 2], f64) {
-    let above = nodes.partition_point(|&node| node <= at);
-    let (low, high) = ((above + nodes.len() - 1) % nodes.len(), above % nodes.len());
-    let gap = (nodes[high] - nodes[low]).rem_euclid(360.0);
-    ([low, high], if gap == 0.0 { 0.0 } else { (at - nodes[low]).rem_euclid(360.0) / gap })
-}
-
 impl Zemax {
-    /// Incidences, degrees.
-    pub fn theta_i_deg(&self) -> Vec<f64> {
-        self.light.clone()
-    }
-
     /// Azimuths of the light, degrees; none where the file has one rotation.
     pub fn phi_i_deg(&self) -> Vec<f64> {
         if self.rotations.len() == 1 {
@@ -103,7 +82,7 @@ impl Zemax {
         // Where the plane of incidence is a mirror, azimuths beyond half a turn are those before it.
         let azimuth = match self.symmetric {
             true => interval(&self.azimuths, if azimuth > 180.0 { 360.0 - azimuth } else { azimuth }),
-            false => around(&self.azimuths, azimuth),
+            false => around(&self.azimuths, azimuth, 360.0),
         };
         let (axes, ([inner, outer], share)) = ([light, azimuth, turn], interval(&self.radials, radial));
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
@@ -140,7 +119,7 @@ impl Zemax {
         let [mirror, up, across] = frame(theta + self.offset(light).to_radians());
         let out = sphere::turned(wo, (-phi.sin(), phi.cos()));
         let local = DVec3::new(out.dot(up), out.dot(across), out.dot(mirror));
-        let turn = around(&self.rotations, rotation_deg(phi.to_degrees()));
+        let turn = around(&self.rotations, rotation_deg(phi.to_degrees()), 360.0);
         let (azimuth, radial) = (sphere::phi(local).to_degrees(), sphere::theta(local).to_degrees());
         self.value(channels, light, turn, azimuth, radial)
     }
