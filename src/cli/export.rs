@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     check_output(&arguments.table, &arguments.output, arguments.force)?;
     let export = match table_file::open_as_stored(&arguments.table, TableRows::row_bytes)? {
         Opened::Whole(table) => {
-            let alone = !format.codec().holds().more_than_totals && table.gaps() == 0;
+            let alone = !format.codec().traits().more_than_totals && table.gaps() == 0;
             let table = if alone { table.totals_alone() } else { *table };
             interchange::export(&table, format, &options, &arguments.output)?
         }

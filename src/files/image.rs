@@ -11,8 +11,7 @@ use super::{image_rows, memory};
 use crate::error::{Checked, Error, Result};
 
 /// The bytes of a file with these parts, ZIP in blocks of 16 rows, data and display window both from (0, 0).
-///
-/// Held by: `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
+// Tested by `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
 pub fn encode(parts: Vec<ImagePart>) -> std::result::Result<Vec<u8>, String> {
     for part in &parts {
         let (width, height) = (part.width, part.height);
@@ -32,7 +31,7 @@ pub fn encode(parts: Vec<ImagePart>) -> std::result::Result<Vec<u8>, String> {
 /// The parts of a file, decoded block by block: in memory are the values and one block, never the file.
 ///
 /// Refused is what does not fit the memory that may be used.
-/// Held by: `exports_of_a_large_table_stay_below_twice_its_memory`, tests/process/bombs.rs.
+// Tested by `exports_of_a_large_table_stay_below_twice_its_memory`, tests/process/bombs.rs.
 pub fn load(path: &Path) -> Result<Vec<ImagePart>> {
     let file = super::open(path)?;
     let blocks = BlockReader::open(BufReader::new(file)).map_err(|why| Error::format(path, why))?;

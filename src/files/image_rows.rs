@@ -19,8 +19,7 @@ pub type ChannelRow<'a> = (usize, &'a str, usize);
 
 /// The bytes of a file with these parts, ZIP in blocks of 16 rows, data and display window both from (0, 0). Their
 /// channels name types only; `fill` puts the bytes of a row, in the machine's order, into what it is given.
-///
-/// Held by: `exr_parts_come_back_bit_for_bit` (tests/it/interchange/interchange_points.rs).
+// Tested by `exr_parts_come_back_bit_for_bit` (tests/it/interchange/interchange_points.rs).
 pub fn encode(parts: &[ImagePart], fill: impl Fn(ChannelRow, &mut [u8])) -> Result<Vec<u8>, String> {
     let headers = headers(parts)?;
     let names: Vec<Vec<&String>> = parts.iter().map(|part| part.channels.keys().collect()).collect();

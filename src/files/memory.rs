@@ -1,8 +1,8 @@
 //! How much memory a run and its readers may use: half of what the system, the session and the job scheduler leave.
 //!
-//! Readers judge what a file needs before they make room for it: from its length, the sizes that it claims, or the numbers
-//! that its text can hold ([`words`]). What still does not fit, because others took the memory meanwhile, ends the program
-//! with exit code 4 (`cli::run`).
+//! Readers judge what a file needs before they make room for it: from its length, the sizes that it claims, or the
+//! numbers that its text can hold ([`words`]). What still does not fit, because others took the memory meanwhile,
+//! ends the program with exit code 4 (`cli::run`).
 
 use std::fs;
 use std::path::Path;
@@ -14,8 +14,7 @@ const DEFAULT_LIMIT: u64 = 4 << 30;
 
 /// Half of the least of: available memory, address space left under `ulimit -v`, limit of the control group (as job
 /// schedulers and containers set it).
-///
-/// Held by: the rows `little memory` of `tests/process/bad_inputs.rs`.
+// Tested by the rows `little memory` of `tests/process/bad_inputs.rs`.
 pub fn memory_limit() -> u64 {
     let limits = [available(), address_space_left(), control_group()];
     limits.into_iter().flatten().min().map_or(DEFAULT_LIMIT, |bytes| bytes / 2)

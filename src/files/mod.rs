@@ -28,9 +28,9 @@ use crate::error::{Error, Result};
 
 /// Puts `bytes` in the place of the file at `path`, or leaves what was there.
 ///
-/// The bytes go to a file under way ([`Claim`]) in the same folder, reach the disk, and take the name by a rename, after
-/// which the folder is flushed too. On failure the temporary file is removed.
-/// Held by: `a_failed_write_leaves_the_old_file_whole`.
+/// The bytes go to an unfinished file ([`Claim`]) in the same folder, reach the disk, and take the name by a rename,
+/// after which the folder is flushed too. On failure the temporary file is removed.
+// Tested by `a_failed_write_leaves_the_old_file_whole`.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
     write_atomically_with(path, |out| out.write_all(bytes))
 }
@@ -86,8 +86,8 @@ fn sync_folder(_folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Makes sure that `path` is a folder that takes files; missing parents are made. Whoever writes several files there keeps
-/// the claim, under which all of them are under way.
+/// Makes sure that `path` is a folder that takes files; missing parents are made. Whoever writes several files there
+/// keeps the claim, under which all of them are unfinished.
 pub fn create_folder(path: &Path) -> Result<Arc<Claim>> {
     fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
     Claim::on(path).map_err(|e| Error::io(path, e))

@@ -1,6 +1,6 @@
 //! NPY arrays in memory: plain numbers of any shape, and texts; little-endian, C order when written.
 //!
-//! Enters and leaves: bytes. Headers are looked at before the general parser sees them, as that recurses and
+//! Input and output: bytes. Headers are looked at before the general parser sees them, as that recurses and
 //! multiplies unchecked.
 
 use std::io::{self, Write};
@@ -167,8 +167,7 @@ fn texts(data: &[u8], length: usize, big: bool) -> Result<Vec<String>, String> {
 }
 
 /// Writes one text, which NumPy reads as `str` (`<U`), without an axis.
-///
-/// Held by: `the_texts_of_an_npz_are_strings` (tests/it/interchange/interchange_arrays.rs).
+// Tested by `the_texts_of_an_npz_are_strings` (tests/it/interchange/interchange_arrays.rs).
 pub fn encode_text(mut out: impl Write, text: &str) -> io::Result<()> {
     // NumPy makes no type of length 0.
     let points = text.chars().count().max(1);

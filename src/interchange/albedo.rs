@@ -14,7 +14,7 @@ const SAMPLES: usize = 1 << 11;
 const STOPS: usize = 12;
 /// Where to look between two incidences: 1 less the golden ratio, far from every fraction of small numbers.
 const PLACE: f64 = 0.381_966;
-/// Azimuths where all are alike: formats of cells tell them apart.
+/// Azimuths where all are alike: formats of cells distinguish them.
 const AZIMUTHS_DEG: [f64; 3] = [0.0, 37.0, 130.0];
 /// Differences above this are said, and refused between the table's incidences unless more is allowed, relative.
 pub const ALLOWED: f64 = 0.01;
@@ -28,13 +28,13 @@ pub struct AlbedoPoint {
     pub theta_i_deg: f64,
     /// Degrees.
     pub phi_i_deg: f64,
-    /// The table's: at its stops the one of its bins, between them interpolated.
+    /// The table's: at its incidences the one of its bins, between them interpolated.
     pub table: Vec<f64>,
     /// The file's.
     pub file: Vec<f64>,
 }
 
-/// The albedo of a file beside the table's.
+/// The albedo of a file next to the table's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AlbedoCurve {
     /// By polar angle of the light, then azimuth.
@@ -72,7 +72,7 @@ impl AlbedoPoint {
 
 impl AlbedoCurve {
     /// The curve of a file whose light and sensor go up to these angles, degrees; `None` where the table is dark.
-    pub fn of(lookup: &Lookup, file: &dyn Brdf, (theta_i_end, theta_r_end): (f64, f64)) -> Option<Self> {
+    pub fn of(lookup: &Lookup, file: &dyn Brdf, [theta_i_end, theta_r_end]: [f64; 2]) -> Option<Self> {
         let horizon = theta_r_end.to_radians().cos();
         let thetas =
             between(&lookup.theta_i().iter().map(|t| t.to_degrees()).collect::<Vec<_>>(), theta_i_end);
@@ -107,11 +107,10 @@ impl AlbedoCurve {
         })
     }
 
-    /// Refuses a file that makes light (more than 1, and more than the table, by [`REFUSED_ABOVE`]), or that is off by more
-    /// than `allowed` between the table's incidences.
-    ///
-    /// Held by: `an_export_that_makes_light_is_refused`, `an_export_with_another_albedo_is_refused_unless_allowed`
-    /// (tests/it/interchange/interchange_albedo.rs).
+    /// Refuses a file that makes light (more than 1, and more than the table, by [`REFUSED_ABOVE`]), or that is off
+    /// by more than `allowed` between the table's incidences.
+    // Tested by `an_export_that_makes_light_is_refused`, `an_export_with_another_albedo_is_refused_unless_allowed`
+    // (tests/it/interchange/interchange_albedo.rs).
     pub fn check(&self, allowed: f64) -> Checked<()> {
         let most = |pick: fn(&AlbedoPoint) -> &Vec<f64>| {
             let of = |point| pick(point).iter().copied().fold(0.0, f64::max);
@@ -145,7 +144,7 @@ impl AlbedoCurve {
         point.theta_i_deg > self.theta_i_last_deg + 1e-3
     }
 
-    /// What is to be said of differences above [`ALLOWED`].
+    /// The note on differences above [`ALLOWED`].
     pub fn note(&self) -> Option<String> {
         let at = &self.points[self.worst_point];
         let why = if self.is_beyond(at) {
@@ -173,8 +172,8 @@ impl AlbedoCurve {
     }
 }
 
-/// Some of the stops, a place between each two, and the end where they stop before it. The place is not the middle: where
-/// a format halves gaps, the middle is one of its own incidences.
+/// Some of the incidences, a place between each two, and the end where they stop before it. The place is not the
+/// middle: where a format halves gaps, the middle is one of its own incidences.
 fn between(stops: &[f64], end: f64) -> Vec<f64> {
     let step = stops.len().div_ceil(STOPS);
     let mut chosen: Vec<f64> = stops.iter().copied().step_by(step).filter(|&theta| theta <= end).collect();

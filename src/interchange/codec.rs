@@ -13,9 +13,11 @@ use crate::files;
 use crate::instrument::GridKind;
 use crate::table::BrdfTable;
 
-/// What of a table a format's files can hold.
+/// What a format's files can hold.
 #[derive(Debug, Clone, Copy)]
-pub struct Holds {
+pub struct FormatTraits {
+    /// The format's name on the command line.
+    pub name: &'static str,
     /// Error bars and orders besides the totals.
     pub more_than_totals: bool,
     /// Pairs of directions that were not measured.
@@ -28,34 +30,35 @@ pub struct Holds {
     pub wavelengths: bool,
     /// The table's own directions; else the table is interpolated on the format's.
     pub own_directions: bool,
+    /// The last polar angles of light and sensor, degrees, of a table with this last incidence.
+    pub reach_deg: fn(f64) -> [f64; 2],
 }
 
-impl Holds {
-    /// The totals of Y, or of R, G and B, at the table's own directions.
-    pub const TOTALS: Holds = Holds {
-        more_than_totals: false,
-        gaps: false,
-        half_difference: false,
-        colours: true,
-        wavelengths: false,
-        own_directions: true,
-    };
-    /// The same at the format's directions.
-    pub const RESAMPLED: Holds = Holds { own_directions: false, ..Holds::TOTALS };
+impl FormatTraits {
+    /// Of a format that holds the totals of Y, or of R, G and B, at the table's own directions.
+    pub const fn totals(name: &'static str) -> Self {
+        FormatTraits {
+            name,
+            more_than_totals: false,
+            gaps: false,
+            half_difference: false,
+            colours: true,
+            wavelengths: false,
+            own_directions: true,
+            reach_deg: |last_deg| [85.0f64.max(last_deg.min(89.0)), 90.0],
+        }
+    }
+
+    /// The same at directions of the format's own.
+    pub const fn resampled(name: &'static str) -> Self {
+        FormatTraits { own_directions: false, ..Self::totals(name) }
+    }
 }
 
 /// A format of another program.
 pub trait Codec: Sync {
-    /// Its name on the command line.
-    fn name(&self) -> &'static str;
-
     /// What its files can hold.
-    fn holds(&self) -> Holds;
-
-    /// The last polar angles of light and sensor that a file has, degrees; `last_deg` is the table's last incidence.
-    fn reach_deg(&self, last_deg: f64) -> (f64, f64) {
-        (85.0f64.max(last_deg.min(89.0)), 90.0)
-    }
+    fn traits(&self) -> FormatTraits;
 
     /// The most bytes of memory that [`Codec::decode`] may take, besides the file's.
     // Tested by tests/process/bombs.rs.
@@ -67,10 +70,10 @@ pub trait Codec: Sync {
     fn decode(&self, bytes: &[u8], options: &Options) -> Checked<(Imported, Vec<String>)>;
 
     /// What is written of a table that the format holds.
-    fn encode<'a>(&self, table: &'a BrdfTable, options: &'a Options) -> Checked<Encoded<'a>>;
+    fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>>;
 
-    /// Compares what was just written to `path` with its table. Formats that list the table's own bins read the file line by
-    /// line: neither the file nor a second table is in memory.
+    /// Compares what was just written to `path` with its table. Formats that list the table's own bins read the file
+    /// line by line: neither the file nor a second table is in memory.
     fn read_back(&self, path: &Path, table: &BrdfTable, options: &Options) -> Checked<Option<ReadBack>> {
         let (file, _) = self.decode(&files::read(path)?, options)?;
         let mut arms = None;
@@ -104,7 +107,7 @@ pub trait BandCodec {
     fn read_back(&self, file: BufReader<File>, bands: &mut dyn Bands) -> Checked<Option<ReadBack>>;
 }
 
-/// What is written of a table, and what is to be said of it.
+/// What is written of a table, and notes on it.
 pub struct Encoded<'a> {
     /// What is written.
     pub content: FileContent<'a>,
@@ -152,13 +155,13 @@ pub fn open(path: &Path) -> Checked<BufReader<File>> {
 /// What every format of other directions than the table's loses.
 pub fn resampling_notes(lookup: &Lookup) -> Vec<String> {
     let mut notes = vec![
-        "resampled: cubic between bins, at equal half vector between stops, with the table's albedo; error bars are not \
+        "resampled: cubic between bins, at equal half vector between incidences, with the table's albedo; error bars are not \
          held"
             .into(),
     ];
     let last = lookup.last_theta_i_deg();
     if last < 80.0 {
-        notes.push(format!("the stops end at {last:.4} degrees: beyond, the last stop's ratio to a guiding law at equal half vector"));
+        notes.push(format!("the incidences end at {last:.4} degrees: beyond, the last one's ratio to a guiding law at equal half vector"));
     }
     notes
 }

@@ -30,7 +30,7 @@ pub struct Export {
 /// Errors: [`Error::Refused`] with the reason where the format cannot hold the table; [`Error::Io`].
 pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Result<Export> {
     let (codec, refused) = (format.codec(), refusal(format, path));
-    let holds = codec.holds();
+    let holds = codec.traits();
     if table.is_spectral() && !holds.wavelengths {
         let what =
             format!("{} wavelengths; npz, npy, csv, exr_parts, astm and ssdd hold them", table.colours.len());
@@ -46,7 +46,7 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
         let mut export = export(&arms, format, options, path)?;
         let (stops, bins) = (arms.grid.stops(), arms.grid.bins());
         export.notes.push(format!(
-            "half/difference angles as {stops} stops of {bins} bins; the read-back is against those"
+            "half/difference angles as {stops} incidences of {bins} bins; the read-back is against those"
         ));
         return Ok(export);
     }
@@ -128,7 +128,8 @@ fn albedo_of(
     // Half/difference cells and patches kept as they are have no incidences to look between.
     let Ok(lookup) = Lookup::new(table) else { return Ok(None) };
     let file = codec.decode(bytes, options)?.0.into_function()?;
-    let curve = AlbedoCurve::of(&lookup, file.as_ref(), codec.reach_deg(lookup.last_theta_i_deg()));
+    let curve =
+        AlbedoCurve::of(&lookup, file.as_ref(), (codec.traits().reach_deg)(lookup.last_theta_i_deg()));
     if let Some(curve) = &curve {
         curve.check(options.albedo_error.unwrap_or(albedo::ALLOWED))?;
     }

@@ -1,13 +1,13 @@
-//! EXR with one part for each stop of the light: x = phi_r, y = theta_r, an image of the lobe that any viewer opens.
+//! EXR with one part for each incidence: x = phi_r, y = theta_r, an image of the lobe that any viewer opens.
 //!
 //! Channels and attributes are those of the native table, `gonio.stop`, `gonio.theta_i_deg` and `gonio.phi_i_deg`
-//! beside them; the campaign stands in the first part. Comes back bit for bit.
+//! next to them; the campaign stands in the first part. Comes back bit for bit.
 
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-use super::codec::{self, Codec, Encoded, Holds};
+use super::codec::{self, Codec, Encoded, FormatTraits};
 use super::numpy::arrays;
 use super::read_back::{Listing, ReadBack};
 use super::{Checked, Imported, Options, needed};
@@ -18,7 +18,7 @@ use crate::instrument::Grid;
 use crate::table::{BrdfTable, Plane, check_grid, planes, store};
 
 /// How the values are meant.
-const CONVENTION: &str = "one part a stop, named by its angles; column = phi_r, row = theta_r; FLOAT, BRDF in 1/sr, no \
+const CONVENTION: &str = "one part for each incidence, named by its angles; column = phi_r, row = theta_r; FLOAT, BRDF in 1/sr, no \
     cosine, bin means; attribute gonio.grid: the geometry as JSON; mirror direction at phi_r = phi_i + 180";
 
 const GRID: &str = "gonio.grid";
@@ -30,12 +30,13 @@ const TEXTS: [&str; 4] = ["gonio.campaign", "gonio.version", "gonio.seed", "goni
 pub struct ExrParts;
 
 impl Codec for ExrParts {
-    fn name(&self) -> &'static str {
-        "exr_parts"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds { more_than_totals: true, gaps: true, wavelengths: true, ..Holds::TOTALS }
+    fn traits(&self) -> FormatTraits {
+        FormatTraits {
+            more_than_totals: true,
+            gaps: true,
+            wavelengths: true,
+            ..FormatTraits::totals("exr_parts")
+        }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -46,7 +47,7 @@ impl Codec for ExrParts {
         Ok((read(bytes)?.into(), vec![]))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         Ok(Encoded::bytes(write(table)?, CONVENTION, vec![]))
     }
 
@@ -79,7 +80,7 @@ pub fn write(table: &BrdfTable) -> Checked<Vec<u8>> {
     })?)
 }
 
-/// The heading of a part: its channels have types only.
+/// The header of a part: its channels have types only.
 fn part(table: &BrdfTable, stop: usize, planes: &BTreeMap<String, Plane>, grid: &str) -> ImagePart {
     let (width, height) = size(&table.grid);
     let (theta_i, phi_i) = table.grid.stop_deg(stop);
@@ -119,8 +120,7 @@ fn read_back(mut file: BlockReader<impl Read + Seek>, table: &BrdfTable) -> Chec
 }
 
 /// The table in the bytes of a file.
-///
-/// Held by: `exr_parts_come_back_bit_for_bit`, `damaged_parts_are_refused`.
+// Tested by `exr_parts_come_back_bit_for_bit`, `damaged_parts_are_refused`.
 pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let mut parts = image::decode(bytes)?;
     let number = |part: &ImagePart| part.number(STOP).filter(|&stop| stop >= 0.0 && stop.fract() == 0.0);
@@ -140,9 +140,11 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
         number(part) == Some(stop as f64) && (part.width, part.height) == (width, height)
     };
     if parts.len() != stops || !parts.iter().enumerate().all(fits) {
-        return Err(
-            format!("{} parts do not make {stops} stops of {width} x {height} bins", parts.len()).into()
-        );
+        return Err(format!(
+            "{} parts do not make {stops} incidences of {width} x {height} bins",
+            parts.len()
+        )
+        .into());
     }
     let [campaign, version, seed, patch_digest] =
         TEXTS.map(|name| parts[0].text(name).unwrap_or_default().to_string());
@@ -163,7 +165,7 @@ fn joined(parts: Vec<ImagePart>) -> Checked<ImagePart> {
             match (samples, part.channels.remove(name)) {
                 (Samples::F32(all), Some(Samples::F32(values))) => all.extend(values),
                 (Samples::U32(all), Some(Samples::U32(values))) => all.extend(values),
-                _ => return Err(format!("stop {stop}: channel `{name}` (FLOAT) is missing").into()),
+                _ => return Err(format!("incidence {stop}: channel `{name}` (FLOAT) is missing").into()),
             }
         }
     }

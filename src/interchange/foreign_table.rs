@@ -26,12 +26,13 @@ pub fn spectral_table(grid: Grid, total: Vec<Vec<f32>>, wavelengths_nm: &[f64]) 
         wavelengths_nm.len() == total.len()
     };
     if !are_distinguished || total.iter().any(|values| values.len() != pixels) || pixels == 0 {
-        return Err(format!("{} colours do not make {stops} stops of {bins} bins", total.len()).into());
+        return Err(format!("{} colours do not make {stops} incidences of {bins} bins", total.len()).into());
     }
     for values in &total {
         if let Some(at) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
             let (stop, bin, value) = (at / bins, at % bins, values[at]);
-            let what = format!("stop {stop}, bin {bin}: {value} is no BRDF value (finite, not negative)");
+            let what =
+                format!("incidence {stop}, bin {bin}: {value} is no BRDF value (finite, not negative)");
             return Err(what.into());
         }
     }

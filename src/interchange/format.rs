@@ -79,7 +79,7 @@ impl Format {
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
-        self.codec().name()
+        self.codec().traits().name
     }
 }
 

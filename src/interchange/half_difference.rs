@@ -1,5 +1,5 @@
 //! Tables over Rusinkiewicz' half and difference angles, as MERL files hold them: as a function of two directions, and
-//! as a table of stops and bins for whoever needs one.
+//! as a table of incidences and bins for callers that need one.
 //!
 //! Linear between the angles; cells without a value (no arrivals: an arm below the horizon) are left out. phi_d and
 //! phi_d + 180 are one pair with its arms exchanged, so such a table is reciprocal by construction.
@@ -52,7 +52,7 @@ impl HalfDifference {
         Ok(Self::of(grid, values, &table.hits, 180.0))
     }
 
-    /// Values over azimuths of a whole turn: a pair and its exchange are told apart.
+    /// Values over azimuths of a whole turn: a pair and its exchange are distinguished.
     pub fn directed(grid: &Grid, values: Vec<Vec<f32>>, hits: &[u32]) -> Self {
         Self::of(grid, values, hits, 360.0)
     }
@@ -71,14 +71,13 @@ impl HalfDifference {
 }
 
 /// theta_h, phi_h, theta_d, phi_d of a pair in degrees, phi_d in [0, 180).
-///
-/// Held by: `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
+// Tested by `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
 pub fn angles_deg(wi: DVec3, wo: DVec3) -> [f64; 4] {
     let [theta_h, phi_h, theta_d, phi_d] = directed_angles_deg(wi, wo);
     [theta_h, phi_h, theta_d, phi_d % 180.0]
 }
 
-/// The same with phi_d in [0, 360), which tells the arms apart.
+/// The same with phi_d in [0, 360), which distinguishes the arms.
 fn directed_angles_deg(wi: DVec3, wo: DVec3) -> [f64; 4] {
     let h = (wi + wo).normalize();
     let (theta_h, phi_h) = (sphere::theta(h), sphere::phi(h));
@@ -111,8 +110,8 @@ impl Brdf for HalfDifference {
     }
 }
 
-/// Such a table as one of stops and bins: means over the bins of `grid`, or over centred bins of 2.5 x 5 degrees under
-/// stops of 5 (anisotropic: 15) degrees. `None` where it is one already.
+/// Such a table as one of incidences and bins: means over the bins of `grid`, or over centred bins of 2.5 x 5 degrees
+/// under incidences of 5 (anisotropic: 15) degrees. `None` where it is one already.
 pub fn as_arms(table: &BrdfTable, grid: Option<&Grid>) -> Checked<Option<BrdfTable>> {
     if table.grid.kind != GridKind::HalfDifference {
         return Ok(None);
@@ -123,7 +122,7 @@ pub fn as_arms(table: &BrdfTable, grid: Option<&Grid>) -> Checked<Option<BrdfTab
     resample_spectrum(parts, &table.wavelengths_nm(), grid.unwrap_or(&own)).map(Some)
 }
 
-/// Stops of 5 (anisotropic: 15) degrees over the default bins.
+/// Incidences of 5 (anisotropic: 15) degrees over the default bins.
 pub fn default_arms(isotropic: bool) -> Grid {
     let even = |step: f64, count: usize| (0..count).map(|k| step * k as f64).collect::<Vec<f64>>();
     if isotropic { default_grid(even(5.0, 18), vec![]) } else { default_grid(even(15.0, 6), even(15.0, 24)) }

@@ -48,7 +48,7 @@ pub fn import(
     Ok((table, notes.into_iter().chain(how).collect()))
 }
 
-/// A table of what was read, on the geometry of `like` where that is given, with what is to be said of gaps and of
+/// A table of what was read, on the geometry of `like` where that is given, with notes on gaps and on
 /// resampling.
 fn on_grid(imported: Imported, like: Option<&Grid>) -> Checked<(BrdfTable, Vec<String>)> {
     let (parts, wavelengths_nm, own) = match imported {
@@ -71,6 +71,6 @@ fn on_grid(imported: Imported, like: Option<&Grid>) -> Checked<(BrdfTable, Vec<S
     };
     let grid = like.unwrap_or(&own);
     let (stops, bins) = (grid.stops(), grid.bins());
-    let how = format!("resampled: means over {stops} stops of {bins} bins, 16 directions a bin");
+    let how = format!("resampled: means over {stops} incidences of {bins} bins, 16 directions a bin");
     Ok((resample_spectrum(parts.iter().map(Box::as_ref), &wavelengths_nm, grid)?, vec![how]))
 }

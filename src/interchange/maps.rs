@@ -1,7 +1,7 @@
 //! Maps of GGX parameters over a surface, as OpenSVBRDF and its kin publish them: a texel becomes a campaign.
 //!
-//! A folder with `ax_ay.exr` (R: alpha_x, G: alpha_y) and `ps.exr` (R, G, B: specular reflectance, taken as F0). Other maps
-//! of the folder (diffuse, normal, tangent) say nothing of the microsurface and are left alone.
+//! A folder with `ax_ay.exr` (R: alpha_x, G: alpha_y) and `ps.exr` (R, G, B: specular reflectance, taken as F0).
+//! Other maps of the folder (diffuse, normal, tangent) say nothing of the microsurface and are left alone.
 
 use std::path::Path;
 
@@ -37,8 +37,7 @@ pub fn load(folder: &Path) -> Result<Maps> {
 }
 
 /// The maps in the bytes of `ax_ay.exr` and `ps.exr`, which must have one size.
-///
-/// Held by: `a_texel_becomes_a_campaign`, `damaged_maps_are_refused` (tests/it/interchange/interchange_maps.rs).
+// Tested by `a_texel_becomes_a_campaign`, `damaged_maps_are_refused` (tests/it/interchange/interchange_maps.rs).
 pub fn read(alpha: &[u8], f0: &[u8]) -> Checked<Maps> {
     let part = |name: &str, bytes: &[u8]| image::decode_one(bytes).map_err(|why| why.at(name));
     let (mut alpha, mut f0) = (part(FILES[0], alpha)?, part(FILES[1], f0)?);
@@ -62,7 +61,8 @@ fn channel(file: &str, part: &mut ImagePart, name: &str) -> Checked<Vec<f32>> {
 impl Maps {
     /// The campaign of a texel, as the text of its file. Equal roughnesses make a 3-D campaign, others a 4-D one.
     ///
-    /// A texel whose values no campaign may have (roughness outside [1e-4, 10], F0 outside [0, 1], not finite) is refused.
+    /// A texel whose values no campaign may have (roughness outside [1e-4, 10], F0 outside [0, 1], not finite) is
+    /// refused.
     pub fn campaign(&self, column: usize, row: usize) -> Checked<String> {
         if column >= self.width || row >= self.height {
             return Err(format!("texel {column},{row} lies outside {} x {}", self.width, self.height).into());

@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::codec::{Codec, Encoded, Holds, resampling_notes};
+use super::codec::{Codec, Encoded, FormatTraits, resampling_notes};
 use super::half_difference::HalfDifference;
 pub use super::options::Sampling;
 use super::{Brdf, Checked, Colour, Imported, Lookup, Options, foreign_table};
@@ -51,19 +51,15 @@ impl Sampling {
 pub struct MerlFile;
 
 impl Codec for MerlFile {
-    fn name(&self) -> &'static str {
-        "merl"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds { more_than_totals: true, half_difference: true, ..Holds::RESAMPLED }
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { more_than_totals: true, half_difference: true, ..FormatTraits::resampled("merl") }
     }
 
     fn decode(&self, bytes: &[u8], options: &Options) -> Checked<(Imported, Vec<String>)> {
         Ok((read(bytes, options.merl_sampling)?.into(), vec![]))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
         let sampling = options.merl_sampling;
         if table.grid == grid(sampling) {
             let notes = vec!["the table's own cells, as they are".into()];
@@ -128,10 +124,10 @@ pub fn check(grid: &Grid) -> Checked<()> {
 /// The bytes of a file of an isotropic BRDF; one of one colour has it in all three. Both arms of a pair are one cell:
 /// their mean.
 ///
-/// Straight lines between values of a lobe lie above it nearly everywhere. Node values are therefore moved by two thirds
-/// of the gap in the middles of the neighbouring intervals of theta_h, the mean of a parabola: what is left has no mean,
-/// and two fifths of the L1. Held by:
-/// `of_a_table_that_holds_the_lobe_it_is_within_three_thousandths` (tests/it/interchange/interchange_merl.rs).
+/// Straight lines between values of a lobe lie above it nearly everywhere. Node values are therefore moved by two
+/// thirds of the gap in the middles of the neighbouring intervals of theta_h, the mean of a parabola: what is left
+/// has no mean, and two fifths of the L1.
+// Tested by `of_a_table_that_holds_the_lobe_it_is_within_three_thousandths` (tests/it/interchange/interchange_merl.rs).
 pub fn write(brdf: &dyn Brdf, sampling: Sampling) -> Vec<u8> {
     let mut cells: Vec<Colour> = (0..CELLS)
         .into_par_iter()
@@ -194,7 +190,7 @@ fn value(brdf: &dyn Brdf, index: [f64; 3]) -> Colour {
     std::array::from_fn(|c| 0.5 * (there[c] + back[c]))
 }
 
-/// How far the value half-way to the next theta_h lies above the straight line; 0 beside invalid cells.
+/// How far the value half-way to the next theta_h lies above the straight line; 0 next to invalid cells.
 fn gap(brdf: &dyn Brdf, cells: &[Colour], at: usize) -> Colour {
     let ([h, d, p], (low, high)) = (indices(at), (cells[at], cells[at + ROW]));
     let half_way = (0.5 * (h * h + (h + 1) * (h + 1)) as f64).sqrt();
@@ -207,8 +203,8 @@ fn gap(brdf: &dyn Brdf, cells: &[Colour], at: usize) -> Colour {
 
 /// The table of a file's own cells; invalid ones are gaps.
 ///
-/// Refused: another length, another size of the grid, values that are not finite. Held by:
-/// `damaged_files_are_refused`, `the_cells_of_a_file_are_a_table` (tests/it/interchange/interchange_merl.rs).
+/// Refused: another length, another size of the grid, values that are not finite.
+// Tested by `damaged_files_are_refused`, `the_cells_of_a_file_are_a_table` (tests/it/interchange/interchange_merl.rs).
 pub fn read(bytes: &[u8], sampling: Sampling) -> Checked<BrdfTable> {
     let side = |k: usize| bytes.get(4 * k..4 * k + 4).map(|b| i32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let sides = [side(0), side(1), side(2)];

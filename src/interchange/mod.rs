@@ -1,9 +1,9 @@
 //! 8. Tables that other people's programs open, and theirs read: one file a format.
 //!
 //! Input: a [`BrdfTable`](crate::table::BrdfTable) or the bytes of a foreign file. Output: the other. A format is a
-//! [`codec::Codec`], listed in [`format`](Format). One whose directions are not the table's is written through [`Lookup`], an
-//! interpolant that keeps the table's bin means; a foreign file whose directions are no list of incidences and bins is a
-//! [`Brdf`] and is averaged over bins by [`resample()`].
+//! [`codec::Codec`], listed in [`format`](Format). One whose directions are not the table's is written through
+//! [`Lookup`], an interpolant that keeps the table's bin means; a foreign file whose directions are no list of
+//! incidences and bins is a [`Brdf`] and is averaged over bins by [`resample()`].
 
 pub mod albedo;
 mod bands;

@@ -1,7 +1,7 @@
 //! What a foreign file takes in memory while it is read, judged before anything is made of it.
 //!
-//! Input: the bytes of a file. Output: the most bytes that its reader may come to need, from the sizes that a binary file
-//! claims, and from the lines and words that a text can hold. The numbers of bytes are measured with
+//! Input: the bytes of a file. Output: the most bytes that its reader may come to need, from the sizes that a binary
+//! file claims, and from the lines and words that a text can hold. The numbers of bytes are measured with
 //! tests/process/bombs.rs.
 
 use std::io::Cursor;
@@ -10,7 +10,7 @@ use crate::error::Checked;
 use crate::files::image_blocks::BlockReader;
 use crate::files::memory;
 
-/// Bytes of a line of a list that is read: no heading of a list is longer.
+/// Bytes of a line of a list that is read: no header of a list is longer.
 pub const LONGEST_LINE: usize = 1 << 20;
 /// Bytes that a sample of a list comes to take, with its place in the table.
 const SAMPLE: u64 = 300;

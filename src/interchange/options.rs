@@ -26,7 +26,8 @@ pub struct Options {
     pub side: Option<SampleSide>,
     /// Klems matrices that are written: the basis; the table's own, else the full one, if none is asked for.
     pub klems: Option<Basis>,
-    /// How far the albedo of a file of other directions may be off between the table's incidences, relative; `None`: 1 %.
+    /// How far the albedo of a file of other directions may be off between the table's incidences, relative; `None`:
+    /// 1 %.
     pub albedo_error: Option<f64>,
     /// A file with a single azimuth of the light is isotropic: the user's word.
     pub isotropic: bool,

@@ -16,11 +16,11 @@ const MOST_BINS: usize = 400_000;
 /// The error of reading a file back.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReadBack {
-    /// Sum of |file - table| w over sum of table w, w the projected solid angle; mean over stops and colours.
+    /// Sum of |file - table| w over sum of table w, w the projected solid angle; mean over incidences and colours.
     pub l1: f64,
-    /// The worst bin: |file - table| over the largest value of its stop and colour.
+    /// The worst bin: |file - table| over the largest value of its incidence and colour.
     pub worst: f64,
-    /// Its stop, (theta_i, phi_i) in degrees.
+    /// Its incidence, (theta_i, phi_i) in degrees.
     pub worst_stop_deg: (f64, f64),
     /// The middle of the bin, (theta_r, phi_r) in degrees.
     pub worst_bin_deg: (f64, f64),
@@ -189,11 +189,10 @@ fn size_of(region: &Region) -> f64 {
     }
 }
 
-/// The middles of a stop's bins in degrees, azimuths absolute, to ten digits after the point. They are the grid's own
-/// angles, not those of its unit vectors: the azimuth of an arm at the pole is kept, and so is a negative one. A
-/// negative polar angle is the far side of its plane.
-///
-/// Held by: `an_arm_at_the_pole_keeps_its_azimuths` (tests/it/interchange/interchange_angles.rs).
+/// The middles of an incidence's bins in degrees, azimuths absolute, to ten digits after the point. They are the
+/// grid's own angles, not those of its unit vectors: the azimuth of an arm at the pole is kept, and so is a negative
+/// one. A negative polar angle is the far side of its plane.
+// Tested by `an_arm_at_the_pole_keeps_its_azimuths` (tests/it/interchange/interchange_angles.rs).
 pub fn middles_deg(grid: &Grid, stop: usize) -> Vec<(f64, f64)> {
     let turn = if grid.phi_r_relative { grid.stop_deg(stop).1 } else { 0.0 };
     let listed = match grid.kind {

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::codec::{Codec, Encoded, Holds};
+use super::codec::{Codec, Encoded, FormatTraits};
 use super::resample::angles::{bin_axes, stop_axes};
 use super::{Brdf, Checked, Imported, Lookup, Options, foreign_table, needed};
 use crate::files::exr_header;
@@ -29,16 +29,8 @@ pub const BYTES: usize = 3 * DIRECTIONS * DIRECTIONS * 8;
 pub struct Utia;
 
 impl Codec for Utia {
-    fn name(&self) -> &'static str {
-        "utia"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds::RESAMPLED
-    }
-
-    fn reach_deg(&self, _last_deg: f64) -> (f64, f64) {
-        (75.0, 75.0)
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { reach_deg: |_last_deg| [75.0, 75.0], ..FormatTraits::resampled("utia") }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -49,7 +41,7 @@ impl Codec for Utia {
         Ok((read(bytes)?.into(), vec![]))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
         let write = if options.utia_image { write_image } else { write };
         let note = "resampled to a direction every 15 x 7.5 degrees: lobes narrower than that are not held";
         Ok(Encoded::bytes(write(table)?, CONVENTION, vec![note.into()]))
@@ -105,9 +97,9 @@ pub fn write_image(table: &BrdfTable) -> Checked<Vec<u8>> {
 
 const NAMES: [&str; 3] = ["R", "G", "B"];
 
-/// The table of points of a file, `.bin` or image. Negative values, which the database has where the light was too weak, become 0.
-///
-/// Held by: `utia_comes_back_exactly`, `the_image_form_of_utia_comes_back`, `damaged_utia_files_are_refused`.
+/// The table of points of a file, `.bin` or image. Negative values, which the database has where the light was too
+/// weak, become 0.
+// Tested by `utia_comes_back_exactly`, `the_image_form_of_utia_comes_back`, `damaged_utia_files_are_refused`.
 pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     if exr_header::is_exr(bytes) {
         return read_image(bytes);

@@ -15,12 +15,11 @@ use super::{BrdfTable, SchlickSums};
 /// Name of the grid's attribute.
 pub(super) const GRID: &str = "gonio.grid";
 
-/// Name of the attribute of the albedos' errors: a number for each stop and colour, stop major.
+/// Name of the attribute of the albedos' errors: a number for each incidence and colour, incidence major.
 const ALBEDO_SE: &str = "gonio.albedo_se";
 
-/// Stops and bins of a grid; an axis that no instrument has is a reason to refuse it.
-///
-/// Held by: `axes_that_no_instrument_has_are_refused`.
+/// Incidences and bins of a grid; an axis that no instrument has is a reason to refuse it.
+// Tested by `axes_that_no_instrument_has_are_refused`.
 pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
     if grid.kind == GridKind::HalfDifference {
         return half_difference(grid);
@@ -31,7 +30,7 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
     } else {
         if !grid.theta_i_deg.is_empty() || !grid.phi_i_deg.is_empty() {
             return Err(format!(
-                "{GRID}: stops_deg beside the axes theta_i_deg and phi_i_deg: only one is allowed"
+                "{GRID}: stops_deg next to the axes theta_i_deg and phi_i_deg: only one is allowed"
             )
             .into());
         }
@@ -56,12 +55,10 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
     Ok((grid.stops(), grid.bins()))
 }
 
-/// Axes of half vectors and differences; others are of no use beside them.
+/// Axes of half vectors and differences; others are of no use next to them.
 fn half_difference(grid: &Grid) -> Checked<(usize, usize)> {
     if !(grid.theta_i_deg.is_empty() && grid.phi_i_deg.is_empty() && grid.stops_deg.is_empty()) {
-        return Err(
-            format!("{GRID}: stops of the light beside half/difference angles: only one is allowed").into()
-        );
+        return Err(format!("{GRID}: incidences next to half/difference angles: only one is allowed").into());
     }
     let axes = [
         ("theta_h_deg", &grid.theta_h_deg, 90.0),
@@ -73,7 +70,7 @@ fn half_difference(grid: &Grid) -> Checked<(usize, usize)> {
         axis(name, values, 1, 0.0..=most)?;
         increasing(name, values)?;
         if most > 90.0 && values.last() == Some(&most) {
-            return Err(format!("{GRID}: {name} = {most} is there already, as 0").into());
+            return Err(format!("{GRID}: {name} = {most} already exists, as 0").into());
         }
     }
     Ok((grid.stops(), grid.bins()))
@@ -126,8 +123,10 @@ pub(super) fn read_grid(part: &ImagePart) -> Checked<Grid> {
         return Ok(grid);
     }
     let (width, height) = (part.width, part.height);
-    Err(format!("{GRID} says {stops} stops and {bins} bins, the image is {width} wide and {height} high")
-        .into())
+    Err(format!(
+        "{GRID} says {stops} incidences and {bins} bins, the image is {width} wide and {height} high"
+    )
+    .into())
 }
 
 /// A table's channel where it lies.
@@ -222,7 +221,8 @@ fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> 
     match values.iter().position(|value| !value.is_finite()) {
         Some(at) => {
             let (stop, bin, value) = (first_stop + at / width, at % width, values[at]);
-            Err(format!("channel `{name}`, stop {stop}, bin {bin}: {value} is not a finite number").into())
+            Err(format!("channel `{name}`, incidence {stop}, bin {bin}: {value} is not a finite number")
+                .into())
         }
         None => Ok(()),
     }
@@ -247,7 +247,7 @@ pub(super) fn colour_names(part: &ImagePart) -> Checked<Vec<ColourName>> {
     }
 }
 
-/// The channel names of a table's colours; colours that are not told apart are a reason to refuse it.
+/// The channel names of a table's colours; colours that are not distinguished are a reason to refuse it.
 pub(super) fn distinct_names(table: &BrdfTable) -> Checked<Vec<String>> {
     let names = table.colour_names();
     let spectral = table.colours.iter().filter(|colour| colour.wavelength_nm.is_some()).count();
@@ -289,7 +289,7 @@ pub(super) fn set_albedo_errors(part: &mut ImagePart, errors: &[Vec<f32>], stops
     part.set_text(ALBEDO_SE, &numbers.collect::<Vec<_>>().join("\n"));
 }
 
-/// The errors of the albedos of each colour at some stops, empty where the part has none.
+/// The errors of the albedos of each colour at some incidences, empty where the part has none.
 pub(super) fn albedo_errors(
     part: &ImagePart,
     colours: usize,
@@ -300,7 +300,7 @@ pub(super) fn albedo_errors(
     let number = |word: &str| word.parse().ok().filter(|se: &f32| se.is_finite() && *se >= 0.0);
     let all: Option<Vec<f32>> = text.split_whitespace().map(number).collect();
     let all = all.filter(|all| all.len() == of * colours).ok_or_else(|| {
-        format!("{ALBEDO_SE}: {} numbers from 0 up needed, one for each stop and colour", of * colours)
+        format!("{ALBEDO_SE}: {} numbers from 0 up needed, one for each incidence and colour", of * colours)
     })?;
     let of_colour = |colour: usize| stops.iter().map(|stop| all[stop * colours + colour]).collect();
     Ok((0..colours).map(of_colour).collect())
@@ -317,7 +317,7 @@ pub(super) fn content_of(part: &ImagePart) -> ContentDigest {
 
 /// Compares a part's digest with its content; a missing one is a warning.
 ///
-/// `origin` is the text that older digests held beside the grid: the patches' digest, or the table's.
+/// `origin` is the text that older digests held next to the grid: the patches' digest, or the table's.
 pub(super) fn check_digest(part: &ImagePart, origin: &str, warnings: &mut Vec<String>) -> Checked<()> {
     match part.text(DIGEST) {
         None => {

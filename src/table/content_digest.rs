@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use crate::files;
 use crate::files::image::{Attribute, ImagePart, Samples};
 
-/// A digest under way.
+/// An unfinished digest.
 #[derive(Default)]
 pub(super) struct ContentDigest {
     channels: BTreeMap<String, ChannelDigest>,

@@ -1,6 +1,6 @@
 //! The table of every realisation: `<name>.realisations.exr`, one part each, for pairing and jackknife.
 //!
-//! Enters: [`Realisations`] and the table they belong to. Leaves: a multi-part EXR, or a smaller one with 16
+//! Input: [`Realisations`] and the table they belong to. Output: a multi-part EXR, or a smaller one with 16
 //! groups of consecutive realisations, or nothing where even that is too large.
 
 use std::path::Path;
@@ -41,7 +41,7 @@ pub enum StoredRealisations {
 /// The content of a realisations file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RealisationsFile {
-    /// Which stops and bins, as in the table.
+    /// Which incidences and bins, as in the table.
     pub grid: Grid,
     /// Digest of the table that they belong to.
     pub table_digest: String,
@@ -68,7 +68,7 @@ impl RealisationsFile {
 /// An upper bound of the file's size in bytes, known before anything is measured.
 ///
 /// Pixels of so many f32 `channels` that do not compress at all, and the headers.
-/// Held by: `the_size_said_beforehand_is_never_exceeded`.
+// Tested by `the_size_said_beforehand_is_never_exceeded`.
 pub fn file_bytes(grid: &Grid, channels: usize, parts: usize) -> u64 {
     let (stops, bins) = (grid.stops() as u64, grid.bins() as u64);
     let channels = channels as u64;

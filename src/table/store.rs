@@ -1,6 +1,6 @@
-//! The table's own file: one EXR image, row = light stop, column = sensor bin, lossless.
+//! The table's own file: one EXR image, row = incidence, column = sensor bin, lossless.
 //!
-//! Enters: a [`BrdfTable`]. Leaves: the same bytes from every run, and the same table from the bytes.
+//! Input: a [`BrdfTable`]. Output: the same bytes from every run, and the same table from the bytes.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -40,7 +40,8 @@ pub struct Loaded {
 
 /// The bytes of the table's file.
 ///
-/// NaN and infinite values are refused. Held by: `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
+/// NaN and infinite values are refused.
+// Tested by `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
 pub fn encode(table: &BrdfTable) -> Result<Vec<u8>> {
     let mut writer = TableWriter::new(Cursor::new(Vec::new()), Path::new("memory"), table, &table.grid)?;
     writer.append(table)?;
@@ -83,7 +84,8 @@ pub fn load(path: &Path) -> Result<Loaded> {
 
 /// The table in the bytes of a file; `path` is for messages only.
 ///
-/// A wrong digest is an error, a missing one a warning. Held by: `damaged_tables_are_errors_and_never_panic`.
+/// A wrong digest is an error, a missing one a warning.
+// Tested by `damaged_tables_are_errors_and_never_panic`.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Loaded> {
     from_parts(path, image::decode(bytes).map_err(|why| Error::format(path, why))?)
 }
@@ -141,7 +143,8 @@ pub(super) fn header(part: &mut ImagePart) -> Checked<TableHeader> {
     Ok(TableHeader { empty, names, warnings })
 }
 
-/// The table whose channels are those of `part`, a row each incidence; channels that are none of a table's are left out.
+/// The table whose channels are those of `part`, a row each incidence; channels that are none of a table's are left
+/// out.
 pub(crate) fn of_channels(empty: BrdfTable, mut part: ImagePart) -> Checked<BrdfTable> {
     let names = channels::colour_names(&part)?;
     let stops: Vec<usize> = (0..part.height).collect();
@@ -271,7 +274,7 @@ mod tests {
             let mut table = table(3);
             table.colours[1].stderr[7] = bad;
             let message = encode(&table).expect_err("must be refused").to_string();
-            assert!(message.contains("`stderr.G`, stop 1, bin 1"), "{message}");
+            assert!(message.contains("`stderr.G`, incidence 1, bin 1"), "{message}");
         }
     }
 
@@ -303,7 +306,7 @@ mod tests {
         assert_eq!(reason(hits), "channel `hits` is not UINT");
         let mut nan = part();
         nan.channels.insert("Y".into(), Samples::F32(vec![f32::NAN; 12]));
-        assert!(reason(nan).contains("channel `Y`, stop 0, bin 0"));
+        assert!(reason(nan).contains("channel `Y`, incidence 0, bin 0"));
     }
 
     #[test]
@@ -312,7 +315,7 @@ mod tests {
         let mut grid = table(1).grid;
         grid.theta_i_deg.push(80.0);
         part.set_text(GRID, &channels::grid_text(&grid).expect("prints"));
-        assert!(reason(part).contains("3 stops and 6 bins, the image is 6 wide and 2 high"));
+        assert!(reason(part).contains("3 incidences and 6 bins, the image is 6 wide and 2 high"));
     }
 
     #[test]

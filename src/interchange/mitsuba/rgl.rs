@@ -8,7 +8,7 @@
 
 pub use super::read::{Rgl, read};
 pub use super::write::write;
-use crate::interchange::codec::{Codec, Encoded, Holds, resampling_notes};
+use crate::interchange::codec::{Codec, Encoded, FormatTraits, resampling_notes};
 use crate::interchange::resample::default_grid;
 use crate::interchange::{Checked, Imported, Lookup, Options};
 use crate::table::BrdfTable;
@@ -21,12 +21,8 @@ const CONVENTION: &str = "spectra x D(m)/(4 sigma(wi)) is f cos(theta_o): with t
 pub struct RglFile;
 
 impl Codec for RglFile {
-    fn name(&self) -> &'static str {
-        "rgl"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds::RESAMPLED
+    fn traits(&self) -> FormatTraits {
+        FormatTraits::resampled("rgl")
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -39,7 +35,7 @@ impl Codec for RglFile {
         Ok((Imported::of(rgl, grid), vec![]))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
         let lookup = Lookup::new(table)?;
         let bytes = write(&lookup, wavelengths(table, options)?, &description(table))?;
         Ok(Encoded::bytes(bytes, CONVENTION, resampling_notes(&lookup)))

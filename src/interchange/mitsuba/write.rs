@@ -60,8 +60,7 @@ fn phi_nodes(lookup: &Lookup) -> Vec<f64> {
 
 /// The bytes of a file. With increasing `wavelengths_nm`, those of B, G, R (any number for a table of one colour, which
 /// has the same value at each), the file is spectral; without them rgb.
-///
-/// Held by: `rgl_reads_back` (tests/it/interchange/interchange_rgl.rs), and against Mitsuba in tests/interop.
+// Tested by `rgl_reads_back` (tests/it/interchange/interchange_rgl.rs), and against Mitsuba in tests/interop.
 pub fn write(lookup: &Lookup, wavelengths_nm: Option<&[f64]>, description: &str) -> Checked<Vec<u8>> {
     let isotropic = lookup.is_isotropic();
     let (vndf_side, side) = if isotropic { (128, 64) } else { (64, 32) };

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::arrays::{interleaved, shape};
 use crate::files::npy;
-use crate::interchange::codec::{self, BandCodec, Codec, Encoded, Holds};
+use crate::interchange::codec::{self, BandCodec, Codec, Encoded, FormatTraits};
 use crate::interchange::read_back::{Listing, ReadBack, ReadErrors};
 use crate::interchange::{Bands, Checked, Imported, Options};
 use crate::table::BrdfTable;
@@ -20,19 +20,15 @@ const CONVENTION: &str = "f4, C order, [theta_i, phi_i, theta_r, phi_r(, colour)
 pub struct Npy;
 
 impl Codec for Npy {
-    fn name(&self) -> &'static str {
-        "npy"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds { half_difference: true, wavelengths: true, ..Holds::TOTALS }
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { half_difference: true, wavelengths: true, ..FormatTraits::totals("npy") }
     }
 
     fn decode(&self, _bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
         Err("an array without axes is no table; save it as npz with axes".into())
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         Ok(Encoded::stream(CONVENTION, table, |mut table, out| Npy.write(&mut table, out)))
     }
 

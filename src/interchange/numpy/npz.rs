@@ -1,8 +1,10 @@
 //! NPZ: every array of the table for NumPy, stored in a zip without compression; comes back bit for bit.
 //!
 //! Arrays: `brdf` [theta_i, phi_i, theta_r, phi_r(, colour)] f4, `single`, `stderr`, `stderr_single` alike, `hits` u4
-//! (`schlick`, `unit`, `parts.*` f4) without colours, `order2` ... and `wavelength_nm` where the table has them, axes f8 in degrees, `phi_r_relative` u1, texts as `str` (`<U`): `campaign`, `grid` (JSON, the
-//! whole geometry), `version`, `seed`, `patch_digest`; older files have them as u1 (UTF-8), which are read too. Lists of patches or points have [stop, bin(, colour)].
+//! (`schlick`, `unit`, `parts.*` f4) without colours, `order2` ... and `wavelength_nm` where the table has them, axes
+//! f8 in degrees, `phi_r_relative` u1, texts as `str` (`<U`): `campaign`, `grid` (JSON, the whole geometry),
+//! `version`, `seed`, `patch_digest`; older files have them as u1 (UTF-8), which are read too. Lists of patches or
+//! points have [incidence, bin(, colour)].
 
 use std::io::{self, Cursor, Read, Seek, Write};
 use std::path::Path;
@@ -16,7 +18,7 @@ use super::members::{Members, WAVELENGTHS, needed};
 use crate::files::memory;
 use crate::files::npy::{self, NpyValues};
 use crate::instrument::Grid;
-use crate::interchange::codec::{self, Codec, Encoded, Holds};
+use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
 use crate::interchange::read_back::{Listing, ReadBack};
 use crate::interchange::text::seam;
 use crate::interchange::{Checked, Imported, Options, spectral_table};
@@ -30,17 +32,13 @@ const CONVENTION: &str = "the table as it is: f4, C order, [theta_i, phi_i, thet
 pub struct Npz;
 
 impl Codec for Npz {
-    fn name(&self) -> &'static str {
-        "npz"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds {
+    fn traits(&self) -> FormatTraits {
+        FormatTraits {
             more_than_totals: true,
             gaps: true,
             half_difference: true,
             wavelengths: true,
-            ..Holds::TOTALS
+            ..FormatTraits::totals("npz")
         }
     }
 
@@ -52,7 +50,7 @@ impl Codec for Npz {
         Ok((read(bytes)?.into(), vec![]))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         Ok(Encoded::stream(CONVENTION, table, write))
     }
 
@@ -155,8 +153,8 @@ fn axes(grid: &Grid) -> [(&'static str, &[f64]); 6] {
 }
 
 /// The table of an archive. Needed are `brdf` and the axes (or `grid`); what is left out is "not available".
-///
-/// Held by: `npz_comes_back_bit_for_bit`, `damaged_archives_are_refused` (tests/it/interchange/interchange_arrays.rs).
+// Tested by `npz_comes_back_bit_for_bit`, `damaged_archives_are_refused`
+// (tests/it/interchange/interchange_arrays.rs).
 pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     memory::check(needed(bytes)?)?;
     let mut members = Members::open(Cursor::new(bytes), bytes.len() as u64)?;

@@ -15,7 +15,7 @@ use super::xml;
 use super::xml::{SampleSide, negative_note, short};
 use crate::instrument::klems::{Basis, Ring, patches};
 use crate::instrument::{GridKind, Region};
-use crate::interchange::codec::{Codec, Encoded, Holds};
+use crate::interchange::codec::{Codec, Encoded, FormatTraits};
 use crate::interchange::resample::nodes;
 use crate::interchange::{Brdf, Checked, Colour, Imported, Lookup, Options, foreign_table, needed};
 use crate::table::BrdfTable;
@@ -29,12 +29,8 @@ const CONVENTION: &str = "Klems matrix, IncidentDataStructure Columns, BRDF in 1
 pub struct Klems;
 
 impl Codec for Klems {
-    fn name(&self) -> &'static str {
-        "klems"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds::RESAMPLED
+    fn traits(&self) -> FormatTraits {
+        FormatTraits::resampled("klems")
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -46,7 +42,7 @@ impl Codec for Klems {
         Ok((table.into(), notes))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
         let (text, notes) = write(table, options.klems)?;
         Ok(Encoded::bytes(text, CONVENTION, notes))
     }
@@ -55,10 +51,9 @@ impl Codec for Klems {
 /// What the blocks of a coloured file are, after `Visible`.
 const COLOURS: [&str; 2] = ["CIE-X", "CIE-Z"];
 
-/// The text of a file, and what is to be said of it. Values of a table of patches are kept as they are, unless another
+/// The text of a file, and notes on it. Values of a table of patches are kept as they are, unless another
 /// basis is wanted; of other tables the full basis is written. Those of three colours go through XYZ.
-///
-/// Held by: `half_and_quarter_bases_go_out_as_they_came`, `klems_patches_come_back`.
+// Tested by `half_and_quarter_bases_go_out_as_they_came`, `klems_patches_come_back`.
 pub fn write(table: &BrdfTable, wanted: Option<Basis>) -> Checked<(String, Vec<String>)> {
     let own = bases_of(&table.grid);
     let kept = own.filter(|own| wanted.is_none_or(|basis| own.iter().all(|rings| rings == basis.rings())));
@@ -162,11 +157,10 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     read_side(bytes, None).map(|(table, _)| table)
 }
 
-/// The table of patches of one side of a file, and what is to be said of it; negative values become 0, as Radiance has
+/// The table of patches of one side of a file, and notes on it; negative values become 0, as Radiance has
 /// it, and are counted.
-///
-/// Held by: `klems_patches_come_back`, `colours_of_radiance_files_come_back`, `damaged_xml_is_refused`,
-/// `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
+// Tested by `klems_patches_come_back`, `colours_of_radiance_files_come_back`, `damaged_xml_is_refused`,
+// `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
 pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(BrdfTable, Vec<String>)> {
     let document = xml::read(bytes)?;
     let columns = match document.structure.as_str() {

@@ -11,12 +11,12 @@ use crate::table::BrdfTable;
 /// Directions nearer to a border than this belong to both sides, degrees: files in radians carry twelve digits.
 const BORDER_DEG: f64 = 1e-9;
 
-/// The geometry of a matrix: stops in the middle of the light's patches.
+/// The geometry of a matrix: incidences in the middle of the light's patches.
 pub fn grid(light: &[[f64; 4]], sensor: Vec<[f64; 4]>) -> Grid {
     Grid { kind: GridKind::Patches, stops_deg: middles(light), patches_deg: sensor, ..Grid::default() }
 }
 
-/// The bases of a table whose stops are the middles of patches: of the light, and of the sensor.
+/// The bases of a table whose incidences are the middles of patches: of the light, and of the sensor.
 pub fn bases_of(table: &Grid) -> Option<[Vec<Ring>; 2]> {
     let sensor = if table.kind == GridKind::Patches { rings_of(&table.patches_deg)? } else { return None };
     let named = Basis::ALL.iter().map(|basis| basis.rings().to_vec());
@@ -28,8 +28,7 @@ pub fn bases_of(table: &Grid) -> Option<[Vec<Ring>; 2]> {
 
 /// A matrix as a function: the value of the patches that hold the directions; on a border, the mean of both sides, as
 /// which side a rounding falls to is nobody's choice.
-///
-/// Held by: `directions_on_a_border_take_both_sides` (tests/it/interchange/interchange_radiance.rs).
+// Tested by `directions_on_a_border_take_both_sides` (tests/it/interchange/interchange_radiance.rs).
 pub struct Patchwise {
     light: Vec<Ring>,
     sensor: Vec<Ring>,
@@ -37,7 +36,7 @@ pub struct Patchwise {
 }
 
 impl Patchwise {
-    /// Of a table of patches whose stops are the middles of patches.
+    /// Of a table of patches whose incidences are the middles of patches.
     pub fn new(table: BrdfTable) -> Checked<Self> {
         let [light, sensor] = bases_of(&table.grid)
             .ok_or("the patches are no Klems basis: rings from the normal to the horizon, of even steps")?;

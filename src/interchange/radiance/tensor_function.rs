@@ -37,10 +37,9 @@ pub fn read(bytes: &[u8]) -> Checked<TensorTree> {
     read_side(bytes, None).map(|(tree, _)| tree)
 }
 
-/// Reads one side of a file, and says what is to be said of it; negative values become 0, as Radiance has it, and are
+/// Reads one side of a file, and gives notes on it; negative values become 0, as Radiance has it, and are
 /// counted.
-///
-/// Held by: `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
+// Tested by `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
 pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(TensorTree, Vec<String>)> {
     let document = xml::read(bytes)?;
     let rank = match document.structure.as_str() {

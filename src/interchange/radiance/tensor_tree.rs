@@ -14,7 +14,7 @@ use super::tensor_cells::{FIRST, Task, TreeCell};
 pub use super::tensor_function::{TensorTree, read, read_side};
 use super::tensor_square::{COLOURS, Tree, directions};
 use super::xml;
-use crate::interchange::codec::{Codec, Encoded, Holds, resampling_notes};
+use crate::interchange::codec::{Codec, Encoded, FormatTraits, resampling_notes};
 use crate::interchange::resample::default_grid;
 use crate::interchange::{Brdf, Checked, Imported, Lookup, Options, needed};
 use crate::table::BrdfTable;
@@ -28,12 +28,8 @@ const CONVENTION: &str = "tensor tree on Shirley-Chiu squares, BRDF in 1/sr, no 
 pub struct TensorTreeFile;
 
 impl Codec for TensorTreeFile {
-    fn name(&self) -> &'static str {
-        "tensor_tree"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds::RESAMPLED
+    fn traits(&self) -> FormatTraits {
+        FormatTraits::resampled("tensor_tree")
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -47,7 +43,7 @@ impl Codec for TensorTreeFile {
         Ok((Imported::of(tree, grid), notes))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         let lookup = Lookup::new(table)?;
         Ok(Encoded::bytes(write(&lookup), CONVENTION, resampling_notes(&lookup)))
     }
@@ -57,9 +53,9 @@ impl Codec for TensorTreeFile {
 const VISIBLE: (f64, usize) = (0.01, 1 << 21);
 /// The same of u' and v', which vary little.
 const CHROMATICITY: (f64, usize) = (0.002, 1 << 18);
-/// What a cell counts with: every direction of the light alike, in polar angle where the table is isotropic, else in solid
-/// angle. By projected solid angle, which the squares keep, grazing light would count so little that its cells stayed
-/// as wide as 15 degrees. Both are 1/cos theta_i.
+/// What a cell counts with: every direction of the light alike, in polar angle where the table is isotropic, else in
+/// solid angle. By projected solid angle, which the squares keep, grazing light would count so little that its cells
+/// stayed as wide as 15 degrees. Both are 1/cos theta_i.
 fn weight(rank: usize, at: &[f64; 4]) -> f64 {
     let sin =
         if rank == 4 { (2.0 * at[0] - 1.0).abs().max((2.0 * at[1] - 1.0).abs()) } else { 1.0 - 2.0 * at[0] };
@@ -116,9 +112,8 @@ fn joined(rank: usize, children: Vec<Tree>) -> Tree {
 }
 
 /// The text of a file: rank 3 where the table is isotropic, else 4; of three colours Y, u' and v'.
-///
-/// Held by: `tensor_trees_of_both_ranks_are_within_three_hundredths`, `colours_of_radiance_files_come_back`
-/// (tests/it/interchange/interchange_radiance.rs), and against Radiance in tests/interop.
+// Tested by `tensor_trees_of_both_ranks_are_within_three_hundredths`, `colours_of_radiance_files_come_back`
+// (tests/it/interchange/interchange_radiance.rs), and against Radiance in tests/interop.
 pub fn write(lookup: &Lookup) -> String {
     let rank = if lookup.is_isotropic() { 3 } else { 4 };
     let text = |tree: &Tree| {

@@ -64,7 +64,7 @@ impl FromStr for SampleSide {
     }
 }
 
-/// The blocks that become a table, and what is to be said of the others.
+/// The blocks that become a table, and notes on the others.
 pub struct Reflection<'a> {
     /// Visible, and the two of colour where both are there.
     pub blocks: Vec<&'a DataBlock>,
@@ -275,9 +275,8 @@ fn flat(error: &quick_xml::Error) -> String {
 impl Document {
     /// The blocks of reflected light: visible, and those of the colour `others` (all or none; a file with one of two is
     /// taken for one without colour, as Radiance has it). Without a wanted side it is +z where the file has it.
-    ///
-    /// Held by: `a_missing_block_is_answered_with_those_that_are_there`, `the_wanted_side_is_read`
-    /// (tests/it/interchange/interchange_radiance.rs).
+    // Tested by `a_missing_block_is_answered_with_those_that_are_there`, `the_wanted_side_is_read`
+    // (tests/it/interchange/interchange_radiance.rs).
     pub fn reflection(&self, others: [&str; 2], side: Option<SampleSide>) -> Checked<Reflection<'_>> {
         let find = |side: SampleSide, wavelength: &str| {
             self.blocks
@@ -329,7 +328,7 @@ impl DataBlock {
     }
 }
 
-/// What is to be said of negative values; `None` where there are none.
+/// The note on negative values; `None` where there are none.
 pub fn negative_note(count: usize, of: usize, least: f64) -> Option<String> {
     (count > 0).then(|| format!("{count} of {of} values are negative (the least {least:.3e}) and become 0"))
 }

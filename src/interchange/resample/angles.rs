@@ -1,4 +1,4 @@
-//! The axes of a table's stops and bins, where those are products of polar angles and azimuths.
+//! The axes of a table's incidences and bins, where those are products of polar angles and azimuths.
 
 use std::f64::consts::TAU;
 
@@ -12,15 +12,16 @@ pub(crate) struct Ordered {
     pub places: Vec<usize>,
 }
 
-/// Polar angles and azimuths whose product the stops are, degrees.
+/// Polar angles and azimuths whose product the incidences are, degrees.
 pub(crate) fn stop_axes(grid: &Grid) -> Checked<(Vec<f64>, Vec<f64>)> {
     if grid.kind == GridKind::HalfDifference {
-        return Err("half/difference angles are no stops and bins".into());
+        return Err("half/difference angles are no incidences and bins".into());
     }
     if grid.stops_deg.is_empty() {
         return Ok((grid.theta_i_deg.clone(), grid.phi_i_deg.clone()));
     }
-    product(&grid.stops_deg).ok_or_else(|| "the stops are no product of polar angles and azimuths".into())
+    product(&grid.stops_deg)
+        .ok_or_else(|| "the incidences are no product of polar angles and azimuths".into())
 }
 
 /// Polar angles and azimuths whose product the middles of the bins are, degrees.
@@ -35,7 +36,7 @@ pub(crate) fn bin_axes(grid: &Grid) -> Checked<(Vec<f64>, Vec<f64>)> {
         GridKind::Patches => {
             grid.patches_deg.iter().map(|p| [0.5 * (p[0] + p[1]), 0.5 * (p[2] + p[3])]).collect()
         }
-        GridKind::HalfDifference => return Err("half/difference angles are no stops and bins".into()),
+        GridKind::HalfDifference => return Err("half/difference angles are no incidences and bins".into()),
     };
     product(&points)
         .ok_or_else(|| "the sensor's directions are no product of polar angles and azimuths".into())

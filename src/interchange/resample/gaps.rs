@@ -1,8 +1,8 @@
-//! A scan with gaps made whole: what a stop lacks, interpolated from what it has.
+//! A scan with gaps made whole: what an incidence lacks, interpolated from what it has.
 //!
-//! Each azimuth of a stop: cubic along its polar angles, through the pole to the azimuth on the other side, the end value
-//! beyond them; the pole is one direction at all azimuths. Then each polar angle: cubic along the azimuths that the stop
-//! has, all the way round.
+//! Each azimuth of an incidence: cubic along its polar angles, through the pole to the azimuth on the other side, the
+//! end value beyond them; the pole is one direction at all azimuths. Then each polar angle: cubic along the azimuths
+//! that the incidence has, all the way round.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -24,7 +24,7 @@ pub(crate) fn not_measured(table: &BrdfTable) -> String {
     )
 }
 
-/// What is to be said of the gaps of a scan; half/difference angles have cells below the horizon, which are none.
+/// The note on the gaps of a scan; half/difference angles have cells below the horizon, which are none.
 pub fn note(table: &BrdfTable) -> Option<String> {
     let (gaps, all) = (table.gaps(), table.grid.stops() * table.grid.bins());
     (gaps > 0 && table.grid.kind != GridKind::HalfDifference).then(|| {
@@ -37,8 +37,7 @@ pub fn note(table: &BrdfTable) -> Option<String> {
 
 /// The totals of a table over all pairs of its polar angles and azimuths, and one sentence of what was filled in; the
 /// table itself where it has all of them. Refused: more to fill in than was measured, azimuths too far apart.
-///
-/// Held by: tests/it/interchange/ragged_scans.rs.
+// Tested by tests/it/interchange/ragged_scans.rs.
 pub fn filled(table: BrdfTable) -> Checked<(BrdfTable, Option<String>)> {
     let gaps = table.gaps();
     let whole = gaps == 0 && (table.grid.kind != GridKind::Points || bin_axes(&table.grid).is_ok());
@@ -113,7 +112,7 @@ impl Rows {
         self.theta.iter().flat_map(|&t| self.phi.iter().map(move |&p| [t, p])).collect()
     }
 
-    /// What a stop has of each row and column.
+    /// What an incidence has of each row and column.
     fn cells(&self, table: &BrdfTable, stop: usize, colour: usize) -> Vec<Option<f64>> {
         let first = stop * table.grid.bins();
         let value = |&bin: &usize| {
@@ -133,7 +132,7 @@ impl Rows {
         (0..self.phi.len()).find(|&other| key([90.0, self.phi[other]]) == wanted)
     }
 
-    /// Fills in the values of one stop.
+    /// Fills in the values of one incidence.
     fn fill(&self, cells: &mut [Option<f64>]) -> Checked<()> {
         let columns = self.phi.len();
         let mut full = Vec::new();
@@ -182,7 +181,7 @@ impl Rows {
     }
 }
 
-/// A cubic may swing below 0 beside a lobe; there the value is 0, as everywhere between bins.
+/// A cubic may swing below 0 next to a lobe; there the value is 0, as everywhere between bins.
 fn sum(taps: Taps, value: impl Fn(usize) -> f64) -> f64 {
     taps.iter().map(|tap| tap.weight * value(tap.node)).sum::<f64>().max(0.0)
 }

@@ -1,7 +1,7 @@
-//! A law that a table nearly follows, so that what is left, table over law, changes slowly from stop to stop.
+//! A law that a table nearly follows, so that what is left, table over law, changes slowly from incidence to incidence.
 //!
 //! The law is an even part and a GGX lobe with separable masking: diffuse + gloss D(h)/(4 sigma(wi) sigma(wo)). It only
-//! guides: at the stops the table is what it is, and every law gives the same values there.
+//! guides: at the incidences the table is what it is, and every law gives the same values there.
 
 use std::f64::consts::PI;
 
@@ -15,16 +15,16 @@ use crate::sphere;
 
 /// Directions of each kind in which the law is fitted.
 const SAMPLES: usize = 256;
-/// Stops at most that it is fitted to, and their last polar angle, rad: towards grazing light a lobe becomes narrower than
-/// most bins.
+/// Incidences at most that it is fitted to, and their last polar angle, rad: towards grazing light a lobe becomes
+/// narrower than most bins.
 const STOPS: usize = 16;
 const LAST_FITTED: f64 = 65.0 * PI / 180.0;
-/// Widths of the lobe that are tried, as parts of the one by the medians: an even part beside the lobe widens those.
+/// Widths of the lobe that are tried, as parts of the one by the medians: an even part next to the lobe widens those.
 const WIDTHS: [f64; 7] = [1.2, 0.85, 0.7, 0.5, 0.35, 0.25, 0.17];
 /// They are taken where they leave less than this part of the squares: medians are the better estimate of a lobe that
 /// stands alone.
 const BETTER: f64 = 0.5;
-/// Values below this part of a stop's mean weigh alike.
+/// Values below this part of an incidence's mean weigh alike.
 const DARK: f64 = 1e-3;
 
 /// The law.
@@ -35,7 +35,7 @@ pub(crate) struct Guide {
     gloss: Colour,
 }
 
-/// A direction of the sensor at a stop, what it weighs in an integral of f cos, and the table's value.
+/// A direction of the sensor at an incidence, what it weighs in an integral of f cos, and the table's value.
 struct Known {
     wi: DVec3,
     to: Sampled,

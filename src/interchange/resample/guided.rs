@@ -1,8 +1,8 @@
 //! A table between its incidences: the ratio to a law that it nearly follows ([`Guide`]), cubic at equal half vector.
 //!
-//! There the mirrored light is alike (f(wi, wo) = D(h) times what varies slowly), where at equal `wo` two lobes would show;
-//! and masking and the two cosines, by which the values at one half vector grow manifold towards grazing light, are the
-//! law's. Beyond the incidences the ratio of the nearest holds.
+//! There the mirrored light is alike (f(wi, wo) = D(h) times what varies slowly), where at equal `wo` two lobes would
+//! show; and masking and the two cosines, by which the values at one half vector grow many times over towards grazing
+//! light, are the law's. Beyond the incidences the ratio of the nearest holds.
 
 use glam::DVec3;
 

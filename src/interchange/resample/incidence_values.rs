@@ -39,7 +39,7 @@ pub struct IncidenceValues {
 }
 
 impl IncidenceValues {
-    /// The totals of a table whose stops and bins are products of polar angles and azimuths that
+    /// The totals of a table whose incidences and bins are products of polar angles and azimuths that
     /// go all the way round, or do with the mirror images that the law of the campaign's surface has.
     pub fn new(table: &BrdfTable) -> Checked<Self> {
         let grid = &table.grid;
@@ -135,12 +135,12 @@ impl IncidenceValues {
         self.values.len()
     }
 
-    /// Taps of the cubic over the stops at a direction of the light.
+    /// Taps of the cubic over the incidences at a direction of the light.
     pub fn stop_taps(&self, theta: f64, phi: f64) -> (Taps, Taps) {
         (self.stops_polar.cubic(theta), self.stops_circle.cubic(phi))
     }
 
-    /// The value at one of the table's own stops, or its mirror image (indices into [`Self::theta_i`],
+    /// The value at one of the table's own incidences, or its mirror image (indices into [`Self::theta_i`],
     /// [`Self::phi_i`]), with the light at azimuth `phi_i`, which matters where every azimuth is alike.
     pub fn at_stop(&self, (ti, pi): (usize, usize), phi_i: f64, wo: DVec3) -> Colour {
         let fold = &self.folds[pi];

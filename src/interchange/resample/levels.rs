@@ -1,7 +1,7 @@
 //! How much light leaves for every direction of the light: the scale that gives an interpolant the table's albedo.
 //!
-//! At the stops the table says it. Between them the ratio of the table's albedo to the guide's is interpolated, as the
-//! values are; beyond them it holds.
+//! At the incidences the table says it. Between them the ratio of the table's albedo to the guide's is interpolated,
+//! as the values are; beyond them it holds.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -16,7 +16,7 @@ use crate::sphere;
 
 /// Directions of each kind in an integral.
 const SAMPLES: usize = 256;
-/// Gaps up to here have no node between stops, up to the second one; wider ones [`BETWEEN`], rad.
+/// Gaps up to here have no node between incidences, up to the second one; wider ones [`BETWEEN`], rad.
 const NARROW: [f64; 2] = [1.01 * TAU / 360.0, 3.01 * TAU / 360.0];
 const BETWEEN: usize = 3;
 /// The last node, rad: at 90 degrees no light arrives.
@@ -30,7 +30,7 @@ pub(crate) struct Levels {
     factors: Vec<Colour>,
 }
 
-/// The stops, and nodes between them; with each whether it is a stop.
+/// The incidences, and nodes between them; with each whether it is an incidence.
 fn nodes(stops: &[f64], end: Option<f64>) -> Vec<(f64, bool)> {
     let mut nodes: Vec<(f64, bool)> = Vec::new();
     let stop = stops.iter().map(|&angle| (angle, true));
@@ -72,7 +72,7 @@ impl Levels {
             .collect();
         let factor = |k: usize| {
             let ((theta, on_row), (phi, on_column)) = (theta[k / phi.len()], phi[k % phi.len()]);
-            // The stop itself is the table.
+            // The incidence itself is the table.
             if on_row && on_column {
                 return [1.0; 3];
             }

@@ -31,7 +31,7 @@ impl GuideLobe {
         GuideLobe { alpha_x: by * self.alpha_x, alpha_y: by * self.alpha_y }
     }
 
-    /// The one whose slopes have the medians that the light of the first stop sees: of GGX, half the facets have a
+    /// The one whose slopes have the medians that the light of the first incidence sees: of GGX, half the facets have a
     /// slope below alpha, and half a slope along x below alpha_x/sqrt 3.
     pub fn of(values: &IncidenceValues) -> Self {
         let phi_i = values.phi_i()[0];

@@ -1,7 +1,8 @@
 //! A table as a function of any two directions.
 //!
-//! Along the sensor's angles [`IncidenceValues`], between the incidences [`Guided`]. Last, the values of every direction of
-//! the light are scaled such that their integral is the table's albedo, interpolated as the values are ([`Levels`]).
+//! Along the sensor's angles [`IncidenceValues`], between the incidences [`Guided`]. Last, the values of every
+//! direction of the light are scaled such that their integral is the table's albedo, interpolated as the values are
+//! ([`Levels`]).
 
 use glam::DVec3;
 
@@ -22,8 +23,8 @@ pub struct Lookup {
 }
 
 impl Lookup {
-    /// The interpolant of the totals of a table whose incidences and bins are products of polar angles and azimuths that
-    /// go all the way round, or do with the mirror images that the law of the campaign's surface has.
+    /// The interpolant of the totals of a table whose incidences and bins are products of polar angles and azimuths
+    /// that go all the way round, or do with the mirror images that the law of the campaign's surface has.
     pub fn new(table: &BrdfTable) -> Checked<Self> {
         let values = IncidenceValues::new(table)?;
         let guided = Guided { guide: Guide::of(&values), values };

@@ -1,4 +1,5 @@
-//! A BRDF averaged over the bins of a grid: how a foreign file becomes a table, and how a file is held to its table.
+//! A BRDF averaged over the bins of a grid: how a foreign file becomes a table, and how a file is compared with its
+//! table.
 
 pub(crate) mod angles;
 mod axis;
@@ -91,8 +92,7 @@ pub fn resample(brdf: &dyn Brdf, grid: &Grid) -> Checked<BrdfTable> {
 }
 
 /// The same of functions that have the colours of a table by threes, with the wavelengths of all.
-///
-/// Held by: `a_spectrum_is_resampled_like_its_colours` (tests/it/interchange/interchange_ssdd.rs).
+// Tested by `a_spectrum_is_resampled_like_its_colours` (tests/it/interchange/interchange_ssdd.rs).
 pub fn resample_spectrum<'a>(
     parts: impl Iterator<Item = &'a dyn Brdf>,
     wavelengths_nm: &[f64],
@@ -101,7 +101,7 @@ pub fn resample_spectrum<'a>(
     let parts: Vec<&dyn Brdf> = parts.collect();
     let (stops, bins) = (grid.stops(), grid.bins());
     let pairs = stops.checked_mul(bins).filter(|&pairs| pairs <= MOST_VALUES);
-    let pairs = pairs.ok_or_else(|| format!("{stops} stops of {bins} bins are too many"))?;
+    let pairs = pairs.ok_or_else(|| format!("{stops} incidences of {bins} bins are too many"))?;
     // A small file may be a function of many lights, each of which becomes thousands of bins.
     memory::check(needed::table(pairs, parts.iter().map(|part| part.colours()).sum()))?;
     let total = parts.into_iter().flat_map(|part| totals(part, grid)).collect();
@@ -132,7 +132,7 @@ fn totals(brdf: &dyn Brdf, grid: &Grid) -> Vec<Vec<f32>> {
 }
 
 /// The geometry of an imported table where the file has none of its own and no other is asked for: centred bins of
-/// 2.5 x 5 degrees under the given stops; with no azimuths of the light every azimuth is alike.
+/// 2.5 x 5 degrees under the given incidences; with no azimuths of the light every azimuth is alike.
 pub fn default_grid(theta_i_deg: Vec<f64>, phi_i_deg: Vec<f64>) -> Grid {
     let isotropic = phi_i_deg.is_empty();
     let inner = (0..36).map(|k| 2.5 * (f64::from(k) + 0.5));

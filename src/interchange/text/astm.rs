@@ -9,7 +9,7 @@ use std::path::Path;
 use super::named_columns::{Columns, names_of};
 use super::samples;
 use super::samples::MeasuredPair;
-use crate::interchange::codec::{self, Codec, Encoded, Holds};
+use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
 use crate::interchange::read_back::{ReadBack, middles_deg};
 use crate::interchange::{Checked, Imported, Options, needed};
 use crate::table::BrdfTable;
@@ -20,7 +20,8 @@ const CONVENTION: &str = "one line a pair of directions, angles in radians, abso
     mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
 
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
-/// The heading line of a table whose azimuths of the light are all alike; other readers pass over keys that they don't know.
+/// The header line of a table whose azimuths of the light are all alike; other readers pass over keys that they don't
+/// know.
 const ISOTROPIC: &str = "ISOTROPIC";
 /// More lines than are worth reading as text.
 const MOST_LINES: usize = 1 << 26;
@@ -29,12 +30,8 @@ const MOST_LINES: usize = 1 << 26;
 pub struct Astm;
 
 impl Codec for Astm {
-    fn name(&self) -> &'static str {
-        "astm"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds { gaps: true, wavelengths: true, ..Holds::TOTALS }
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { gaps: true, wavelengths: true, ..FormatTraits::totals("astm") }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -45,7 +42,7 @@ impl Codec for Astm {
         Ok((read(bytes)?.into(), vec![]))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         Ok(Encoded::stream(CONVENTION, table, write))
     }
 
@@ -80,10 +77,9 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
     Ok(())
 }
 
-/// The table of points of a file. What a channel holds follows from its name; a negative polar angle is the far side of its
-/// plane; negative values become 0.
-///
-/// Held by: `astm_comes_back`, `damaged_texts_are_refused` (tests/it/interchange/interchange_text.rs).
+/// The table of points of a file. What a channel holds follows from its name; a negative polar angle is the far side
+/// of its plane; negative values become 0.
+// Tested by `astm_comes_back`, `damaged_texts_are_refused` (tests/it/interchange/interchange_text.rs).
 pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let text = decode_text_or_latin1(bytes)?;
     let mut found = Vec::new();

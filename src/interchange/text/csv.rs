@@ -1,4 +1,4 @@
-//! CSV: one line a bin, with a heading. Read back as a table of points in the order of the lines.
+//! CSV: one line a bin, with a header. Read back as a table of points in the order of the lines.
 
 use std::fs::File;
 use std::io::{self, BufReader, Chain, Cursor, Read, Write};
@@ -8,7 +8,7 @@ use super::named_columns::{Columns, names_of};
 use super::samples;
 use super::samples::MeasuredPair;
 use crate::instrument::Region;
-use crate::interchange::codec::{self, BandCodec, Codec, Encoded, Holds};
+use crate::interchange::codec::{self, BandCodec, Codec, Encoded, FormatTraits};
 use crate::interchange::read_back::{ReadBack, ReadErrors, middles_deg};
 use crate::interchange::{Bands, Checked, Imported, Options, needed};
 use crate::table::BrdfTable;
@@ -23,8 +23,8 @@ const ANGLES: [&str; 4] = ["theta_i_deg", "phi_i_deg", "theta_r_deg", "phi_r_deg
 const ISOTROPIC: &str = "isotropic";
 /// The column of the bins' sizes, which follow from the geometry.
 const SIZE: &str = "projected_solid_angle";
-/// Bytes of a line of a heading at most.
-const LONGEST_HEADING: usize = 1 << 16;
+/// Bytes of a line of a header at most.
+const LONGEST_HEADER: usize = 1 << 16;
 /// More lines than any table that is worth reading as text.
 const MOST_LINES: usize = 1 << 26;
 
@@ -32,12 +32,8 @@ const MOST_LINES: usize = 1 << 26;
 pub struct Csv;
 
 impl Codec for Csv {
-    fn name(&self) -> &'static str {
-        "csv"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds { more_than_totals: true, gaps: true, wavelengths: true, ..Holds::TOTALS }
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { more_than_totals: true, gaps: true, wavelengths: true, ..FormatTraits::totals("csv") }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -48,7 +44,7 @@ impl Codec for Csv {
         Ok((read(bytes)?.into(), vec![]))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         Ok(Encoded::stream(CONVENTION, table, write))
     }
 
@@ -70,7 +66,7 @@ impl BandCodec for Csv {
         let mut writer = csv::Writer::from_writer(out);
         let outline = bands.outline();
         let isotropic = outline.grid.is_isotropic();
-        write_heading(&names_of(outline), isotropic, &mut writer)?;
+        write_header(&names_of(outline), isotropic, &mut writer)?;
         bands.each(&mut |band| write_lines(band, isotropic, &mut writer))?;
         Ok(writer.flush()?)
     }
@@ -91,14 +87,14 @@ pub fn write(mut table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
 }
 
 /// The first line.
-fn write_heading(names: &[String], isotropic: bool, writer: &mut csv::Writer<impl Write>) -> Checked<()> {
-    let mut heading: Vec<String> = ANGLES.iter().map(|name| name.to_string()).collect();
-    heading.push(SIZE.into());
-    heading.extend(names.iter().map(|name| name.to_string()));
-    heading.extend(names.iter().map(|name| format!("stderr.{name}")));
-    heading.push("hits".into());
-    heading.extend(isotropic.then(|| ISOTROPIC.into()));
-    Ok(writer.write_record(&heading).map_err(io::Error::from)?)
+fn write_header(names: &[String], isotropic: bool, writer: &mut csv::Writer<impl Write>) -> Checked<()> {
+    let mut header: Vec<String> = ANGLES.iter().map(|name| name.to_string()).collect();
+    header.push(SIZE.into());
+    header.extend(names.iter().map(|name| name.to_string()));
+    header.extend(names.iter().map(|name| format!("stderr.{name}")));
+    header.push("hits".into());
+    header.extend(isotropic.then(|| ISOTROPIC.into()));
+    Ok(writer.write_record(&header).map_err(io::Error::from)?)
 }
 
 /// The lines of a table, or of a band of it. A gap has none.
@@ -126,11 +122,10 @@ fn write_lines(table: &BrdfTable, isotropic: bool, writer: &mut csv::Writer<impl
     Ok(())
 }
 
-/// A table of points from lines with `theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg` and values; what another column holds
-/// follows from its name. Columns stand between commas, semicolons or tabs; between the last two a comma is a decimal
-/// point. Lines that begin with # are left out; a negative polar angle is the far side of its plane.
-///
-/// Held by: `csv_comes_back`, `damaged_lines_are_refused` (tests/it/interchange/interchange_arrays.rs).
+/// A table of points from lines with `theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg` and values; what another column
+/// holds follows from its name. Columns stand between commas, semicolons or tabs; between the last two a comma is a
+/// decimal point. Lines that begin with # are left out; a negative polar angle is the far side of its plane.
+// Tested by `csv_comes_back`, `damaged_lines_are_refused` (tests/it/interchange/interchange_arrays.rs).
 pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let text = decode_text_or_latin1(bytes)?;
     let mut lines = SampleLines::open(text.as_bytes())?;
@@ -155,7 +150,7 @@ struct SampleLines<R> {
 }
 
 impl<R: Read> SampleLines<R> {
-    /// Reads the heading.
+    /// Reads the header.
     fn open(mut file: R) -> Checked<Self> {
         let head = head(&mut file)?;
         let last = head.trim_ascii_end().rsplit(|&byte| byte == b'\n').next().unwrap_or_default();
@@ -165,15 +160,15 @@ impl<R: Read> SampleLines<R> {
             .comment(Some(b'#'))
             .delimiter(mark)
             .from_reader(Cursor::new(head).chain(file));
-        let heading = reader.headers().map_err(|e| one_line(&e))?.clone();
-        let column = |name: &str| heading.iter().position(|cell| cell == name);
+        let header = reader.headers().map_err(|e| one_line(&e))?.clone();
+        let column = |name: &str| header.iter().position(|cell| cell == name);
         let need = |name: &&str| column(name).ok_or_else(|| format!("no column `{name}`"));
         let angles = ANGLES.iter().map(need).collect::<Result<Vec<usize>, String>>()?;
         let isotropic = column(ISOTROPIC);
         // Numbers of a line are told behind its angles, which are put first; those columns hold nothing else.
         let own = |k: usize| angles.contains(&k) || isotropic == Some(k);
         let names: Vec<&str> =
-            heading.iter().enumerate().map(|(k, cell)| if own(k) { SIZE } else { cell }).collect();
+            header.iter().enumerate().map(|(k, cell)| if own(k) { SIZE } else { cell }).collect();
         let columns = Columns::of(&names, ANGLES.len())?;
         let records = reader.into_records();
         Ok(SampleLines { records, angles, columns, isotropic, decimal_commas: mark != b',' })
@@ -226,8 +221,8 @@ fn head(file: &mut impl Read) -> Checked<Vec<u8>> {
                 return Ok(head);
             }
             line = head.len();
-        } else if head.len() - line > LONGEST_HEADING {
-            return Err(format!("line 1 is longer than {LONGEST_HEADING} bytes: no heading").into());
+        } else if head.len() - line > LONGEST_HEADER {
+            return Err(format!("line 1 is longer than {LONGEST_HEADER} bytes: no header").into());
         }
     }
 }
@@ -243,7 +238,7 @@ impl<R: Read> Iterator for SampleLines<R> {
 
 fn one_line(error: &csv::Error) -> String {
     if let csv::ErrorKind::UnequalLengths { pos: Some(at), expected_len, len } = error.kind() {
-        return format!("line {}: {len} cells, the heading has {expected_len}", at.line());
+        return format!("line {}: {len} cells, the header has {expected_len}", at.line());
     }
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }

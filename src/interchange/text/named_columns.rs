@@ -34,8 +34,7 @@ enum Name {
 }
 
 /// The names of a table's colours as columns: `Y`; `R`, `G`, `B`; or wavelengths such as `550nm`.
-///
-/// Held by: `spectral_tables_come_back_from_lists` (tests/it/interchange/interchange_text.rs).
+// Tested by `spectral_tables_come_back_from_lists` (tests/it/interchange/interchange_text.rs).
 pub fn names_of(table: &BrdfTable) -> Vec<String> {
     let nm = table.colours.iter().map(|colour| colour.wavelength_nm);
     nm.zip(table.colour_names()).map(|(nm, name)| nm.map_or(name, |nm| format!("{nm}nm"))).collect()
@@ -59,7 +58,7 @@ impl Columns {
     ///
     /// `R G B` in any order; `X Y Z` alike, which become R, G, B; `Y`, `value`, `brdf`; `550nm`, `w550`; `stderr`,
     /// `stderr.R`, `sigma`, ...; `hits`, `count`. A name that is none of these is refused.
-    /// Held by: `columns_are_told_by_their_names`.
+    // Tested by `columns_are_told_by_their_names`.
     pub fn of(names: &[&str], first: usize) -> Checked<Self> {
         let (mut named, mut errors, mut hits) = (Vec::new(), Vec::new(), None);
         let has = |name: &str| names.iter().any(|other| other.trim().eq_ignore_ascii_case(name));

@@ -6,33 +6,29 @@
 use std::path::Path;
 
 use crate::files;
-use crate::interchange::codec::{Codec, Encoded, FileContent, Holds};
+use crate::interchange::codec::{Codec, Encoded, FileContent, FormatTraits};
 use crate::interchange::read_back::{self, ReadBack, middles_deg};
 use crate::interchange::{Checked, Imported, Options};
 use crate::table::BrdfTable;
 use crate::text_decoding::decode_text_or_latin1;
 
 /// How the values are meant.
-const CONVENTION: &str = "one file a stop; degrees, theta from the normal, phi absolute; format BSDF: 1/sr, no cosine; \
+const CONVENTION: &str = "one file for each incidence; degrees, theta from the normal, phi absolute; format BSDF: 1/sr, no cosine; \
     colorimetry CIE-Y; the middle of each bin";
 
 /// The format.
 pub struct Pabopto;
 
 impl Codec for Pabopto {
-    fn name(&self) -> &'static str {
-        "pabopto"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds { gaps: true, colours: false, ..Holds::TOTALS }
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { gaps: true, colours: false, ..FormatTraits::totals("pabopto") }
     }
 
     fn decode(&self, _bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
-        Err("a file has one stop; read its folder with pabopto2bsdf, or export as ssdd".into())
+        Err("a file has one incidence; read its folder with pabopto2bsdf, or export as ssdd".into())
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         let files = (0..table.grid.stops()).map(|stop| (file_name(stop), text(table, stop)));
         let content = FileContent::Folder(Box::new(files));
         Ok(Encoded { content, convention: CONVENTION.into(), notes: vec![] })

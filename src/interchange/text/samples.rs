@@ -18,7 +18,7 @@ const MOST_GAPS: usize = 1 << 22;
 /// The values for (theta_i, phi_i, theta_r, phi_r) in degrees, absolute azimuths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPair {
-    /// The stop.
+    /// The incidence.
     pub light: [f64; 2],
     /// The sensor.
     pub sensor: [f64; 2],
@@ -73,11 +73,11 @@ impl MeasuredPair {
     }
 }
 
-/// The table of points. Stops come in the order of their first sample, and so do directions, in any order at each stop.
-/// A pair that is there twice, as a seam at 0 and 360 degrees, must agree. Where only azimuths from the light are the
-/// same at all stops, the table has those. Pairs that the list does not have are gaps ([`BrdfTable::is_gap`]).
-///
-/// Held by: tests/it/interchange/interchange_angles.rs, tests/it/interchange/ragged_scans.rs.
+/// The table of points. Incidences come in the order of their first sample, and so do directions, in any order at
+/// each incidence. A pair that is there twice, as a seam at 0 and 360 degrees, must agree. Where only azimuths from
+/// the light are the same at all incidences, the table has those. Pairs that the list does not have are gaps
+/// ([`BrdfTable::is_gap`]).
+// Tested by tests/it/interchange/interchange_angles.rs, tests/it/interchange/ragged_scans.rs.
 pub fn table(samples: &[MeasuredPair], columns: &Columns, isotropic: bool) -> Checked<BrdfTable> {
     if samples.is_empty() {
         return Err("no samples".into());
@@ -103,12 +103,12 @@ pub fn table(samples: &[MeasuredPair], columns: &Columns, isotropic: bool) -> Ch
     }
 }
 
-/// Samples over all pairs of their stops and directions.
+/// Samples over all pairs of their incidences and directions.
 struct SampleLayout<'a> {
     samples: &'a [MeasuredPair],
     stops: Directions,
     points: Directions,
-    /// Stop and direction of each sample.
+    /// Incidence and direction of each sample.
     places: Vec<(usize, usize)>,
 }
 
@@ -185,7 +185,7 @@ impl Directions {
 }
 
 /// A direction to 1e-8 degrees, what twelve digits of radians are worth; azimuths a turn apart are one, those at the
-/// pole are told apart, as an arm's are.
+/// pole are distinguished, as an arm's are.
 pub fn key([theta, phi]: [f64; 2]) -> [i64; 2] {
     let whole = |angle: f64| (angle * 1e8).round() as i64;
     [whole(theta), whole(sphere::reduced_deg(phi)) % whole(360.0)]
@@ -208,8 +208,7 @@ fn agree(a: &MeasuredPair, b: &MeasuredPair) -> Checked<()> {
 }
 
 /// The table with its single azimuth of the light standing for all.
-///
-/// Held by: `the_users_word_makes_a_single_azimuth_isotropic` (tests/it/interchange/interchange_angles.rs).
+// Tested by `the_users_word_makes_a_single_azimuth_isotropic` (tests/it/interchange/interchange_angles.rs).
 pub fn one_azimuth(mut table: BrdfTable) -> Checked<BrdfTable> {
     let grid = &mut table.grid;
     if grid.is_isotropic() {
@@ -231,7 +230,8 @@ pub fn one_azimuth(mut table: BrdfTable) -> Checked<BrdfTable> {
     Ok(table)
 }
 
-/// Compares samples of the table's own bins, in their order, with the table; their angles may be off by `digits` degrees.
+/// Compares samples of the table's own bins, in their order, with the table; their angles may be off by `digits`
+/// degrees.
 pub fn listed<'a>(
     table: &'a BrdfTable,
     digits: f64,
@@ -272,7 +272,7 @@ pub fn listed<'a>(
     Ok(listing)
 }
 
-/// The stops as axes where they are a product.
+/// The incidences as axes where they are a product.
 pub(crate) fn with_axes(grid: Grid) -> Grid {
     match crate::interchange::resample::angles::stop_axes(&grid) {
         Ok((theta_i_deg, phi_i_deg)) => Grid { theta_i_deg, phi_i_deg, stops_deg: vec![], ..grid },

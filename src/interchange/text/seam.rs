@@ -1,7 +1,7 @@
 //! Azimuths that a file lists twice, 0 and 360 or -180 and 180: one direction, which may have one value.
 //!
-//! Enters: a table as a file lists it. Leaves: the same without what is there twice. Also finds the angles of one grid
-//! in another, so that a file is held to its table by angles and not by the order of its values.
+//! Input: a table as a file lists it. Output: the same without what is there twice. Also finds the angles of one grid
+//! in another, so that a file is compared with its table by angles and not by the order of its values.
 
 use std::collections::HashMap;
 
@@ -11,9 +11,8 @@ use crate::interchange::Checked;
 use crate::interchange::read_back::middles_deg;
 use crate::table::BrdfTable;
 
-/// The table with each stop and each single direction once. Values of one direction that differ are a reason.
-///
-/// Held by: `an_equal_seam_is_dropped_and_an_unequal_one_refused` (tests/it/interchange/interchange_angles.rs).
+/// The table with each incidence and each single direction once. Values of one direction that differ are a reason.
+// Tested by `an_equal_seam_is_dropped_and_an_unequal_one_refused` (tests/it/interchange/interchange_angles.rs).
 pub fn dropped(table: BrdfTable) -> Checked<BrdfTable> {
     let grid = &table.grid;
     if grid.kind == GridKind::HalfDifference {
@@ -97,7 +96,7 @@ fn of_pixels(mut table: BrdfTable, grid: Grid, pixels: &[usize]) -> BrdfTable {
     BrdfTable { grid, schlick: None, ..table }
 }
 
-/// Where `found` has its stops and bins in `wanted`. Both must be isotropic, or neither.
+/// Where `found` has its incidences and bins in `wanted`. Both must be isotropic, or neither.
 pub fn places(found: &Grid, wanted: &Grid) -> Checked<(Vec<usize>, Vec<usize>)> {
     if found.is_isotropic() != wanted.is_isotropic() {
         return Err(

@@ -216,7 +216,7 @@ fn nan_and_negative_values_are_refused() {
     for bad in [f32::NAN, f32::INFINITY, -1e-9] {
         let reason =
             interchange::foreign_table(grid.clone(), vec![vec![1.0, bad]]).expect_err("refused").to_string();
-        assert!(reason.contains("stop 0, bin 1"), "{reason}");
+        assert!(reason.contains("incidence 0, bin 1"), "{reason}");
     }
     assert!(interchange::foreign_table(grid, vec![vec![1.0]]).is_err());
 }

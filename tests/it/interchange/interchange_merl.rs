@@ -221,7 +221,7 @@ fn grids_of_half_and_difference_angles_are_checked() {
 
 #[test]
 fn damaged_files_are_refused() {
-    let reason = |bytes: &[u8]| merl::read(bytes, Sampling::Node).err().expect("must be refused");
+    let reason = |bytes: &[u8]| merl::read(bytes, Sampling::Node).expect_err("must be refused");
     let header: Vec<u8> = [90i32, 90, 180].iter().flat_map(|side| side.to_le_bytes()).collect();
     assert!(reason(b"").to_string().contains("too few"));
     assert!(reason(&[0; 12]).to_string().contains("0 x 0 x 0"));

@@ -73,7 +73,7 @@ fn other_images_are_not_taken_for_utia() {
         values[300] = f32::NAN;
         part.channels.insert("R".into(), Samples::F32(values));
     };
-    assert!(reason(nan).contains("stop 1, bin 12: NaN"));
+    assert!(reason(nan).contains("incidence 1, bin 12: NaN"));
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn damaged_utia_files_are_refused() {
     assert!(reason(b"").contains("0 bytes"));
     let mut bytes = vec![0; 1_990_656];
     bytes[80..88].copy_from_slice(&f64::NAN.to_le_bytes());
-    assert!(reason(&bytes).contains("stop 0, bin 10: NaN"));
+    assert!(reason(&bytes).contains("incidence 0, bin 10: NaN"));
     bytes.push(0);
     assert!(reason(&bytes).contains("1990657 bytes"));
     assert_eq!(mutations::survives(&[7; 600], 100_000, utia::read), 100_000);

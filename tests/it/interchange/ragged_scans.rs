@@ -72,7 +72,7 @@ fn gaps_come_back_from_every_format_that_can_leave_them_out() {
     for (name, format) in Format::ALL.map(|format| (format.name(), format)) {
         let path = folder.path().join(name);
         let export = interchange::export(&wanted, format, &options, &path);
-        if !format.codec().holds().gaps {
+        if !format.codec().traits().gaps {
             let why = export.expect_err(name).to_string();
             assert!(why.contains("2 of 6 pairs of directions were not measured"), "{name}: {why}");
             continue;

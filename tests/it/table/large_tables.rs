@@ -79,7 +79,7 @@ fn a_table_that_is_not_whole_takes_no_name() {
     let mut writer = TableWriter::create(&path, &table, &table.grid).expect("begun");
     writer.append(&band(&table, 0, 20)).expect("taken");
     let why = writer.append(&bad).expect_err("NaN").to_string();
-    assert!(why.contains("channel `Y`, stop 21, bin 6: NaN"), "{why}");
+    assert!(why.contains("channel `Y`, incidence 21, bin 6: NaN"), "{why}");
     drop(writer);
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
 }

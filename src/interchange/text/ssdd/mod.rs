@@ -1,8 +1,9 @@
 //! SSDD 0.2: an open text form of a 3-D or 4-D table over four lists of angles in degrees.
 //!
-//! `KEY value` lines, `PARAM0_LIST` .. `PARAM3_LIST`, `DATA ascii` or `binary`, then one colour a line, the first angle
-//! fastest, the last slowest. Written are spherical coordinates (theta_i, phi_i, theta_o, phi_o); read are these, angles
-//! about the mirror direction and half/difference angles. Source: the SSDD 0.2 specification (libbsdf's repository).
+//! `KEY value` lines, `PARAM0_LIST` .. `PARAM3_LIST`, `DATA ascii` or `binary`, then one colour a line, the first
+//! angle fastest, the last slowest. Written are spherical coordinates (theta_i, phi_i, theta_o, phi_o); read are
+//! these, angles about the mirror direction and half/difference angles. Source: the SSDD 0.2 specification (libbsdf's
+//! repository).
 
 mod azimuths;
 mod half_difference;
@@ -16,7 +17,7 @@ use std::io::{BufRead, Write};
 use std::path::Path;
 
 use super::seam;
-use crate::interchange::codec::{self, Codec, Encoded, Holds};
+use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
 use crate::interchange::radiance::colour;
 use crate::interchange::read_back::{Listing, ReadBack};
 use crate::interchange::resample::angles::{bin_axes, stop_axes};
@@ -35,12 +36,8 @@ const CONVENTION: &str = "spherical coordinates in degrees (theta_i, phi_i, thet
 pub struct Ssdd;
 
 impl Codec for Ssdd {
-    fn name(&self) -> &'static str {
-        "ssdd"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds { wavelengths: true, ..Holds::TOTALS }
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { wavelengths: true, ..FormatTraits::totals("ssdd") }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -51,7 +48,7 @@ impl Codec for Ssdd {
         read_with_notes(bytes)
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         Ok(Encoded::stream(CONVENTION, table, write))
     }
 
@@ -69,8 +66,8 @@ fn is_binary(bytes: &[u8]) -> bool {
     bytes.split(|&byte| byte == b'\n').any(begins)
 }
 
-/// Writes the totals of a table whose stops and bins are products of angles. Azimuths are put into [0, 360) in increasing
-/// order, as the format wants them; of an isotropic table the light has none.
+/// Writes the totals of a table whose incidences and bins are products of angles. Azimuths are put into [0, 360) in
+/// increasing order, as the format wants them; of an isotropic table the light has none.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
     let grid = &table.grid;
     if grid.phi_r_relative && !grid.is_isotropic() {
@@ -124,24 +121,23 @@ fn increasing(angles: &[f64], azimuths: bool) -> Vec<(f64, usize)> {
     list
 }
 
-/// The table of a file that has stops and directions, or half vectors and differences, of its own.
-///
-/// Held by: `ssdd_comes_back`, `damaged_texts_are_refused`, tests/it/interchange/interchange_angles.rs.
+/// The table of a file that has incidences and directions, or half vectors and differences, of its own.
+// Tested by `ssdd_comes_back`, `damaged_texts_are_refused`, tests/it/interchange/interchange_angles.rs.
 pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     match read_with_notes(bytes)?.0 {
         Imported::Table(table) => Ok(table),
         Imported::Function { .. } => {
-            Err("the file's directions are no list of stops and bins; give a grid with --like".into())
+            Err("the file's directions are no list of incidences and bins; give a grid with --like".into())
         }
     }
 }
 
-/// What a file holds, and what is to be said of it; negative values become 0, X, Y, Z linear R, G, B.
+/// What a file holds, and notes on it; negative values become 0, X, Y, Z linear R, G, B.
 ///
 /// In spherical coordinates it is a table of points: without `PARAM1_LIST` isotropic, azimuths a turn apart one where
 /// their values agree. About the mirror direction it is a function. Half/difference angles are a table of them where
 /// the values are reciprocal, and else a function.
-/// Held by: tests/it/interchange/interchange_ssdd.rs.
+// Tested by tests/it/interchange/interchange_ssdd.rs.
 pub fn read_with_notes(bytes: &[u8]) -> Checked<(Imported, Vec<String>)> {
     let bytes = without_mark(bytes)?;
     let mut lines = NumberLines::of(&*bytes);
@@ -150,8 +146,8 @@ pub fn read_with_notes(bytes: &[u8]) -> Checked<(Imported, Vec<String>)> {
     let values = if header.xyz { to_rgb(values) } else { values };
     let (imported, more) = match header.parameters {
         AngleKind::Spherical => (seam::dropped(spherical::table(&header, values)?)?.into(), vec![]),
-        AngleKind::Specular => specular::function(&header, values)?,
-        AngleKind::HalfDifference => half_difference::imported(&header, values)?,
+        AngleKind::Specular => specular::function(&header, &values)?,
+        AngleKind::HalfDifference => half_difference::imported(&header, &values)?,
     };
     notes.extend(more);
     Ok((imported, notes))
@@ -174,7 +170,7 @@ fn read_back(file: impl BufRead, table: &BrdfTable) -> Checked<Option<ReadBack>>
     let grid = spherical::grid(&header)?;
     let sizes = (grid.stops(), grid.bins(), header.colours);
     if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {
-        return Err(format!("{} stops of {} directions, {} colours", sizes.0, sizes.1, sizes.2).into());
+        return Err(format!("{} incidences of {} directions, {} colours", sizes.0, sizes.1, sizes.2).into());
     }
     let (stops, bins) = seam::places(&grid, &table.grid)?;
     let mut listing = Listing::new(table);

@@ -12,7 +12,7 @@ pub fn table(header: &SsddHeader, mut total: Vec<Vec<f32>>) -> Checked<BrdfTable
     spectral_table(grid, total, &header.wavelengths_nm)
 }
 
-/// The stops and directions that a file lists.
+/// The incidences and directions that a file lists.
 pub fn grid(header: &SsddHeader) -> Checked<Grid> {
     let [theta_i, phi_i, theta_r, phi_r] = &header.lists;
     for (list, angles) in [(0, theta_i), (2, theta_r)] {

@@ -6,7 +6,7 @@ use super::header::SsddHeader;
 use super::lines::NumberLines;
 use crate::interchange::Checked;
 
-/// The values of each colour by the four angles, the first slowest; and what is to be said of what follows them.
+/// The values of each colour by the four angles, the first slowest; and notes on what follows them.
 pub fn all(
     lines: &mut NumberLines<impl BufRead>,
     header: &SsddHeader,
@@ -29,9 +29,9 @@ pub fn all(
     Ok((total, more.map(note).into_iter().collect()))
 }
 
-/// Visits the values: row (the first two angles), column (the others), colour. Returns the kind of a further data block.
-///
-/// Held by: `ssdd_says_what_it_does_not_read` (tests/it/interchange/interchange_ssdd.rs).
+/// Visits the values: row (the first two angles), column (the others), colour. Returns the kind of a further data
+/// block.
+// Tested by `ssdd_says_what_it_does_not_read` (tests/it/interchange/interchange_ssdd.rs).
 pub fn each(
     lines: &mut NumberLines<impl BufRead>,
     header: &SsddHeader,

@@ -1,14 +1,15 @@
 //! Zemax tabular BSDF: angles about the mirror direction; isotropic, or a table for each rotation of the sample.
 //!
-//! For each rotation and incidence a table over (azimuth, radial): radial is the angle from the mirror direction, azimuth 0 points
-//! from it towards the normal. Before each, TIS, the directional albedo. Source: Zemax's pages on the tabular format.
+//! For each rotation and incidence a table over (azimuth, radial): radial is the angle from the mirror direction,
+//! azimuth 0 points from it towards the normal. Before each, TIS, the directional albedo. Source: Zemax's pages on
+//! the tabular format.
 
 pub(crate) mod energy;
 mod tables;
 pub(crate) mod text;
 pub(crate) mod write;
 
-use crate::interchange::codec::{Codec, Encoded, Holds, resampling_notes};
+use crate::interchange::codec::{Codec, Encoded, FormatTraits, resampling_notes};
 use crate::interchange::resample::default_grid;
 use crate::interchange::{Checked, Imported, Lookup, Options, needed};
 use crate::table::BrdfTable;
@@ -26,16 +27,12 @@ const CONVENTION: &str = "degrees about the mirror direction (radial the angle f
 pub struct ZemaxFile;
 
 impl Codec for ZemaxFile {
-    fn name(&self) -> &'static str {
-        "zemax"
-    }
-
-    fn holds(&self) -> Holds {
-        Holds { colours: false, ..Holds::RESAMPLED }
-    }
-
-    fn reach_deg(&self, last_deg: f64) -> (f64, f64) {
-        (last_deg, 90.0)
+    fn traits(&self) -> FormatTraits {
+        FormatTraits {
+            reach_deg: |last_deg| [last_deg, 90.0],
+            colours: false,
+            ..FormatTraits::resampled("zemax")
+        }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -48,7 +45,7 @@ impl Codec for ZemaxFile {
         Ok((Imported::of(zemax, grid), notes))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &'a Options) -> Checked<Encoded<'a>> {
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         let lookup = Lookup::new(table)?;
         let (text, notes) = write(table, &lookup)?;
         Ok(Encoded::bytes(text, CONVENTION, [resampling_notes(&lookup), notes].concat()))
@@ -60,7 +57,7 @@ pub fn read(bytes: &[u8]) -> Checked<Zemax> {
     text::parse(bytes).map(|(file, _)| file)
 }
 
-/// The tables of a file, and what is to be said of them.
+/// The tables of a file, and notes on them.
 pub fn read_with_notes(bytes: &[u8]) -> Checked<(Zemax, Vec<String>)> {
     let (file, mut notes) = text::parse(bytes)?;
     let last = |list: &[f64]| list[list.len() - 1];

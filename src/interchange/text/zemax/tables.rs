@@ -33,8 +33,8 @@ pub struct Zemax {
     pub rotations: Vec<f64>,
     /// Polar angles of the light.
     pub light: Vec<f64>,
-    /// What is added at each of them to the polar angle of the mirror direction; empty for nothing. SSDD's, in Zemax files
-    /// there is none.
+    /// What is added at each of them to the polar angle of the mirror direction; empty for nothing. SSDD's, in Zemax
+    /// files there is none.
     pub offsets: Vec<f64>,
     /// Angles about the mirror direction; where they are no mirror's, they go round.
     pub azimuths: Vec<f64>,
@@ -68,9 +68,9 @@ impl Zemax {
 
     /// The value of a channel, linear between the file's angles, at a direction about the mirror direction.
     ///
-    /// A zero at a node on or below the horizon is no value: a straight line towards it would darken what is above. Along
-    /// the radial the last value above is held.
-    /// Held by: `a_lambertian_file_of_few_radials_is_lambertian` (tests/it/interchange/interchange_zemax.rs).
+    /// A zero at a node on or below the horizon is no value: a straight line towards it would darken what is above.
+    /// Along the radial the last value above is held.
+    // Tested by `a_lambertian_file_of_few_radials_is_lambertian` (tests/it/interchange/interchange_zemax.rs).
     pub(crate) fn value(
         &self,
         channels: &[Vec<f32>],

@@ -8,15 +8,13 @@ use std::iter::Peekable;
 use super::tables::Zemax;
 use crate::interchange::Checked;
 use crate::interchange::radiance::xml::{negative_note, short};
-use crate::sphere;
+use crate::interchange::text::azimuths::{Azimuths, SAME, widest_gap};
 use crate::text_decoding::decode_text_or_latin1;
 
 /// More numbers in a list than any file has.
 const LONGEST: usize = 10_000;
 /// The widest step between rotations that is interpolated over, degrees.
 const WIDEST_GAP: f64 = 46.0;
-/// Angles nearer than this are one, degrees.
-const SAME: f64 = 1e-6;
 const KEYS: [&str; 4] = ["SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial"];
 
 /// The text of a file of one channel; azimuths that go round end where they began, as other readers do not wrap them.
@@ -54,10 +52,9 @@ struct ZemaxHeader {
     lists: [Vec<f64>; 4],
 }
 
-/// Reads a file; several rotations must go round. Returns what is to be said of its values, too.
-///
-/// Held by: `keywords_are_read_in_any_case_and_a_closed_seam_is_dropped`, `azimuths_go_round` and others in
-/// tests/it/interchange/interchange_zemax.rs.
+/// Reads a file; several rotations must go round. Returns notes on its values, too.
+// Tested by `keywords_are_read_in_any_case_and_a_closed_seam_is_dropped`, `azimuths_go_round` and others in
+// tests/it/interchange/interchange_zemax.rs.
 pub fn parse(bytes: &[u8]) -> Checked<(Zemax, Vec<String>)> {
     let text = decode_text_or_latin1(bytes)?;
     let uncommented = text.lines().map(|line| line.split('#').next().unwrap_or_default());
@@ -99,13 +96,15 @@ pub fn parse(bytes: &[u8]) -> Checked<(Zemax, Vec<String>)> {
     if words.any(|word| is(word, "DataBegin") || is(word, "TIS")) {
         return Err(format!("more data than {} need", header.channels.join(", ")).into());
     }
-    file.tis = tis.iter().map(|tis| merged(tis, [1, sizes[0], sizes[1]], &turns.places).0).collect();
+    let equal = |a, b| a == b;
+    file.tis = tis.iter().map(|tis| turns.merged(tis, [1, sizes[0], sizes[1]], equal).0).collect();
     let mut seam = 0.0f64;
     for raw in &values {
-        let (by_turn, off_turn) = merged(raw, [1, sizes[0], sizes[1] * sizes[2] * sizes[3]], &turns.places);
+        let largest = raw.iter().fold(f64::MIN_POSITIVE, |most, &value| most.max(value));
+        let (by_turn, off_turn) = turns.merged(raw, [1, sizes[0], sizes[1] * sizes[2] * sizes[3]], equal);
         let blocks = turns.angles.len() * sizes[1];
-        let (all, off) = merged(&by_turn, [blocks, sizes[2], sizes[3]], &directions.places);
-        seam = seam.max(off_turn).max(off);
+        let (all, off) = directions.merged(&by_turn, [blocks, sizes[2], sizes[3]], equal);
+        seam = seam.max(off_turn.max(off) / largest);
         file.values.push(all.iter().map(|&value| value as f32).collect());
     }
     let mut notes = vec![];
@@ -226,14 +225,8 @@ fn number(word: Option<&str>) -> Checked<f64> {
         .ok_or_else(|| format!("{:?} where a finite number is needed", short(word.unwrap_or_default())))?)
 }
 
-/// Angles that go round: reduced to [0, 360), increasing; and for each where the list has it. Two places for an angle
-/// that is there at both ends.
-struct AngleCircle {
-    angles: Vec<f64>,
-    places: Vec<Vec<usize>>,
-}
-
-fn circle(key: &str, list: &[f64]) -> Checked<AngleCircle> {
+/// The angles of a list that goes round.
+fn circle(key: &str, list: &[f64]) -> Checked<Azimuths> {
     let (first, last) = (list[0], list[list.len() - 1]);
     if first < -360.0 || last > 360.0 || last - first > 360.0 + SAME {
         return Err(format!(
@@ -241,34 +234,7 @@ fn circle(key: &str, list: &[f64]) -> Checked<AngleCircle> {
         )
         .into());
     }
-    let closed = list.len() > 1 && last - first > 360.0 - SAME;
-    let open = if closed { list.len() - 1 } else { list.len() };
-    let mut nodes: Vec<(f64, usize)> =
-        list[..open].iter().map(|&angle| sphere::reduced_deg(angle)).zip(0..).collect();
-    nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let places = |&(_, place): &(f64, usize)| if closed && place == 0 { vec![0, open] } else { vec![place] };
-    Ok(AngleCircle {
-        angles: nodes.iter().map(|node| node.0).collect(),
-        places: nodes.iter().map(places).collect(),
-    })
-}
-
-/// `raw[outer][node][inner]` with the nodes in another order, the mean where a node has several places; and the largest
-/// difference of such, as a share of the largest value.
-fn merged(raw: &[f64], [outer, nodes, inner]: [usize; 3], places: &[Vec<usize>]) -> (Vec<f64>, f64) {
-    let (mut all, mut off) = (Vec::with_capacity(raw.len()), 0.0f64);
-    for o in 0..outer {
-        for place in places {
-            let (first, last) = (place[0], place[place.len() - 1]);
-            for k in 0..inner {
-                let [a, b] = [first, last].map(|node| raw[(o * nodes + node) * inner + k]);
-                off = off.max((a - b).abs());
-                all.push(if a == b { a } else { 0.5 * (a + b) });
-            }
-        }
-    }
-    let largest = raw.iter().fold(f64::MIN_POSITIVE, |most, &value| most.max(value));
-    (all, off / largest)
+    Ok(Azimuths::of(list, 360.0, false))
 }
 
 /// Whether the angles make tables that can be read; `listed` are the azimuths as the file has them.
@@ -283,19 +249,15 @@ fn check(file: &Zemax, listed: &[f64]) -> Checked<()> {
     if file.symmetric && !within(listed, 180.0) {
         return Err("PlaneSymmetrical: an azimuth lies outside [0, 180]".into());
     }
-    let gap = |list: &[f64]| {
-        let inner = list.windows(2).map(|pair| pair[1] - pair[0]);
-        inner.fold(360.0 - list[list.len() - 1] + list[0], f64::max)
-    };
     // Two opposite azimuths are a scan in a plane; of more, half a turn without any is a forgotten symmetry.
-    let (widest, count) = (gap(&file.azimuths), file.azimuths.len());
+    let (widest, count) = (widest_gap(&file.azimuths, 360.0), file.azimuths.len());
     if !file.symmetric && count > 1 && widest > if count == 2 { 180.0 } else { 180.0 - SAME } {
         return Err(format!(
             "ScatterAzimuth: {widest} degrees without any azimuth; half a turn is what PlaneSymmetrical has"
         )
         .into());
     }
-    if file.rotations.len() > 1 && (file.symmetric || gap(&file.rotations) > WIDEST_GAP) {
+    if file.rotations.len() > 1 && (file.symmetric || widest_gap(&file.rotations, 360.0) > WIDEST_GAP) {
         return Err(format!(
             "several rotations must be asymmetrical and go round in steps of at most {WIDEST_GAP}"
         )

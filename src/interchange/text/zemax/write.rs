@@ -1,8 +1,8 @@
 //! A Zemax file out of a table: which incidences it has, and what their blocks hold.
 //!
-//! Between incidences a reader goes straight from block to block at equal angles about the mirror direction, where a lobe
-//! grows towards grazing light faster than that. Incidences are therefore added half-way between two others until the
-//! albedo of the file is the table's there.
+//! Between incidences a reader goes straight from block to block at equal angles about the mirror direction, where a
+//! lobe grows towards grazing light faster than that. Incidences are therefore added half-way between two others
+//! until the albedo of the file is the table's there.
 
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ const RADIALS: usize = 91;
 const NEAR: f64 = 0.005;
 /// No gap is halved that is narrower than this, degrees.
 const NARROWEST: f64 = 1.0;
-/// Values of a file at most (40 MB of text), unless the stops alone are more.
+/// Values of a file at most (40 MB of text), unless the incidences alone are more.
 const MOST_VALUES: usize = 1 << 22;
 /// Directions of each kind in an integral: file and table have the same ones, and only their ratio counts.
 const SAMPLES: usize = 512;
@@ -44,13 +44,12 @@ struct IncidenceBlock {
     albedo: Option<f64>,
 }
 
-/// The text of a file of a table with one colour, and what is to be said of it.
+/// The text of a file of a table with one colour, and notes on it.
 ///
-/// TIS is the table's own albedo where its bins have sizes, interpolated between stops, and else what the file's values
-/// integrate to.
-///
-/// Held by: `tis_is_the_albedo_of_the_table`, `the_albedo_holds_between_incidences`,
-/// `zemax_tables_stand_about_the_mirror_direction` (tests/it/interchange/interchange_text.rs).
+/// TIS is the table's own albedo where its bins have sizes, interpolated between incidences, and else what the file's
+/// values integrate to.
+// Tested by `tis_is_the_albedo_of_the_table`, `the_albedo_holds_between_incidences`,
+// `zemax_tables_stand_about_the_mirror_direction` (tests/it/interchange/interchange_text.rs).
 pub fn write(table: &BrdfTable, lookup: &Lookup) -> Checked<(String, Vec<String>)> {
     let isotropic = lookup.is_isotropic();
     // Rotations increase: azimuths fall, but for 0.
@@ -80,7 +79,8 @@ pub fn write(table: &BrdfTable, lookup: &Lookup) -> Checked<(String, Vec<String>
         if added.is_empty() {
             return Ok((text::text(&file), notes));
         }
-        // Of lobes narrower than the bins the integral of the interpolant is uncertain: it makes no light where stops do not.
+        // Of lobes narrower than the bins the integral of the interpolant is uncertain: it makes no light where the
+        // table does not.
         let most = incidences.iter().flat_map(|incidence| &incidence.blocks).map(|block| block.albedo);
         let most = most.collect::<Option<Vec<f64>>>().map(|all| all.into_iter().fold(1.0, f64::max));
         incidences.extend(added.into_iter().map(|theta_deg| between(&file, lookup, &turns, theta_deg, most)));
@@ -92,7 +92,7 @@ fn deg(angle: f64) -> f64 {
     (angle.to_degrees() * 1e9).round() / 1e9
 }
 
-/// Puts incidences into a file, their values scaled to their albedos; what is to be said of that.
+/// Puts incidences into a file, their values scaled to their albedos; notes on that.
 fn fill(file: &mut Zemax, incidences: &[FileIncidence]) -> Vec<String> {
     file.light = incidences.iter().map(|incidence| incidence.theta_deg).collect();
     let by_turn = |turn: usize| incidences.iter().map(move |incidence| &incidence.blocks[turn]);
@@ -139,13 +139,13 @@ fn off(file: &Zemax, lookup: &Lookup, theta_deg: f64) -> f64 {
     phis.iter().step_by(phis.len().div_ceil(AZIMUTHS)).map(at).fold(0.0, f64::max)
 }
 
-/// The values at a stop.
+/// The values at an incidence.
 fn stop_values(file: &Zemax, lookup: &Lookup, stop: (usize, usize)) -> Vec<f32> {
     let (theta, phi) = (lookup.theta_i()[stop.0], lookup.phi_i()[stop.1]);
     values(file, theta, |out| lookup.values().at_stop(stop, phi, sphere::turned(out, phi.sin_cos()))[0])
 }
 
-/// An incidence between stops, of no larger albedo than `most`; `None` where bins have no sizes.
+/// An incidence between those of the table, of no larger albedo than `most`; `None` where bins have no sizes.
 fn between(
     file: &Zemax,
     lookup: &Lookup,
