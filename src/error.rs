@@ -120,6 +120,14 @@ impl ContentError {
     }
 }
 
+/// What is wrong with a content, in the words of `format!`.
+macro_rules! wrong {
+    ($($words:tt)*) => {
+        $crate::error::ContentError::Wrong(format!($($words)*))
+    };
+}
+pub(crate) use wrong;
+
 impl From<String> for ContentError {
     fn from(what: String) -> Self {
         ContentError::Wrong(what)

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::resample::sampling::{integral, samples};
 use super::{Brdf, Lookup};
-use crate::error::Checked;
+use crate::error::{Checked, wrong};
 use crate::sphere;
 
 /// Directions of each of three kinds in an integral: of smooth lobes right to 0.1 %.
@@ -119,23 +119,24 @@ impl AlbedoCurve {
         if let (Some((file, at)), Some((table, _))) = (most(|p| &p.file), most(|p| &p.table))
             && file > table.max(1.0) * (1.0 + REFUSED_ABOVE)
         {
-            return Err(format!(
+            return Err(wrong!(
                 "a reader of the file would find the albedo {file:.4} under light from {:.2} {:.2} degrees (the table: \
                  {table:.4} at most): the format's directions do not hold the lobe; choose another format, a wider \
                  lobe, or more incidences and bins",
-                at.theta_i_deg, at.phi_i_deg
-            ).into());
+                at.theta_i_deg,
+                at.phi_i_deg
+            ));
         }
         let inside = self.points.iter().filter(|point| !self.is_beyond(point));
         match inside.max_by(|a, b| a.off().total_cmp(&b.off())).filter(|at| at.off() > allowed) {
             None => Ok(()),
-            Some(at) => Err(format!(
+            Some(at) => Err(wrong!(
                 "its albedo would be {}; at most {} % is allowed: choose another format, measure more incidences and \
                  bins, or allow it by --allow-albedo-error {:.0}",
                 at.difference(),
                 100.0 * allowed,
                 (100.0 * at.off()).ceil()
-            ).into()),
+            )),
         }
     }
 

@@ -75,6 +75,10 @@ pub trait Codec: Sync {
     /// Compares what was just written to `path` with its table. Formats that list the table's own bins read the file
     /// line by line: neither the file nor a second table is in memory.
     fn read_back(&self, path: &Path, table: &BrdfTable, options: &Options) -> Checked<Option<ReadBack>> {
+        if let Some(by_bands) = self.by_bands() {
+            let mut whole = table;
+            return by_bands.read_back(open(path)?, &mut whole);
+        }
         let (file, _) = self.decode(&files::read(path)?, options)?;
         let mut arms = None;
         if let Imported::Table(found) = &file

@@ -11,6 +11,7 @@ use super::codec::{self, Codec, Encoded, FormatTraits};
 use super::numpy::arrays;
 use super::read_back::{Listing, ReadBack};
 use super::{Checked, Imported, Options, needed};
+use crate::error::wrong;
 use crate::files::image::{self, ImagePart, Samples};
 use crate::files::image_blocks::BlockReader;
 use crate::files::{exr_header, image_rows};
@@ -105,7 +106,7 @@ fn read_back(mut file: BlockReader<impl Read + Seek>, table: &BrdfTable) -> Chec
     for part in 0..file.outlines().len() {
         let stop = file.outlines()[part].number(STOP).unwrap_or(-1.0);
         if !(0.0..table.grid.stops() as f64).contains(&stop) || file.outlines()[part].width != width {
-            return Err(format!("{STOP} = {stop}, {} columns", file.outlines()[part].width).into());
+            return Err(wrong!("{STOP} = {stop}, {} columns", file.outlines()[part].width));
         }
         for number in 0..file.count(part) {
             for (name, row, values) in file.read(part, number)?.lines() {
@@ -125,11 +126,10 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let mut parts = image::decode(bytes)?;
     let number = |part: &ImagePart| part.number(STOP).filter(|&stop| stop >= 0.0 && stop.fract() == 0.0);
     if let Some(part) = parts.iter().find(|part| number(part).is_none()) {
-        return Err(format!(
+        return Err(wrong!(
             "part `{}` has no {STOP}: not written by this program",
             part.name.as_deref().unwrap_or("")
-        )
-        .into());
+        ));
     }
     parts.sort_by(|a, b| number(a).unwrap_or(0.0).total_cmp(&number(b).unwrap_or(0.0)));
     let text = parts[0].text(GRID).ok_or_else(|| format!("the first part has no {GRID}"))?;
@@ -140,11 +140,10 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
         number(part) == Some(stop as f64) && (part.width, part.height) == (width, height)
     };
     if parts.len() != stops || !parts.iter().enumerate().all(fits) {
-        return Err(format!(
+        return Err(wrong!(
             "{} parts do not make {stops} incidences of {width} x {height} bins",
             parts.len()
-        )
-        .into());
+        ));
     }
     let [campaign, version, seed, patch_digest] =
         TEXTS.map(|name| parts[0].text(name).unwrap_or_default().to_string());
@@ -165,7 +164,7 @@ fn joined(parts: Vec<ImagePart>) -> Checked<ImagePart> {
             match (samples, part.channels.remove(name)) {
                 (Samples::F32(all), Some(Samples::F32(values))) => all.extend(values),
                 (Samples::U32(all), Some(Samples::U32(values))) => all.extend(values),
-                _ => return Err(format!("incidence {stop}: channel `{name}` (FLOAT) is missing").into()),
+                _ => return Err(wrong!("incidence {stop}: channel `{name}` (FLOAT) is missing")),
             }
         }
     }

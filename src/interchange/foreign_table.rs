@@ -1,6 +1,6 @@
 //! Tables of values that this program did not measure: no error bars, no orders, no campaign.
 
-use crate::error::Checked;
+use crate::error::{Checked, wrong};
 use crate::instrument::Grid;
 use crate::table::{BrdfTable, ColourChannels};
 
@@ -26,7 +26,7 @@ pub fn spectral_table(grid: Grid, total: Vec<Vec<f32>>, wavelengths_nm: &[f64]) 
         wavelengths_nm.len() == total.len()
     };
     if !are_distinguished || total.iter().any(|values| values.len() != pixels) || pixels == 0 {
-        return Err(format!("{} colours do not make {stops} incidences of {bins} bins", total.len()).into());
+        return Err(wrong!("{} colours do not make {stops} incidences of {bins} bins", total.len()));
     }
     for values in &total {
         if let Some(at) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {

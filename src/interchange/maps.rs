@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::{Checked, needed};
 use crate::campaign;
-use crate::error::{ContentError, Error, Result};
+use crate::error::{ContentError, Error, Result, wrong};
 use crate::files::image::{self, ImagePart};
 use crate::files::{self, memory};
 
@@ -43,11 +43,13 @@ pub fn read(alpha: &[u8], f0: &[u8]) -> Checked<Maps> {
     let (mut alpha, mut f0) = (part(FILES[0], alpha)?, part(FILES[1], f0)?);
     let (width, height) = (alpha.width, alpha.height);
     if (f0.width, f0.height) != (width, height) {
-        return Err(format!(
+        return Err(wrong!(
             "{} is {width} x {height}, {} {} x {}: one size needed",
-            FILES[0], FILES[1], f0.width, f0.height
-        )
-        .into());
+            FILES[0],
+            FILES[1],
+            f0.width,
+            f0.height
+        ));
     }
     let [x, y] = ["R", "G"].map(|name| channel(FILES[0], &mut alpha, name));
     let [r, g, b] = ["R", "G", "B"].map(|name| channel(FILES[1], &mut f0, name));
@@ -55,7 +57,7 @@ pub fn read(alpha: &[u8], f0: &[u8]) -> Checked<Maps> {
 }
 
 fn channel(file: &str, part: &mut ImagePart, name: &str) -> Checked<Vec<f32>> {
-    Ok(part.take_floats(name).ok_or_else(|| format!("{file}: no channel `{name}` of floats"))?)
+    part.take_floats(name).ok_or_else(|| wrong!("{file}: no channel `{name}` of floats"))
 }
 
 impl Maps {
@@ -65,7 +67,7 @@ impl Maps {
     /// refused.
     pub fn campaign(&self, column: usize, row: usize) -> Checked<String> {
         if column >= self.width || row >= self.height {
-            return Err(format!("texel {column},{row} lies outside {} x {}", self.width, self.height).into());
+            return Err(wrong!("texel {column},{row} lies outside {} x {}", self.width, self.height));
         }
         let at = row * self.width + column;
         let [x, y] = [0, 1].map(|k| self.alpha[k][at]);

@@ -13,6 +13,7 @@ use super::codec::{Codec, Encoded, FormatTraits, resampling_notes};
 use super::half_difference::HalfDifference;
 pub use super::options::Sampling;
 use super::{Brdf, Checked, Colour, Imported, Lookup, Options, foreign_table};
+use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -218,7 +219,7 @@ pub fn read(bytes: &[u8], sampling: Sampling) -> Checked<BrdfTable> {
         return Err(what.into());
     }
     if bytes.len() != BYTES {
-        return Err(format!("{} bytes, a MERL file has {BYTES}", bytes.len()).into());
+        return Err(wrong!("{} bytes, a MERL file has {BYTES}", bytes.len()));
     }
     let mut total: Vec<Vec<f32>> = (0..3).map(|_| Vec::with_capacity(CELLS)).collect();
     let mut hits = vec![1u32; CELLS];
@@ -226,7 +227,7 @@ pub fn read(bytes: &[u8], sampling: Sampling) -> Checked<BrdfTable> {
         let value = f64::from_le_bytes(*chunk) * SCALE[at / CELLS];
         let stored = value as f32;
         if !stored.is_finite() {
-            return Err(format!("value {at} is {value}, no finite BRDF").into());
+            return Err(wrong!("value {at} is {value}, no finite BRDF"));
         }
         if stored < 0.0 {
             hits[at % CELLS] = 0;

@@ -6,7 +6,7 @@
 
 use std::io::Cursor;
 
-use crate::error::Checked;
+use crate::error::{Checked, wrong};
 use crate::files::image_blocks::BlockReader;
 use crate::files::memory;
 
@@ -56,7 +56,7 @@ pub fn table(pairs: usize, colours: usize) -> u64 {
 pub fn list(bytes: &[u8]) -> Checked<u64> {
     let (lines, longest) = memory::lines(bytes);
     if longest > LONGEST_LINE {
-        return Err(format!("a line of {longest} bytes; at most {LONGEST_LINE} are read").into());
+        return Err(wrong!("a line of {longest} bytes; at most {LONGEST_LINE} are read"));
     }
     Ok(4 * bytes.len() as u64 + SAMPLE * lines + VALUE * memory::words(bytes))
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::Brdf;
 use super::resample::mean;
-use crate::error::Checked;
+use crate::error::{Checked, wrong};
 use crate::instrument::{Grid, GridKind, Region};
 use crate::sphere;
 use crate::table::{BrdfTable, ColourChannels};
@@ -154,7 +154,7 @@ impl ReadErrors {
         let wanted = (grid.stops() * grid.bins() - band.table.gaps()) * band.table.colours.len();
         let count: usize = band.stops.iter().map(|errors| errors.count).sum();
         if count != wanted {
-            return Err(format!("{count} values, {wanted} needed").into());
+            return Err(wrong!("{count} values, {wanted} needed"));
         }
         band.stops.iter().enumerate().for_each(|(stop, errors)| self.add(grid, stop, errors));
         Ok(())

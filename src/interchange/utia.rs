@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::codec::{Codec, Encoded, FormatTraits};
 use super::resample::angles::{bin_axes, stop_axes};
 use super::{Brdf, Checked, Imported, Lookup, Options, foreign_table, needed};
+use crate::error::wrong;
 use crate::files::exr_header;
 use crate::files::image::{self, ImagePart, Samples};
 use crate::instrument::{Grid, GridKind};
@@ -105,11 +106,10 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
         return read_image(bytes);
     }
     if bytes.len() != BYTES {
-        return Err(format!(
+        return Err(wrong!(
             "{} bytes, a UTIA file of 288 x 288 directions has {BYTES}; its image form is an EXR",
             bytes.len()
-        )
-        .into());
+        ));
     }
     let values = bytes.as_chunks::<8>().0.iter().map(|chunk| f64::from_le_bytes(*chunk) as f32);
     let values: Vec<f32> = values.collect();
@@ -120,11 +120,11 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
 fn read_image(bytes: &[u8]) -> Checked<BrdfTable> {
     let mut part = image::decode_one(bytes)?;
     if (part.width, part.height) != (DIRECTIONS, DIRECTIONS) {
-        return Err(format!(
+        return Err(wrong!(
             "{} x {} pixels, 288 x 288 needed (row = light, column = sensor)",
-            part.width, part.height
-        )
-        .into());
+            part.width,
+            part.height
+        ));
     }
     let plane = |name| part.take_floats(name).ok_or_else(|| format!("no channel `{name}` of floats"));
     of_planes(NAMES.map(plane).into_iter().collect::<Result<_, String>>()?)

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::error::Checked;
+use crate::error::{Checked, wrong};
 use crate::files::image::{ImagePart, Samples};
 use crate::instrument::Grid;
 use crate::instrument::grid::GridKind;
@@ -29,10 +29,9 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
         axis("phi_i_deg", &grid.phi_i_deg, 1, -360.0..=360.0)?;
     } else {
         if !grid.theta_i_deg.is_empty() || !grid.phi_i_deg.is_empty() {
-            return Err(format!(
+            return Err(wrong!(
                 "{GRID}: stops_deg next to the axes theta_i_deg and phi_i_deg: only one is allowed"
-            )
-            .into());
+            ));
         }
         directions("stops_deg", &grid.stops_deg)?;
     }
@@ -58,7 +57,7 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
 /// Axes of half vectors and differences; others are of no use next to them.
 fn half_difference(grid: &Grid) -> Checked<(usize, usize)> {
     if !(grid.theta_i_deg.is_empty() && grid.phi_i_deg.is_empty() && grid.stops_deg.is_empty()) {
-        return Err(format!("{GRID}: incidences next to half/difference angles: only one is allowed").into());
+        return Err(wrong!("{GRID}: incidences next to half/difference angles: only one is allowed"));
     }
     let axes = [
         ("theta_h_deg", &grid.theta_h_deg, 90.0),
@@ -70,7 +69,7 @@ fn half_difference(grid: &Grid) -> Checked<(usize, usize)> {
         axis(name, values, 1, 0.0..=most)?;
         increasing(name, values)?;
         if most > 90.0 && values.last() == Some(&most) {
-            return Err(format!("{GRID}: {name} = {most} already exists, as 0").into());
+            return Err(wrong!("{GRID}: {name} = {most} already exists, as 0"));
         }
     }
     Ok((grid.stops(), grid.bins()))
@@ -78,11 +77,11 @@ fn half_difference(grid: &Grid) -> Checked<(usize, usize)> {
 
 fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusive<f64>) -> Checked<()> {
     if values.len() < least {
-        return Err(format!("{GRID}: {name} has {} values, at least {least} needed", values.len()).into());
+        return Err(wrong!("{GRID}: {name} has {} values, at least {least} needed", values.len()));
     }
     match values.iter().find(|value| !range.contains(value)) {
         Some(value) => {
-            Err(format!("{GRID}: {name} = {value} lies outside [{}, {}]", range.start(), range.end()).into())
+            Err(wrong!("{GRID}: {name} = {value} lies outside [{}, {}]", range.start(), range.end()))
         }
         None => Ok(()),
     }
@@ -97,21 +96,21 @@ fn patches(values: &[[f64; 4]]) -> Checked<()> {
     axis("patches_deg", &values.iter().flat_map(|p| [p[0], p[1]]).collect::<Vec<_>>(), 2, 0.0..=90.0)?;
     axis("patches_deg", &values.iter().flat_map(|p| [p[2], p[3]]).collect::<Vec<_>>(), 2, -720.0..=720.0)?;
     match values.iter().find(|p| p[0] >= p[1] || p[2] >= p[3] || p[3] - p[2] > 360.0) {
-        Some(p) => Err(format!("{GRID}: the patch {p:?} is empty or wider than a turn").into()),
+        Some(p) => Err(wrong!("{GRID}: the patch {p:?} is empty or wider than a turn")),
         None => Ok(()),
     }
 }
 
 fn increasing(name: &str, values: &[f64]) -> Checked<()> {
     match values.windows(2).find(|pair| pair[0] >= pair[1]) {
-        Some(pair) => Err(format!("{GRID}: {name} does not increase from {} to {}", pair[0], pair[1]).into()),
+        Some(pair) => Err(wrong!("{GRID}: {name} does not increase from {} to {}", pair[0], pair[1])),
         None => Ok(()),
     }
 }
 
 /// The grid as the text of its attribute.
 pub(super) fn grid_text(grid: &Grid) -> Checked<String> {
-    Ok(serde_json::to_string(grid).map_err(|e| format!("{GRID}: {e}"))?)
+    serde_json::to_string(grid).map_err(|e| wrong!("{GRID}: {e}"))
 }
 
 /// The grid that a part carries; its size must be the part's.
@@ -123,10 +122,7 @@ pub(super) fn read_grid(part: &ImagePart) -> Checked<Grid> {
         return Ok(grid);
     }
     let (width, height) = (part.width, part.height);
-    Err(format!(
-        "{GRID} says {stops} incidences and {bins} bins, the image is {width} wide and {height} high"
-    )
-    .into())
+    Err(wrong!("{GRID} says {stops} incidences and {bins} bins, the image is {width} wide and {height} high"))
 }
 
 /// A table's channel where it lies.
@@ -185,9 +181,7 @@ pub(crate) fn planes(table: &BrdfTable, first_stop: usize) -> Checked<BTreeMap<S
     planes.insert("hits".into(), Plane::U32(&table.hits));
     for (name, plane) in &planes {
         if plane.len() != stops * bins {
-            return Err(
-                format!("channel `{name}` has {} values, {} needed", plane.len(), stops * bins).into()
-            );
+            return Err(wrong!("channel `{name}` has {} values, {} needed", plane.len(), stops * bins));
         }
         if let Plane::F32(values) = plane {
             check_finite(name, values, bins, first_stop)?;
@@ -200,7 +194,7 @@ pub(crate) fn planes(table: &BrdfTable, first_stop: usize) -> Checked<BTreeMap<S
 pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Checked<()> {
     let pixels = part.width * part.height;
     if values.len() != pixels {
-        return Err(format!("channel `{name}` has {} values, {pixels} needed", values.len()).into());
+        return Err(wrong!("channel `{name}` has {} values, {pixels} needed", values.len()));
     }
     check_finite(name, values, part.width, 0)?;
     part.channels.insert(name.into(), Samples::F32(values.to_vec()));
@@ -211,9 +205,9 @@ pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Checke
 pub(super) fn take(part: &mut ImagePart, name: &str, first_stop: usize) -> Checked<Vec<f32>> {
     match part.channels.remove(name) {
         Some(Samples::F32(values)) => check_finite(name, &values, part.width, first_stop).map(|()| values),
-        Some(Samples::F16(_)) => Err(format!("channel `{name}` is HALF, FLOAT needed").into()),
-        Some(Samples::U32(_)) => Err(format!("channel `{name}` is UINT, FLOAT needed").into()),
-        None => Err(format!("channel `{name}` is missing").into()),
+        Some(Samples::F16(_)) => Err(wrong!("channel `{name}` is HALF, FLOAT needed")),
+        Some(Samples::U32(_)) => Err(wrong!("channel `{name}` is UINT, FLOAT needed")),
+        None => Err(wrong!("channel `{name}` is missing")),
     }
 }
 
@@ -221,8 +215,7 @@ fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> 
     match values.iter().position(|value| !value.is_finite()) {
         Some(at) => {
             let (stop, bin, value) = (first_stop + at / width, at % width, values[at]);
-            Err(format!("channel `{name}`, incidence {stop}, bin {bin}: {value} is not a finite number")
-                .into())
+            Err(wrong!("channel `{name}`, incidence {stop}, bin {bin}: {value} is not a finite number"))
         }
         None => Ok(()),
     }
@@ -256,8 +249,7 @@ pub(super) fn distinct_names(table: &BrdfTable) -> Checked<Vec<String>> {
     if plain || (spectral == names.len() && spectral > 0 && increasing) {
         return Ok(names);
     }
-    Err(format!("{} colours; 1 or 3 needed, or each with its wavelength, in increasing order", names.len())
-        .into())
+    Err(wrong!("{} colours; 1 or 3 needed, or each with its wavelength, in increasing order", names.len()))
 }
 
 /// Adds the sums of Schlick's formula.
@@ -345,15 +337,15 @@ pub(super) fn same_digest(
         return Ok(());
     }
     if stored == content.finish_2(part.text(GRID).unwrap_or_default(), origin) {
-        return Err(format!(
+        return Err(wrong!(
             "{DIGEST} is of an older version, which left the campaign and the other texts out: a change of them \
              could not be noticed; measure it again"
-        ).into());
+        ));
     }
-    Err(format!(
+    Err(wrong!(
         "{DIGEST} says {stored}, the content gives {found}: the file was changed or damaged, or is older than \
          digests by channel; measure it again"
-    ).into())
+    ))
 }
 
 #[cfg(test)]

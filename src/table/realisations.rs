@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::error::{Checked, ContentError, Error, Result};
+use crate::error::{Checked, ContentError, Error, Result, wrong};
 use crate::files::NewFile;
 use crate::files::image::{self, ImagePart};
 use crate::instrument::Grid;
@@ -54,11 +54,6 @@ pub struct RealisationsFile {
 }
 
 impl RealisationsFile {
-    /// Whether these are the realisations of `table`.
-    pub fn belongs_to(&self, table: &BrdfTable) -> Result<bool> {
-        Ok(self.is_of(&store::digest(table)?))
-    }
-
     /// Whether these are the realisations of the table with this digest.
     pub fn is_of(&self, digest: &str) -> bool {
         self.table_digest == digest
@@ -206,7 +201,7 @@ fn to_part(
     let (height, width) = channels::check_grid(&table.grid)?;
     let names = table.colour_names();
     if values.total.len() != names.len() || values.single.len() != names.len() {
-        return Err(format!("{} has other colours than the table", part_name(index)).into());
+        return Err(wrong!("{} has other colours than the table", part_name(index)));
     }
     let mut part = ImagePart { name: Some(part_name(index)), width, height, ..ImagePart::default() };
     for (c, name) in names.iter().enumerate() {
@@ -231,7 +226,7 @@ fn from_parts(parts: Vec<ImagePart>) -> Checked<RealisationsFile> {
     let (table_digest, group) = (same(TABLE_DIGEST)?, same(GROUP_SIZE)?);
     let group_size = match group.parse() {
         Ok(size) if size > 0 => size,
-        _ => return Err(format!("{GROUP_SIZE} = {group}: a positive integer needed").into()),
+        _ => return Err(wrong!("{GROUP_SIZE} = {group}: a positive integer needed")),
     };
     let mut warnings = Vec::new();
     let mut realisations = Realisations::default();
@@ -285,10 +280,10 @@ mod tests {
             let file = decode(Path::new("x.exr"), &bytes).expect("decodes");
             assert_eq!(file.realisations, parts);
             assert_eq!((&file.grid, file.group_size), (&table.grid, 1));
-            assert!(file.belongs_to(&table).expect("has a digest") && file.warnings.is_empty());
+            assert!(file.is_of(&store::digest(&table).expect("a digest")) && file.warnings.is_empty());
             let mut other = table.clone();
             other.hits[0] += 1;
-            assert!(!file.belongs_to(&other).expect("has a digest"));
+            assert!(!file.is_of(&store::digest(&other).expect("a digest")));
         }
     }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
-use crate::error::{Checked, ContentError, Error, Result};
+use crate::error::{Checked, ContentError, Error, Result, wrong};
 use crate::files::NewFile;
 use crate::files::image::{self, ImagePart, Samples};
 use crate::instrument::Grid;
@@ -199,7 +199,7 @@ fn read_seed(part: &ImagePart, warnings: &mut Vec<String>) -> Checked<u64> {
         warnings.push(format!("no {SEED} attribute; 0 is taken"));
         return Ok(0);
     };
-    Ok(text.parse().map_err(|_| format!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))?)
+    text.parse().map_err(|_| wrong!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))
 }
 
 fn take_colour(

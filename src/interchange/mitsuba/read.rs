@@ -7,6 +7,7 @@ use glam::DVec3;
 use super::direction_map::{Map, u_of_phi, u_of_theta};
 use super::tensor_file::TensorFile;
 use super::warp::{Slices, Warp, cell};
+use crate::error::wrong;
 use crate::interchange::resample::interval::interval;
 use crate::interchange::{Brdf, Checked, Colour};
 use crate::sphere;
@@ -37,9 +38,7 @@ pub fn read(bytes: &[u8]) -> Checked<Rgl> {
     let axis = |name: &str| -> Checked<Vec<f64>> {
         let values: Vec<f64> = file.f32(name, 1)?.1.into_iter().map(f64::from).collect();
         match values.windows(2).find(|pair| pair[0] >= pair[1]) {
-            Some(pair) => {
-                Err(format!("field `{name}` does not increase from {} to {}", pair[0], pair[1]).into())
-            }
+            Some(pair) => Err(wrong!("field `{name}` does not increase from {} to {}", pair[0], pair[1])),
             None => Ok(values),
         }
     };
@@ -49,17 +48,16 @@ pub fn read(bytes: &[u8]) -> Checked<Rgl> {
         return Err("angles of the light lie outside the hemisphere; radians needed".into());
     }
     if phi.len() > 2 && phi[phi.len() - 1] - phi[0] < TAU - 0.1 {
-        return Err(format!(
+        return Err(wrong!(
             "azimuths from {} to {} rad: only files of the whole turn are read",
             phi[0],
             phi[phi.len() - 1]
-        )
-        .into());
+        ));
     }
     let map = |name: &str| -> Checked<Map> {
         let (sides, values) = file.f32(name, 2)?;
         if sides[0] < 2 || sides[1] < 2 || values.iter().any(|&v| v < 0.0) {
-            return Err(format!("field `{name}`: at least 2 x 2 values, none negative, needed").into());
+            return Err(wrong!("field `{name}`: at least 2 x 2 values, none negative, needed"));
         }
         Ok(Map { rows: sides[0], columns: sides[1], values })
     };
@@ -67,28 +65,27 @@ pub fn read(bytes: &[u8]) -> Checked<Rgl> {
     let (sides, vndf) = file.f32("vndf", 4)?;
     let slices = [phi.len(), theta.len()];
     if sides[..2] != slices {
-        return Err(format!("field `vndf` has sides {sides:?}, the angles make {slices:?}").into());
+        return Err(wrong!("field `vndf` has sides {sides:?}, the angles make {slices:?}"));
     }
     let warp = Warp::new(sides[2], sides[3], vndf)?;
     let spectral = file.has("wavelengths");
     let name = if spectral { "spectra" } else { "rgb" };
     let (sides, spectra) = file.f32(name, 5)?;
     if sides[..2] != slices || sides[3] < 2 || sides[4] < 2 || spectra.iter().any(|&v| v < 0.0) {
-        return Err(format!(
+        return Err(wrong!(
             "field `{name}` has sides {sides:?}, the angles make {slices:?}, or a value is negative"
-        )
-        .into());
+        ));
     }
     let (chosen, note) = if spectral {
         let wavelengths = axis("wavelengths")?;
         if wavelengths.len() != sides[2] {
-            return Err(format!("{} wavelengths for {} spectra", wavelengths.len(), sides[2]).into());
+            return Err(wrong!("{} wavelengths for {} spectra", wavelengths.len(), sides[2]));
         }
         choose(&wavelengths)
     } else if sides[2] == 3 {
         (vec![0, 1, 2], None)
     } else {
-        return Err(format!("field `rgb` has {} channels", sides[2]).into());
+        return Err(wrong!("field `rgb` has {} channels", sides[2]));
     };
     Ok(Rgl {
         theta,

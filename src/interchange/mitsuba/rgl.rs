@@ -8,6 +8,7 @@
 
 pub use super::read::{Rgl, read};
 pub use super::write::write;
+use crate::error::wrong;
 use crate::interchange::codec::{Codec, Encoded, FormatTraits, resampling_notes};
 use crate::interchange::resample::default_grid;
 use crate::interchange::{Checked, Imported, Lookup, Options};
@@ -50,7 +51,7 @@ fn wavelengths<'a>(table: &BrdfTable, options: &'a Options) -> Checked<Option<&'
     }
     let colours = table.colours.len();
     if colours > 1 && nm.len() != colours {
-        return Err(format!("{} wavelengths for {colours} colours: one for each needed", nm.len()).into());
+        return Err(wrong!("{} wavelengths for {colours} colours: one for each needed", nm.len()));
     }
     if nm.len() < 2
         || nm.windows(2).any(|pair| pair[0] >= pair[1])

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use crate::error::wrong;
 use crate::interchange::Checked;
 
 const MAGIC: &[u8] = b"tensor_file\0";
@@ -98,28 +99,27 @@ impl<'a> TensorFile<'a> {
         let mut cursor = Cursor { bytes, at: MAGIC.len() };
         let version = cursor.number(2)?;
         if version != 1 {
-            return Err(format!(
+            return Err(wrong!(
                 "version {}.{} of the tensor file is not read, only 1.0",
                 version & 255,
                 version >> 8
-            )
-            .into());
+            ));
         }
         let count = cursor.number(4)? as u32;
         if count > MOST_FIELDS {
-            return Err(format!("{count} fields, at most {MOST_FIELDS} are read").into());
+            return Err(wrong!("{count} fields, at most {MOST_FIELDS} are read"));
         }
         let mut fields = BTreeMap::new();
         for _ in 0..count {
             let (name, place) = Self::place(&mut cursor)?;
             if fields.insert(name.clone(), place).is_some() {
-                return Err(format!("field `{name}` is there twice").into());
+                return Err(wrong!("field `{name}` is there twice"));
             }
         }
         // Fields over the same bytes would make more values than the file has.
         let all = fields.values().fold(0usize, |sum, place| sum.saturating_add(place.data.len()));
         if all > bytes.len() {
-            return Err(format!("fields of {all} bytes in a file of {}: they overlap", bytes.len()).into());
+            return Err(wrong!("fields of {all} bytes in a file of {}: they overlap", bytes.len()));
         }
         Ok(TensorFile { bytes, fields })
     }
@@ -133,7 +133,7 @@ impl<'a> TensorFile<'a> {
         }
         let axes = cursor.number(2)? as u16;
         if axes > MOST_AXES {
-            return Err(format!("field `{name}` has {axes} axes, at most {MOST_AXES} are read").into());
+            return Err(wrong!("field `{name}` has {axes} axes, at most {MOST_AXES} are read"));
         }
         let kind = cursor.number(1)? as u8;
         let size = match kind {
@@ -141,7 +141,7 @@ impl<'a> TensorFile<'a> {
             3 | 4 | 9 => 2,
             5 | 6 | 10 => 4,
             7 | 8 | 11 => 8,
-            _ => return Err(format!("field `{name}` has the unknown type {kind}").into()),
+            _ => return Err(wrong!("field `{name}` has the unknown type {kind}")),
         };
         let offset = usize::try_from(cursor.number(8)?).unwrap_or(usize::MAX);
         let sides = (0..axes).map(|_| cursor.number(8)).collect::<Checked<Vec<u64>>>()?;
@@ -164,7 +164,7 @@ impl<'a> TensorFile<'a> {
     pub fn f32(&self, name: &str, axes: usize) -> Checked<(Vec<usize>, Vec<f32>)> {
         let place = self.fields.get(name).ok_or_else(|| format!("no field `{name}`"))?;
         if place.kind != 10 || place.sides.len() != axes || place.data.is_empty() {
-            return Err(format!("field `{name}`: f32 with {axes} axes needed, none of them empty").into());
+            return Err(wrong!("field `{name}`: f32 with {axes} axes needed, none of them empty"));
         }
         let values: Vec<f32> = self.bytes[place.data.clone()]
             .as_chunks::<4>()
@@ -173,9 +173,7 @@ impl<'a> TensorFile<'a> {
             .map(|chunk| f32::from_le_bytes(*chunk))
             .collect();
         match values.iter().position(|value| !value.is_finite()) {
-            Some(at) => {
-                Err(format!("field `{name}`, value {at}: {} is not a finite number", values[at]).into())
-            }
+            Some(at) => Err(wrong!("field `{name}`, value {at}: {} is not a finite number", values[at])),
             None => Ok((place.sides.clone(), values)),
         }
     }

@@ -4,6 +4,7 @@ use std::io::{Cursor, Read, Seek};
 
 use zip::ZipArchive;
 
+use crate::error::wrong;
 use crate::files::memory;
 use crate::files::npy::{self, Array, NpyValues};
 use crate::instrument::Grid;
@@ -37,7 +38,7 @@ impl<R: Read + Seek> Members<R> {
         }
         let zip = ZipArchive::new(file).map_err(|e| format!("not an NPZ archive: {e}"))?;
         if zip.len() > MOST_MEMBERS {
-            return Err(format!("{} members; a table has at most {MOST_MEMBERS}", zip.len()).into());
+            return Err(wrong!("{} members; a table has at most {MOST_MEMBERS}", zip.len()));
         }
         Ok(Members { zip, limit: MAX_RATIO.saturating_mul(length) })
     }
@@ -55,7 +56,7 @@ impl<R: Read + Seek> Members<R> {
         let mut member = self.zip.by_index(index).map_err(|e| e.to_string())?;
         let size = member.size();
         if size > self.limit {
-            return Err(format!("claims {size} bytes, more than the file can hold").into());
+            return Err(wrong!("claims {size} bytes, more than the file can hold"));
         }
         let mut head = Vec::new();
         member.by_ref().take(npy::LONGEST_HEAD as u64).read_to_end(&mut head)?;
@@ -80,7 +81,7 @@ impl<R: Read + Seek> Members<R> {
 
     /// An array that must be there.
     pub fn need(&mut self, name: &str) -> Checked<Array> {
-        Ok(self.array(name)?.ok_or_else(|| format!("no array `{name}`"))?)
+        self.array(name)?.ok_or_else(|| wrong!("no array `{name}`"))
     }
 
     /// The angles of an axis; none where the array is not there.
@@ -89,7 +90,7 @@ impl<R: Read + Seek> Members<R> {
         match array.values {
             NpyValues::F64(values) => Ok(values),
             NpyValues::F32(values) => Ok(values.into_iter().map(f64::from).collect()),
-            _ => Err(format!("array `{name}`: floats needed").into()),
+            _ => Err(wrong!("array `{name}`: floats needed")),
         }
     }
 
@@ -99,13 +100,12 @@ impl<R: Read + Seek> Members<R> {
         match array.values {
             NpyValues::Text(texts) => match <[String; 1]>::try_from(texts) {
                 Ok([text]) => Ok(text),
-                Err(texts) => Err(format!("array `{name}`: {} texts, one needed", texts.len()).into()),
+                Err(texts) => Err(wrong!("array `{name}`: {} texts, one needed", texts.len())),
             },
             NpyValues::U8(bytes) => {
-                Ok(String::from_utf8(bytes)
-                    .map_err(|_| format!("array `{name}`: bytes that are not UTF-8"))?)
+                String::from_utf8(bytes).map_err(|_| wrong!("array `{name}`: bytes that are not UTF-8"))
             }
-            _ => Err(format!("array `{name}`: a text (str) needed").into()),
+            _ => Err(wrong!("array `{name}`: a text (str) needed")),
         }
     }
 
@@ -113,7 +113,7 @@ impl<R: Read + Seek> Members<R> {
     pub fn grid(&mut self) -> Checked<Grid> {
         let text = self.text("grid")?;
         if !text.is_empty() {
-            return Ok(serde_json::from_str(&text).map_err(|e| format!("array `grid`: {e}"))?);
+            return serde_json::from_str(&text).map_err(|e| wrong!("array `grid`: {e}"));
         }
         let mut grid = Grid {
             theta_i_deg: self.axis("theta_i_deg")?,
@@ -140,7 +140,7 @@ impl<R: Read + Seek> Members<R> {
         let sound =
             nm.iter().all(|nm| *nm > 0.0 && nm.is_finite()) && nm.windows(2).all(|pair| pair[0] < pair[1]);
         if !nm.is_empty() && (!sound || nm.len() != colours) {
-            return Err(format!("array `{WAVELENGTHS}`: {colours} increasing positive numbers needed").into());
+            return Err(wrong!("array `{WAVELENGTHS}`: {colours} increasing positive numbers needed"));
         }
         Ok(nm)
     }
@@ -149,17 +149,15 @@ impl<R: Read + Seek> Members<R> {
     pub fn channel(&mut self, name: &str, shape: &[usize]) -> Checked<Option<Vec<f32>>> {
         let Some(array) = self.array(name)? else { return Ok(None) };
         if array.shape != shape {
-            return Err(format!("array `{name}` has shape {:?}, the axes make {shape:?}", array.shape).into());
+            return Err(wrong!("array `{name}` has shape {:?}, the axes make {shape:?}", array.shape));
         }
         let values = match array.values {
             NpyValues::F32(values) => values,
             NpyValues::F64(values) => values.into_iter().map(|v| v as f32).collect(),
-            _ => return Err(format!("array `{name}`: f4 or f8 needed").into()),
+            _ => return Err(wrong!("array `{name}`: f4 or f8 needed")),
         };
         match values.iter().position(|value| !value.is_finite()) {
-            Some(at) => {
-                Err(format!("array `{name}`, value {at}: {} is not a finite number", values[at]).into())
-            }
+            Some(at) => Err(wrong!("array `{name}`, value {at}: {} is not a finite number", values[at])),
             None => Ok(Some(values)),
         }
     }
@@ -170,9 +168,7 @@ pub fn needed(bytes: &[u8]) -> Checked<u64> {
     // The directory is in memory as a whole, some hundred bytes an entry.
     let entries = bytes.windows(ENTRY.len()).filter(|here| *here == ENTRY).take(MOST_ENTRIES + 1).count();
     if entries > MOST_ENTRIES {
-        return Err(
-            format!("more than {MOST_ENTRIES} entries; a table has at most {MOST_MEMBERS} members").into()
-        );
+        return Err(wrong!("more than {MOST_ENTRIES} entries; a table has at most {MOST_MEMBERS} members"));
     }
     Members::open(Cursor::new(bytes), bytes.len() as u64)?.bytes()
 }

@@ -3,11 +3,10 @@
 
 use std::fs::File;
 use std::io::{BufReader, Write};
-use std::path::Path;
 
 use super::arrays::{interleaved, shape};
 use crate::files::npy;
-use crate::interchange::codec::{self, BandCodec, Codec, Encoded, FormatTraits};
+use crate::interchange::codec::{BandCodec, Codec, Encoded, FormatTraits};
 use crate::interchange::read_back::{Listing, ReadBack, ReadErrors};
 use crate::interchange::{Bands, Checked, Imported, Options};
 use crate::table::BrdfTable;
@@ -30,10 +29,6 @@ impl Codec for Npy {
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         Ok(Encoded::stream(CONVENTION, table, |mut table, out| Npy.write(&mut table, out)))
-    }
-
-    fn read_back(&self, path: &Path, mut table: &BrdfTable, _options: &Options) -> Checked<Option<ReadBack>> {
-        BandCodec::read_back(self, codec::open(path)?, &mut table)
     }
 
     fn by_bands(&self) -> Option<&dyn BandCodec> {

@@ -15,6 +15,7 @@ use zip::{CompressionMethod, ZipWriter};
 
 use super::arrays::{apart, interleaved, shape};
 use super::members::{Members, WAVELENGTHS, needed};
+use crate::error::wrong;
 use crate::files::memory;
 use crate::files::npy::{self, NpyValues};
 use crate::instrument::Grid;
@@ -181,7 +182,7 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     if let Some(array) = members.array("hits")? {
         match array.values {
             NpyValues::U32(hits) if array.shape == plain => table.hits = hits,
-            _ => return Err(format!("array `hits`: u4 of shape {plain:?} needed").into()),
+            _ => return Err(wrong!("array `hits`: u4 of shape {plain:?} needed")),
         }
     }
     table.schlick = SchlickSums::gathered(|name| members.channel(name, &plain))?;

@@ -13,6 +13,7 @@ pub use super::patchwise::Patchwise;
 use super::patchwise::{bases_of, grid};
 use super::xml;
 use super::xml::{SampleSide, negative_note, short};
+use crate::error::wrong;
 use crate::instrument::klems::{Basis, Ring, patches};
 use crate::instrument::{GridKind, Region};
 use crate::interchange::codec::{Codec, Encoded, FormatTraits};
@@ -167,7 +168,7 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(BrdfTable, 
         "Columns" => true,
         "Rows" => false,
         other => {
-            return Err(format!("IncidentDataStructure {:?}: Columns or Rows needed", short(other)).into());
+            return Err(wrong!("IncidentDataStructure {:?}: Columns or Rows needed", short(other)));
         }
     };
     let xml::Reflection { blocks, mut notes } = document.reflection(COLOURS, side)?;
@@ -228,14 +229,14 @@ fn matrix(data: &str, light: usize, sensor: usize) -> Checked<Matrix> {
     for cell in cells {
         let value: f32 = cell.parse().map_err(|_| format!("{:?} is no number", short(cell)))?;
         if found.values.len() == wanted {
-            return Err(format!("more than {light} x {sensor} values").into());
+            return Err(wrong!("more than {light} x {sensor} values"));
         }
         found.negative += usize::from(value < 0.0);
         found.least = found.least.min(f64::from(value));
         found.values.push(if value < 0.0 { 0.0 } else { value });
     }
     if found.values.len() != wanted {
-        return Err(format!("{} values, {light} x {sensor} needed", found.values.len()).into());
+        return Err(wrong!("{} values, {light} x {sensor} needed", found.values.len()));
     }
     Ok(found)
 }

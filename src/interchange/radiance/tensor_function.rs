@@ -8,6 +8,7 @@ use super::colour;
 use super::tensor_square::{COLOURS, Tree, coordinates};
 use super::xml;
 use super::xml::{SampleSide, negative_note, short};
+use crate::error::wrong;
 use crate::interchange::{Brdf, Checked, Colour};
 
 /// Deeper than any file.
@@ -46,11 +47,10 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(TensorTree,
         "TensorTree3" => 3,
         "TensorTree4" => 4,
         other => {
-            return Err(format!(
+            return Err(wrong!(
                 "IncidentDataStructure {:?}: TensorTree3 or TensorTree4 needed",
                 short(other)
-            )
-            .into());
+            ));
         }
     };
     let xml::Reflection { blocks, mut notes } = document.reflection(COLOURS, side)?;
@@ -59,7 +59,7 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(TensorTree,
         let mut parser = Parser { rest: block.data.trim_start(), rank, levels: 0, seen };
         trees.push(parser.group(0)?);
         if !parser.rest.trim().is_empty() {
-            return Err(format!("{:?} stands behind the tree", short(parser.rest.trim())).into());
+            return Err(wrong!("{:?} stands behind the tree", short(parser.rest.trim())));
         }
         (levels, seen) = (levels.max(parser.levels), parser.seen);
     }
@@ -87,7 +87,7 @@ impl Parser<'_> {
     /// A group from its brace to its brace.
     fn group(&mut self, depth: usize) -> Checked<Tree> {
         if depth > DEEPEST {
-            return Err(format!("branches {DEEPEST} deep: no such tree is").into());
+            return Err(wrong!("branches {DEEPEST} deep: no such tree is"));
         }
         self.rest = self.rest.strip_prefix('{').ok_or("a brace is missing in the tree")?.trim_start();
         if self.rest.starts_with('{') {
@@ -107,7 +107,7 @@ impl Parser<'_> {
                 seen.least = seen.least.min(f64::from(value));
                 Ok(value.max(0.0))
             }
-            _ => Err(format!("{:?} is no finite number", short(cell)).into()),
+            _ => Err(wrong!("{:?} is no finite number", short(cell))),
         };
         let values = cells.map(value).collect::<Checked<Vec<f32>>>()?;
         self.rest = &self.rest[end..];
@@ -115,7 +115,7 @@ impl Parser<'_> {
         let side =
             (0..12).map(|k| 1usize << k).find(|side| side.pow(self.rank as u32) >= values.len()).unwrap_or(0);
         if values.is_empty() || side.checked_pow(self.rank as u32) != Some(values.len()) {
-            return Err(format!("a leaf of {} values; 2^({} k) needed", values.len(), self.rank).into());
+            return Err(wrong!("a leaf of {} values; 2^({} k) needed", values.len(), self.rank));
         }
         self.levels = self.levels.max(depth + side.ilog2() as usize);
         Ok(Tree::Leaf(side, values))

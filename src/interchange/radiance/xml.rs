@@ -8,6 +8,7 @@ use std::str::FromStr;
 use quick_xml::Reader;
 use quick_xml::events::{BytesRef, Event};
 
+use crate::error::wrong;
 use crate::interchange::Checked;
 use crate::text_decoding::decode_xml;
 
@@ -159,7 +160,7 @@ pub fn read(bytes: &[u8]) -> Checked<Document> {
                 }
                 path.push(name);
                 if path.len() > DEEPEST {
-                    return Err(format!("elements {DEEPEST} deep: no such file is").into());
+                    return Err(wrong!("elements {DEEPEST} deep: no such file is"));
                 }
                 content.clear();
                 undeclared = None;
@@ -173,15 +174,11 @@ pub fn read(bytes: &[u8]) -> Checked<Document> {
                 let text = content.trim();
                 if let Some(entity) = undeclared.take().filter(|_| is_read(&name)) {
                     let entity = short(&entity);
-                    return Err(
-                        format!("{name}: nothing declares `&{entity};`; write the character itself").into()
-                    );
+                    return Err(wrong!("{name}: nothing declares `&{entity};`; write the character itself"));
                 }
                 let is_name = NAMES.contains(&name.as_str());
                 if is_name && text.len() > LONGEST_NAME {
-                    return Err(
-                        format!("{name} of {} bytes; at most {LONGEST_NAME} are read", text.len()).into()
-                    );
+                    return Err(wrong!("{name} of {} bytes; at most {LONGEST_NAME} are read", text.len()));
                 }
                 if name == "Wavelength" {
                     wavelength = text.into();
@@ -207,7 +204,7 @@ fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Ch
         if (0.0..=90.0).contains(&value) {
             Ok(value)
         } else {
-            Err(format!("{name} = {value} lies outside [0, 90]").into())
+            Err(wrong!("{name} = {value} lies outside [0, 90]"))
         }
     };
     match name {
@@ -226,7 +223,7 @@ fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Ch
             if let Some(basis) = document.bases.last_mut() {
                 basis.1.push(*ring);
                 if basis.1.len() > MOST_RINGS {
-                    return Err(format!("AngleBasisBlock: a basis of more than {MOST_RINGS} rings").into());
+                    return Err(wrong!("AngleBasisBlock: a basis of more than {MOST_RINGS} rings"));
                 }
             }
         }
@@ -236,7 +233,7 @@ fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Ch
                 "WavelengthDataDirection" => block.direction = text.into(),
                 "ColumnAngleBasis" | "RowAngleBasis" | "AngleBasis" => block.bases.push(text.into()),
                 "ScatteringDataType" if text != "BRDF" && text != "BTDF" && text != "BSDF" => {
-                    return Err(format!("ScatteringDataType {:?} is not read", short(text)).into());
+                    return Err(wrong!("ScatteringDataType {:?} is not read", short(text)));
                 }
                 "ScatteringData" => block.data = text.into(),
                 _ => {}
@@ -287,7 +284,7 @@ impl Document {
         let Some((side, visible)) = wanted.iter().find_map(|&side| Some((side, find(side, "Visible")?)))
         else {
             let what = side.map_or("reflection".into(), |side| format!("`{}`", side.direction()));
-            return Err(format!("no block of visible {what}; the file has {}", self.named(|_| true)).into());
+            return Err(wrong!("no block of visible {what}; the file has {}", self.named(|_| true)));
         };
         let coloured: Vec<&DataBlock> = others.into_iter().filter_map(|name| find(side, name)).collect();
         let coloured = if coloured.len() == others.len() { coloured } else { vec![] };

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::Checked;
 use crate::sphere;
@@ -55,7 +56,7 @@ fn product(list: &[[f64; 2]]) -> Option<(Vec<f64>, Vec<f64>)> {
 /// Polar angles of an arm that sees the hemisphere.
 pub(crate) fn increasing(name: &str, deg: &[f64]) -> Checked<Ordered> {
     if let Some(negative) = deg.iter().find(|&&angle| angle < 0.0) {
-        return Err(format!("{name} = {negative}: an arm in one plane does not see the hemisphere").into());
+        return Err(wrong!("{name} = {negative}: an arm in one plane does not see the hemisphere"));
     }
     ordered(name, deg.iter().map(|angle| angle.to_radians()).collect())
 }
@@ -70,7 +71,7 @@ fn ordered(name: &str, angles: Vec<f64>) -> Checked<Ordered> {
     places.sort_by(|&a, &b| angles[a].total_cmp(&angles[b]));
     let sorted: Vec<f64> = places.iter().map(|&place| angles[place]).collect();
     match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => Err(format!("{name} = {} is there twice", pair[0].to_degrees()).into()),
+        Some(pair) => Err(wrong!("{name} = {} is there twice", pair[0].to_degrees())),
         None => Ok(Ordered { angles: sorted, places }),
     }
 }

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::angles::bin_axes;
 use super::axis::{AzimuthCircle, Polar, Taps, WIDEST_GAP_DEG};
+use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::text::samples::key;
 use crate::interchange::{Checked, spectral_table};
@@ -45,16 +46,16 @@ pub fn filled(table: BrdfTable) -> Checked<(BrdfTable, Option<String>)> {
         return Ok((table, None));
     }
     if table.grid.kind != GridKind::Points {
-        return Err(format!("{gaps} bins were not measured: nothing is interpolated over them").into());
+        return Err(wrong!("{gaps} bins were not measured: nothing is interpolated over them"));
     }
     let (stops, measured) = (table.grid.stops(), table.grid.stops() * table.grid.bins() - gaps);
     let rows = Rows::of(&table.grid);
     let all = stops.saturating_mul(rows.theta.len() * rows.phi.len());
     if all > 2 * measured {
-        return Err(format!(
+        return Err(wrong!(
             "the sensor's polar angles and azimuths make {all} pairs with the lights, of which {measured} were \
              measured: too few to fill in the rest; leave --like out to keep what was measured as it is"
-        ).into());
+        ));
     }
     let mut total = vec![Vec::with_capacity(all); table.colours.len()];
     let mut lacking = 0;

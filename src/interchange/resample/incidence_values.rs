@@ -12,6 +12,7 @@ use super::axis::{AzimuthCircle, Polar, Taps, WIDEST_GAP_DEG};
 use super::folds::{Fold, unfolded};
 use super::gaps::not_measured;
 use super::means::keep_means;
+use crate::error::wrong;
 use crate::instrument::GridKind;
 use crate::interchange::{Checked, Colour};
 use crate::sphere;
@@ -61,14 +62,10 @@ impl IncidenceValues {
         let (stops_circle, columns_circle) =
             (AzimuthCircle::new(all_phi_i.clone()), AzimuthCircle::new(columns.angles));
         if !isotropic && gap(&stops_circle) > WIDEST_GAP_DEG {
-            return Err(
-                format!("azimuths of the light leave a gap of {:.0} degrees", gap(&stops_circle)).into()
-            );
+            return Err(wrong!("azimuths of the light leave a gap of {:.0} degrees", gap(&stops_circle)));
         }
         if grid.kind != GridKind::Hemisphere && gap(&columns_circle) > WIDEST_GAP_DEG {
-            return Err(
-                format!("azimuths of the sensor leave a gap of {:.0} degrees", gap(&columns_circle)).into()
-            );
+            return Err(wrong!("azimuths of the sensor leave a gap of {:.0} degrees", gap(&columns_circle)));
         }
         let (row_count, column_count) = (rows.places.len(), columns.places.len());
         let mut found = IncidenceValues {

@@ -9,6 +9,7 @@ use std::path::Path;
 use super::named_columns::{Columns, names_of};
 use super::samples;
 use super::samples::MeasuredPair;
+use crate::error::wrong;
 use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
 use crate::interchange::read_back::{ReadBack, middles_deg};
 use crate::interchange::{Checked, Imported, Options, needed};
@@ -85,7 +86,7 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let mut found = Vec::new();
     let (columns, isotropic) = each_sample(text.as_bytes(), |sample| {
         if found.len() == MOST_LINES {
-            return Err(format!("more than {MOST_LINES} lines").into());
+            return Err(wrong!("more than {MOST_LINES} lines"));
         }
         found.push(sample);
         Ok(())
@@ -135,18 +136,17 @@ fn each_sample(
             numbers.push(value);
         }
         if numbers.len() != names.len() || numbers.iter().any(|value| !value.is_finite()) {
-            return Err(format!(
+            return Err(wrong!(
                 "line {number}: {} finite numbers needed, one for each name of VARS",
                 names.len()
-            )
-            .into());
+            ));
         }
         for angle in &mut numbers[..4] {
             // Degrees to eight digits: what twelve digits of radians are worth.
             *angle = (angle.to_degrees() * 1e8).round() / 1e8;
         }
         if let Some(why) = columns.fault(&numbers) {
-            return Err(format!("line {number}: {why}").into());
+            return Err(wrong!("line {number}: {why}"));
         }
         let mut sample = MeasuredPair::of(number, &numbers, &columns);
         sample.values.iter_mut().for_each(|value| *value = value.max(0.0));
@@ -154,7 +154,7 @@ fn each_sample(
         found += 1;
     }
     if let Some(points) = points.filter(|&points| points > found) {
-        return Err(format!("NUM_POINTS is {points}, the file has {found} samples: it was cut short").into());
+        return Err(wrong!("NUM_POINTS is {points}, the file has {found} samples: it was cut short"));
     }
     Ok((columns, isotropic))
 }

@@ -2,13 +2,13 @@
 
 use std::fs::File;
 use std::io::{self, BufReader, Chain, Cursor, Read, Write};
-use std::path::Path;
 
 use super::named_columns::{Columns, names_of};
 use super::samples;
 use super::samples::MeasuredPair;
+use crate::error::wrong;
 use crate::instrument::Region;
-use crate::interchange::codec::{self, BandCodec, Codec, Encoded, FormatTraits};
+use crate::interchange::codec::{BandCodec, Codec, Encoded, FormatTraits};
 use crate::interchange::read_back::{ReadBack, ReadErrors, middles_deg};
 use crate::interchange::{Bands, Checked, Imported, Options, needed};
 use crate::table::BrdfTable;
@@ -46,10 +46,6 @@ impl Codec for Csv {
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         Ok(Encoded::stream(CONVENTION, table, write))
-    }
-
-    fn read_back(&self, path: &Path, mut table: &BrdfTable, _options: &Options) -> Checked<Option<ReadBack>> {
-        BandCodec::read_back(self, codec::open(path)?, &mut table)
     }
 
     fn by_bands(&self) -> Option<&dyn BandCodec> {
@@ -132,7 +128,7 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let mut found = Vec::new();
     for sample in lines.by_ref() {
         if found.len() == MOST_LINES {
-            return Err(format!("more than {MOST_LINES} lines").into());
+            return Err(wrong!("more than {MOST_LINES} lines"));
         }
         found.push(sample?);
     }
@@ -180,29 +176,21 @@ impl<R: Read> SampleLines<R> {
         let number = |cell: &str| {
             let point = if self.decimal_commas { cell.replace(',', ".") } else { cell.to_string() };
             let value: f64 = point.parse().map_err(|_| format!("line {line}: `{cell}` is no number"))?;
-            if value.is_finite() {
-                Ok(value)
-            } else {
-                Err(format!("line {line}: {value} is not finite").into())
-            }
+            if value.is_finite() { Ok(value) } else { Err(wrong!("line {line}: {value} is not finite")) }
         };
         let numbers = record.iter().map(number).collect::<Checked<Vec<f64>>>()?;
         if self.isotropic.is_some_and(|column| numbers[column] != 1.0) {
-            return Err(
-                format!("line {line}: `{ISOTROPIC}` is 1 in every line, or there is no such column").into()
-            );
+            return Err(wrong!("line {line}: `{ISOTROPIC}` is 1 in every line, or there is no such column"));
         }
         let angles = self.angles.iter().map(|&column| numbers[column]);
         let all: Vec<f64> = angles.chain(numbers.iter().copied()).collect();
         if let Some(why) = self.columns.fault(&all) {
-            return Err(format!("line {line}: {why}").into());
+            return Err(wrong!("line {line}: {why}"));
         }
         let sample = MeasuredPair::of(line as usize, &all, &self.columns);
         // Rounded as a table holds it: what f32 cannot hold is infinite there.
         if let Some(value) = sample.values.iter().find(|v| !(v.is_finite() && **v >= 0.0)) {
-            return Err(
-                format!("line {line}: {value} is no BRDF value (not negative, at most 3.4e38)").into()
-            );
+            return Err(wrong!("line {line}: {value} is no BRDF value (not negative, at most 3.4e38)"));
         }
         Ok(sample)
     }
@@ -222,7 +210,7 @@ fn head(file: &mut impl Read) -> Checked<Vec<u8>> {
             }
             line = head.len();
         } else if head.len() - line > LONGEST_HEADER {
-            return Err(format!("line 1 is longer than {LONGEST_HEADER} bytes: no header").into());
+            return Err(wrong!("line 1 is longer than {LONGEST_HEADER} bytes: no header"));
         }
     }
 }

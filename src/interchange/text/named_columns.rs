@@ -2,6 +2,7 @@
 
 use smallvec::SmallVec;
 
+use crate::error::wrong;
 use crate::interchange::radiance::colour;
 use crate::interchange::{Checked, Colour};
 use crate::table::BrdfTable;
@@ -72,17 +73,14 @@ impl Columns {
             })?;
             match role {
                 Role::Value(name) if named.iter().any(|&(other, _)| other == name) => {
-                    return Err(format!(
+                    return Err(wrong!(
                         "two columns hold the same values as `{}`",
                         names[column - first].trim()
-                    )
-                    .into());
+                    ));
                 }
                 Role::Value(name) => named.push((name, column)),
                 Role::Error(of) if errors.iter().any(|&(other, _)| other == of) => {
-                    return Err(
-                        format!("the column `{}` is there twice", names[column - first].trim()).into()
-                    );
+                    return Err(wrong!("the column `{}` is there twice", names[column - first].trim()));
                 }
                 Role::Error(of) => errors.push((of, column)),
                 Role::Hits if hits.is_some() => return Err("two columns count arrivals".into()),

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::named_columns::{ColourValues, Columns};
+use crate::error::wrong;
 use crate::files::memory;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::read_back::{Listing, middles_deg, upper};
@@ -128,11 +129,11 @@ impl<'a> SampleLayout<'a> {
     fn table(self, columns: &Columns, phi_r_relative: bool) -> Checked<BrdfTable> {
         let (stop_count, bins) = (self.stops.list.len(), self.points.list.len());
         if self.gaps() > MOST_GAPS {
-            return Err(format!(
+            return Err(wrong!(
                 "{} samples of {stop_count} lights and {bins} directions of the sensor: most directions belong to one \
                  light alone, and a table of all pairs would be nearly empty; at most {MOST_GAPS} gaps are kept",
                 self.samples.len()
-            ).into());
+            ));
         }
         // A few thousand lines may list millions of pairs, each with all colours: no length of a file says it before.
         memory::check(needed::table(stop_count * bins, columns.colours()))?;
@@ -198,11 +199,15 @@ pub fn alike(a: f64, b: f64) -> bool {
 
 fn agree(a: &MeasuredPair, b: &MeasuredPair) -> Checked<()> {
     match (0..a.values.len()).find(|&c| !alike(f64::from(a.values[c]), f64::from(b.values[c]))) {
-        Some(c) => Err(format!(
+        Some(c) => Err(wrong!(
             "lines {} and {}: the same light {:?} and sensor {:?} (degrees) with {} and {}",
-            a.line, b.line, b.light, b.sensor, a.values[c], b.values[c]
-        )
-        .into()),
+            a.line,
+            b.line,
+            b.light,
+            b.sensor,
+            a.values[c],
+            b.values[c]
+        )),
         None => Ok(()),
     }
 }
@@ -260,7 +265,7 @@ pub fn listed<'a>(
             turn.min(360.0 - turn) > digits
         });
         if off {
-            return Err(format!("entry {entry} is at {found:?} degrees, the bin at {wanted:?}").into());
+            return Err(wrong!("entry {entry} is at {found:?} degrees, the bin at {wanted:?}"));
         }
         for colour in 0..table.colours.len() {
             listing.add(stop, bin, colour, sample.values[colour]);

@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 
 use super::samples::{alike, key, with_axes};
+use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::Checked;
 use crate::interchange::read_back::middles_deg;
@@ -69,12 +70,11 @@ fn one_value(
     let Some((a, b)) = pairs.find(differ) else { return Ok(()) };
     let values =
         |at: usize| table.colours.iter().map(|c| c.total[at].to_string()).collect::<Vec<_>>().join(" ");
-    Err(format!(
+    Err(wrong!(
         "{first:?} and {second:?} degrees are one direction, with {} and {}: one value needed",
         values(b),
         values(a)
-    )
-    .into())
+    ))
 }
 
 /// The table of some of another's pixels.
@@ -99,9 +99,7 @@ fn of_pixels(mut table: BrdfTable, grid: Grid, pixels: &[usize]) -> BrdfTable {
 /// Where `found` has its incidences and bins in `wanted`. Both must be isotropic, or neither.
 pub fn places(found: &Grid, wanted: &Grid) -> Checked<(Vec<usize>, Vec<usize>)> {
     if found.is_isotropic() != wanted.is_isotropic() {
-        return Err(
-            format!("isotropic: {} instead of {}", found.is_isotropic(), wanted.is_isotropic()).into()
-        );
+        return Err(wrong!("isotropic: {} instead of {}", found.is_isotropic(), wanted.is_isotropic()));
     }
     let lights = |grid: &Grid| -> Vec<[f64; 2]> {
         let light = |stop| <[f64; 2]>::from(grid.stop_deg(stop));

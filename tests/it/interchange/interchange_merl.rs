@@ -216,7 +216,7 @@ fn grids_of_half_and_difference_angles_are_checked() {
     assert!(reason(|g| g.phi_d_deg.clear()).contains("phi_d_deg has 0 values"));
     assert!(reason(|g| g.theta_d_deg.swap(0, 1)).contains("does not increase"));
     assert!(reason(|g| g.theta_i_deg.push(1.0)).contains("only one is allowed"));
-    assert!(reason(|g| g.phi_h_deg = vec![0.0, 360.0]).contains("there already"));
+    assert!(reason(|g| g.phi_h_deg = vec![0.0, 360.0]).contains("already exists"));
 }
 
 #[test]

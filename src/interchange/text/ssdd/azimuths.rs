@@ -1,5 +1,6 @@
 //! What an SSDD file's azimuths must be, and values that it lists under two of them.
 
+use crate::error::wrong;
 use crate::interchange::Checked;
 use crate::interchange::text::azimuths::{Azimuths, SAME, widest_gap};
 use crate::interchange::text::samples::alike;
@@ -12,9 +13,7 @@ const WIDEST_GAP: f64 = 90.0;
 pub fn check_round(azimuths: &Azimuths) -> Checked<()> {
     let gap = widest_gap(&azimuths.angles, 360.0);
     if gap > WIDEST_GAP + SAME {
-        return Err(
-            format!("PARAM1_LIST: {gap} degrees without an azimuth; steps of at most 90 are read").into()
-        );
+        return Err(wrong!("PARAM1_LIST: {gap} degrees without an azimuth; steps of at most 90 are read"));
     }
     Ok(())
 }
@@ -24,10 +23,9 @@ pub fn check_round(azimuths: &Azimuths) -> Checked<()> {
 pub fn check_whole(azimuths: &Azimuths, turn: f64) -> Checked<()> {
     let (gap, half) = (widest_gap(&azimuths.angles, turn), 0.5 * turn);
     if gap > if azimuths.angles.len() == 2 { half + SAME } else { half - SAME } {
-        return Err(format!(
+        return Err(wrong!(
             "PARAM3_LIST: {gap} degrees without an azimuth; half of {turn} is what a REDUCTION_TYPE leaves out"
-        )
-        .into());
+        ));
     }
     Ok(())
 }

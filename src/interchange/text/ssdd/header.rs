@@ -3,6 +3,7 @@
 use std::io::BufRead;
 
 use super::lines::NumberLines;
+use crate::error::wrong;
 use crate::interchange::Checked;
 
 /// What the four lists of angles are.
@@ -58,7 +59,7 @@ impl SsddHeader {
 
     /// Takes one line; whether it was the last before the values.
     fn set(&mut self, number: usize, key: &str, value: &str) -> Checked<bool> {
-        let needs = |wanted: &str| Err(format!("line {number}: {key} {value}: {wanted} needed").into());
+        let needs = |wanted: &str| Err(wrong!("line {number}: {key} {value}: {wanted} needed"));
         let numbers = || {
             let numbers = value.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>();
             numbers.map_err(|_| format!("line {number}: {key}: numbers needed"))
@@ -142,7 +143,7 @@ impl SsddHeader {
         let list = &self.lists[k];
         let within = list.iter().all(|angle| (least..=most).contains(angle));
         if list.is_empty() || !within || list.windows(2).any(|pair| pair[0] >= pair[1]) {
-            return Err(format!("PARAM{k}_LIST: increasing angles in [{least}, {most}] needed").into());
+            return Err(wrong!("PARAM{k}_LIST: increasing angles in [{least}, {most}] needed"));
         }
         Ok(list)
     }

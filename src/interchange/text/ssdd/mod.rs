@@ -17,6 +17,7 @@ use std::io::{BufRead, Write};
 use std::path::Path;
 
 use super::seam;
+use crate::error::wrong;
 use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
 use crate::interchange::radiance::colour;
 use crate::interchange::read_back::{Listing, ReadBack};
@@ -170,7 +171,7 @@ fn read_back(file: impl BufRead, table: &BrdfTable) -> Checked<Option<ReadBack>>
     let grid = spherical::grid(&header)?;
     let sizes = (grid.stops(), grid.bins(), header.colours);
     if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {
-        return Err(format!("{} incidences of {} directions, {} colours", sizes.0, sizes.1, sizes.2).into());
+        return Err(wrong!("{} incidences of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
     }
     let (stops, bins) = seam::places(&grid, &table.grid)?;
     let mut listing = Listing::new(table);

@@ -1,6 +1,7 @@
 //! SSDD in spherical coordinates as a table of points.
 
 use super::header::SsddHeader;
+use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::{Checked, spectral_table};
 use crate::table::{BrdfTable, check_grid};
@@ -17,7 +18,7 @@ pub fn grid(header: &SsddHeader) -> Checked<Grid> {
     let [theta_i, phi_i, theta_r, phi_r] = &header.lists;
     for (list, angles) in [(0, theta_i), (2, theta_r)] {
         if let Some(angle) = angles.iter().find(|angle| !(0.0..=90.0).contains(*angle)) {
-            return Err(format!("PARAM{list}_LIST: polar angle {angle} lies outside [0, 90]").into());
+            return Err(wrong!("PARAM{list}_LIST: polar angle {angle} lies outside [0, 90]"));
         }
     }
     // Azimuths of the light are needed of anisotropic data: without them there is one kind of azimuth, from the light.

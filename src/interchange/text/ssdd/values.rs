@@ -4,6 +4,7 @@ use std::io::BufRead;
 
 use super::header::SsddHeader;
 use super::lines::NumberLines;
+use crate::error::wrong;
 use crate::interchange::Checked;
 
 /// The values of each colour by the four angles, the first slowest; and notes on what follows them.
@@ -82,7 +83,7 @@ pub fn each(
         }
         count += 1;
     }
-    if count == pixels { Ok(None) } else { Err(format!("{count} lines of values, {pixels} needed").into()) }
+    if count == pixels { Ok(None) } else { Err(wrong!("{count} lines of values, {pixels} needed")) }
 }
 
 /// What a data block that begins with this line holds.

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::iter::Peekable;
 
 use super::tables::Zemax;
+use crate::error::wrong;
 use crate::interchange::Checked;
 use crate::interchange::radiance::xml::{negative_note, short};
 use crate::interchange::text::azimuths::{Azimuths, SAME, widest_gap};
@@ -77,7 +78,7 @@ pub fn parse(bytes: &[u8]) -> Checked<(Zemax, Vec<String>)> {
     for _ in header.channels {
         let channel = channel(&mut words, header.channels)?;
         if !tis[channel].is_empty() {
-            return Err(format!("{} is there twice", header.channels[channel]).into());
+            return Err(wrong!("{} is there twice", header.channels[channel]));
         }
         for _ in 0..rotations.len() * light.len() {
             tis[channel].push(block(
@@ -94,7 +95,7 @@ pub fn parse(bytes: &[u8]) -> Checked<(Zemax, Vec<String>)> {
         }
     }
     if words.any(|word| is(word, "DataBegin") || is(word, "TIS")) {
-        return Err(format!("more data than {} need", header.channels.join(", ")).into());
+        return Err(wrong!("more data than {} need", header.channels.join(", ")));
     }
     let equal = |a, b| a == b;
     file.tis = tis.iter().map(|tis| turns.merged(tis, [1, sizes[0], sizes[1]], equal).0).collect();
@@ -156,7 +157,7 @@ fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Checked<Ze
         header.lists[0].push(0.0);
     }
     match KEYS.iter().zip(&header.lists).find(|(_, list)| list.is_empty()) {
-        Some((key, _)) => Err(format!("no {key}").into()),
+        Some((key, _)) => Err(wrong!("no {key}")),
         None => Ok(header),
     }
 }
@@ -169,7 +170,7 @@ fn list<'a>(key: &str, words: &mut impl Iterator<Item = &'a str>) -> Checked<Vec
     let list = (0..count).map(|_| number(words.next())).collect::<Checked<Vec<f64>>>()?;
     match list.windows(2).all(|pair| pair[0] < pair[1]) {
         true => Ok(list),
-        false => Err(format!("{key}: the angles do not increase").into()),
+        false => Err(wrong!("{key}: the angles do not increase")),
     }
 }
 
@@ -178,12 +179,12 @@ fn channel<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>, channels: &[
     let word = *words.peek().ok_or_else(|| format!("cut off before {}", channels[channels.len() - 1]))?;
     let found = channels.iter().position(|channel| is(word, channel));
     if found.is_none() && (channels.len() > 1 || !is(word, "DataBegin")) {
-        return Err(format!("{:?} where {} is needed", short(word), channels.join(", ")).into());
+        return Err(wrong!("{:?} where {} is needed", short(word), channels.join(", ")));
     }
     words.next_if(|word| !is(word, "DataBegin"));
     match words.next_if(|word| is(word, "DataBegin")) {
         Some(_) => Ok(found.unwrap_or(0)),
-        None => Err(format!("no DataBegin behind {}", channels[found.unwrap_or(0)]).into()),
+        None => Err(wrong!("no DataBegin behind {}", channels[found.unwrap_or(0)])),
     }
 }
 
@@ -209,7 +210,7 @@ fn block<'a>(
     for _ in 0..count {
         let value = number(words.next())?;
         if !(value as f32).is_finite() {
-            return Err(format!("{value:e} is no BRDF value").into());
+            return Err(wrong!("{value:e} is no BRDF value"));
         }
         seen.values += 1;
         seen.negative += usize::from(value < 0.0);
@@ -221,18 +222,16 @@ fn block<'a>(
 
 fn number(word: Option<&str>) -> Checked<f64> {
     let value = word.and_then(|word| word.parse::<f64>().ok()).filter(|value| value.is_finite());
-    Ok(value
-        .ok_or_else(|| format!("{:?} where a finite number is needed", short(word.unwrap_or_default())))?)
+    value.ok_or_else(|| wrong!("{:?} where a finite number is needed", short(word.unwrap_or_default())))
 }
 
 /// The angles of a list that goes round.
 fn circle(key: &str, list: &[f64]) -> Checked<Azimuths> {
     let (first, last) = (list[0], list[list.len() - 1]);
     if first < -360.0 || last > 360.0 || last - first > 360.0 + SAME {
-        return Err(format!(
+        return Err(wrong!(
             "{key}: the angles from {first} to {last} are more than a turn, or outside [-360, 360]"
-        )
-        .into());
+        ));
     }
     Ok(Azimuths::of(list, 360.0, false))
 }
@@ -252,16 +251,14 @@ fn check(file: &Zemax, listed: &[f64]) -> Checked<()> {
     // Two opposite azimuths are a scan in a plane; of more, half a turn without any is a forgotten symmetry.
     let (widest, count) = (widest_gap(&file.azimuths, 360.0), file.azimuths.len());
     if !file.symmetric && count > 1 && widest > if count == 2 { 180.0 } else { 180.0 - SAME } {
-        return Err(format!(
+        return Err(wrong!(
             "ScatterAzimuth: {widest} degrees without any azimuth; half a turn is what PlaneSymmetrical has"
-        )
-        .into());
+        ));
     }
     if file.rotations.len() > 1 && (file.symmetric || widest_gap(&file.rotations, 360.0) > WIDEST_GAP) {
-        return Err(format!(
+        return Err(wrong!(
             "several rotations must be asymmetrical and go round in steps of at most {WIDEST_GAP}"
-        )
-        .into());
+        ));
     }
     Ok(())
 }
