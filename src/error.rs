@@ -1,6 +1,7 @@
 //! The program's errors: what each kind prints, and its exit code.
 
 use std::fmt;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -87,8 +88,63 @@ pub enum Error {
     Internal(String),
 }
 
-/// How the reason of a reader ends that the memory is too small for (`files::memory::check`).
-pub const LACK_OF_MEMORY: &str = "MiB may be used (half of what is free); free memory, or split the file";
+/// A value, or what is wrong with the content that it was to come from.
+pub type Checked<T> = std::result::Result<T, ContentError>;
+
+/// Why the bytes of a file, or the values of a table, are not taken. [`Error::format`] adds the path.
+#[derive(Debug, thiserror::Error)]
+pub enum ContentError {
+    /// They are not what the reader, or the format to be written, needs.
+    #[error("{0}")]
+    Wrong(String),
+    /// They take more memory than may be used.
+    #[error("{0}")]
+    TooLarge(String),
+    /// The system failed while they were read or written.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// Another file is at fault, which the error names.
+    #[error("{0}")]
+    Elsewhere(Box<Error>),
+}
+
+impl ContentError {
+    /// The same, with where in the content it is.
+    pub fn at(self, place: impl fmt::Display) -> Self {
+        match self {
+            ContentError::Wrong(what) => ContentError::Wrong(format!("{place}: {what}")),
+            ContentError::TooLarge(what) => ContentError::TooLarge(format!("{place}: {what}")),
+            ContentError::Io(e) => ContentError::Io(io::Error::new(e.kind(), format!("{place}: {e}"))),
+            elsewhere => elsewhere,
+        }
+    }
+}
+
+/// What is wrong with a content, in the words of `format!`.
+macro_rules! wrong {
+    ($($words:tt)*) => {
+        $crate::error::ContentError::Wrong(format!($($words)*))
+    };
+}
+pub(crate) use wrong;
+
+impl From<String> for ContentError {
+    fn from(what: String) -> Self {
+        ContentError::Wrong(what)
+    }
+}
+
+impl From<&str> for ContentError {
+    fn from(what: &str) -> Self {
+        ContentError::Wrong(what.into())
+    }
+}
+
+impl From<Error> for ContentError {
+    fn from(error: Error) -> Self {
+        ContentError::Elsewhere(Box::new(error))
+    }
+}
 
 impl Error {
     /// The process's exit code for this error. A campaign whose only faults are sizes is refused as too large.
@@ -109,15 +165,18 @@ impl Error {
         Error::Io { path: path.to_path_buf(), source }
     }
 
-    /// A wrong content of the file at `path`; whatever `what` quotes of it, it is one line. Where the reader found that
-    /// the memory is too small for it, that is refused.
+    /// What is wrong with the content of the file at `path`; whatever it quotes of the file, it is one line. A content that
+    /// is too large for the memory is refused.
     // Tested by tests/process/bombs.rs.
-    pub fn format(path: &Path, what: impl AsRef<str>) -> Self {
-        let what = one_line(what.as_ref());
-        if what.ends_with(LACK_OF_MEMORY) {
-            return Error::Refused(format!("{}: {what}", path.display()));
+    pub fn format(path: &Path, what: impl Into<ContentError>) -> Self {
+        match what.into() {
+            ContentError::Wrong(what) => Error::Format { path: path.to_path_buf(), what: one_line(&what) },
+            ContentError::TooLarge(what) => {
+                Error::Refused(format!("{}: {}", path.display(), one_line(&what)))
+            }
+            ContentError::Io(source) => Error::io(path, source),
+            ContentError::Elsewhere(error) => *error,
         }
-        Error::Format { path: path.to_path_buf(), what }
     }
 }
 

@@ -11,8 +11,7 @@ const UTF8_MARK: &[u8] = &[0xef, 0xbb, 0xbf];
 const DECLARATION: usize = 400;
 
 /// The text of a file in UTF-8, with or without a byte order mark, or in UTF-16 with one; the mark is no part of it.
-///
-/// Held by: `marks_say_how_a_text_is_written`.
+// Tested by `marks_say_how_a_text_is_written`.
 pub fn decode_text(bytes: &[u8]) -> Reason<Cow<'_, str>> {
     match bytes {
         [0xff, 0xfe, rest @ ..] => utf16(rest, u16::from_le_bytes).map(Cow::Owned),
@@ -38,8 +37,7 @@ pub fn decode_text_or_latin1(bytes: &[u8]) -> Reason<Cow<'_, str>> {
 }
 
 /// The bytes of a file that begins with text and may go on with numbers: without a mark, and UTF-16 as UTF-8.
-///
-/// Held by: `a_file_that_only_begins_with_text_loses_its_mark`.
+// Tested by `a_file_that_only_begins_with_text_loses_its_mark`.
 pub fn without_mark(bytes: &[u8]) -> Reason<Cow<'_, [u8]>> {
     match bytes.strip_prefix(UTF8_MARK) {
         Some(rest) => Ok(Cow::Borrowed(rest)),
@@ -49,8 +47,7 @@ pub fn without_mark(bytes: &[u8]) -> Reason<Cow<'_, [u8]>> {
 }
 
 /// The text of an XML file: by its mark, else in the encoding that its declaration names, else UTF-8.
-///
-/// Held by: `xml_is_read_in_the_encoding_that_it_declares`.
+// Tested by `xml_is_read_in_the_encoding_that_it_declares`.
 pub fn decode_xml(bytes: &[u8]) -> Reason<Cow<'_, str>> {
     match bytes {
         // UTF-16 without a mark: `<` and half a zero.

@@ -4,10 +4,10 @@ pub mod traced;
 
 use std::path::Path;
 
-use gonio::error::Error;
+use gonio::error::{ContentError, Error};
 
 /// A reader's reason, as the program shows it.
-pub fn reason<T>(answer: Result<T, String>) {
+pub fn reason<T>(answer: Result<T, impl Into<ContentError>>) {
     format(answer.map_err(|why| Error::format(path(), why)));
 }
 

@@ -62,11 +62,13 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     check_output(&arguments.table, &arguments.output, arguments.force)?;
     let export = match table_file::open_as_stored(&arguments.table, TableRows::row_bytes)? {
         Opened::Whole(table) => {
-            let alone = format.holds_totals_alone() && table.gaps() == 0;
+            let alone = !format.codec().traits().more_than_totals && table.gaps() == 0;
             let table = if alone { table.totals_alone() } else { *table };
             interchange::export(&table, format, &options, &arguments.output)?
         }
-        Opened::Rows(mut rows) if format.goes_by_rows() && rows.grid().kind != GridKind::HalfDifference => {
+        Opened::Rows(mut rows)
+            if format.codec().by_bands().is_some() && rows.grid().kind != GridKind::HalfDifference =>
+        {
             interchange::export_rows(&mut rows, format, &arguments.output, table_file::band_bytes())?
         }
         Opened::Rows(rows) => return Err(table_file::too_large(&rows)),

@@ -1,10 +1,10 @@
-//! Names of files under way, and who may remove what a process that was killed has left of them.
+//! Names of unfinished files, and who may remove what a process that was killed has left of them.
 //!
 //! A process that writes into a folder makes a claim there first: `.gonio-<token>.claim`, locked for as long as the
-//! process lives, which says what it is and on which machine. Its files under way are `.gonio-<token>-<n>.tmp`. Another
-//! process removes them only where the claim is one of ours, of this machine since it was started, and its lock can be
-//! had: on a shared folder a lock may not reach the other machine, so that what is left there is left alone. Containers
-//! of one machine share its kernel, and so its locks.
+//! process lives, which says what it is and on which machine. Its unfinished files are `.gonio-<token>-<n>.tmp`.
+//! Another process removes them only where the claim is one of ours, of this machine since it was started, and its
+//! lock can be had: on a shared folder a lock may not reach the other machine, so that what is left there is left
+//! alone. Containers of one machine share its kernel, and so its locks.
 
 use std::collections::HashMap;
 use std::fs::{self, File, TryLockError};
@@ -41,8 +41,7 @@ fn claims() -> MutexGuard<'static, Option<HashMap<PathBuf, Weak<Claim>>>> {
 
 impl Claim {
     /// The process's claim on a folder. The first one removes what killed processes have left there.
-    ///
-    /// Held by: `what_a_dead_process_left_is_removed_and_nothing_else`, tests/process/files_under_failure.rs.
+    // Tested by `what_a_dead_process_left_is_removed_and_nothing_else`, tests/process/files_under_failure.rs.
     pub fn on(folder: &Path) -> io::Result<Arc<Self>> {
         let mut claims = claims();
         let claims = claims.get_or_insert_default();
@@ -76,7 +75,7 @@ impl Claim {
         Ok(Claim { folder: folder.into(), token, next: AtomicU32::new(0), _file: file })
     }
 
-    /// Makes a file under way, of a name that nobody else has.
+    /// Makes an unfinished file, of a name that nobody else has.
     pub fn create_file(&self) -> io::Result<(PathBuf, File)> {
         // Not while, nor after, `abandon` removes them.
         let _claims = claims();
@@ -93,10 +92,9 @@ impl Claim {
     }
 }
 
-/// Removes the files under way and the claims of this process, which is about to end: who wants to make another one waits
-/// until then.
-///
-/// Held by: `tests/process/signals.rs`.
+/// Removes the unfinished files and the claims of this process, which is about to end: who wants to make another one
+/// waits until then.
+// Tested by `tests/process/signals.rs`.
 pub fn abandon() {
     let claims = claims();
     for claim in claims.iter().flat_map(HashMap::values).filter_map(Weak::upgrade) {
@@ -134,7 +132,7 @@ fn text() -> String {
     format!("{HEADER}{machine}\n")
 }
 
-/// Removes the files under way of processes of this machine that are no more, and their claims.
+/// Removes the unfinished files of processes of this machine that are no more, and their claims.
 fn remove_leftovers(folder: &Path) -> io::Result<()> {
     let names = || -> io::Result<Vec<String>> {
         let entries = fs::read_dir(folder)?;

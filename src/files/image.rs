@@ -1,147 +1,38 @@
-//! EXR images in memory: named channels and text or number attributes, one or more parts of scan lines.
+//! EXR images in memory: one or more parts of scan lines.
 //!
-//! Enters and leaves: bytes. The same parts give the same bytes, in every process. The codec never sees a path.
+//! Input and output: bytes. The same parts give the same bytes, in every process. The codec never sees a path.
 
-use std::collections::BTreeMap;
 use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
-use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, ImageAttributes, IntegerBounds,
-    Layer, LayerAttributes, Text, Vec2, WritableImage, f16,
-};
-use smallvec::SmallVec;
-
 use super::image_blocks::BlockReader;
-use super::{exr_header, memory};
-use crate::error::{Error, Result as FileResult};
-
-/// The values of a channel, row by row.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Samples {
-    /// FLOAT.
-    F32(Vec<f32>),
-    /// HALF.
-    F16(Vec<f16>),
-    /// UINT.
-    U32(Vec<u32>),
-}
-
-impl Samples {
-    /// Adds values of the channel's type, in the machine's order of bytes.
-    pub(crate) fn extend(&mut self, bytes: &[u8]) {
-        let fours = || bytes.as_chunks::<4>().0.iter();
-        match self {
-            Samples::F32(list) => list.extend(fours().map(|four| f32::from_ne_bytes(*four))),
-            Samples::U32(list) => list.extend(fours().map(|four| u32::from_ne_bytes(*four))),
-            Samples::F16(list) => {
-                list.extend(bytes.as_chunks::<2>().0.iter().map(|two| f16::from_ne_bytes(*two)));
-            }
-        }
-    }
-}
-
-/// The value of an attribute.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Attribute {
-    /// A string, UTF-8.
-    Text(String),
-    /// A double; floats and integers of other writers arrive here too.
-    Number(f64),
-}
-
-/// One image of a file.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ImagePart {
-    /// Its name; needed where there are several.
-    pub name: Option<String>,
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// The channels by name.
-    pub channels: BTreeMap<String, Samples>,
-    /// The custom attributes by name. Those of other types are left out on reading.
-    pub attributes: BTreeMap<String, Attribute>,
-}
-
-impl ImagePart {
-    /// The text of an attribute.
-    pub fn text(&self, name: &str) -> Option<&str> {
-        match self.attributes.get(name) {
-            Some(Attribute::Text(text)) => Some(text),
-            _ => None,
-        }
-    }
-
-    /// The number of an attribute.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        match self.attributes.get(name) {
-            Some(Attribute::Number(number)) => Some(*number),
-            _ => None,
-        }
-    }
-
-    /// Sets the text of an attribute; an empty one is left out.
-    pub fn set_text(&mut self, name: &str, text: &str) {
-        if !text.is_empty() {
-            self.attributes.insert(name.into(), Attribute::Text(text.into()));
-        }
-    }
-}
+pub use super::image_part::{Attribute, ImagePart, Samples};
+use super::{image_rows, memory};
+use crate::error::{Checked, Error, Result};
 
 /// The bytes of a file with these parts, ZIP in blocks of 16 rows, data and display window both from (0, 0).
-///
-/// Held by: `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
-pub fn encode(parts: Vec<ImagePart>) -> Result<Vec<u8>, String> {
-    let size = parts.first().map(|part| Vec2(part.width, part.height)).ok_or("no parts")?;
-    let layers = parts.into_iter().map(layer).collect::<Result<SmallVec<_>, String>>()?;
-    let image = Image::from_layers(ImageAttributes::new(IntegerBounds::from_dimensions(size)), layers);
-    let mut out = Cursor::new(Vec::new());
-    image.write().non_parallel().to_buffered(&mut out).map_err(|e| e.to_string())?;
-    let mut bytes = out.into_inner();
-    exr_header::sort_attributes(&mut bytes)?;
-    Ok(bytes)
-}
-
-fn layer(part: ImagePart) -> Result<Layer<AnyChannels<FlatSamples>>, String> {
-    let pixels = part.width * part.height;
-    let mut channels = SmallVec::new();
-    for (name, samples) in part.channels {
-        let samples = match samples {
-            Samples::F32(values) => FlatSamples::F32(values),
-            Samples::F16(values) => FlatSamples::F16(values),
-            Samples::U32(values) => FlatSamples::U32(values),
-        };
-        if samples.len() != pixels || pixels == 0 {
-            let (width, height) = (part.width, part.height);
+// Tested by `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
+pub fn encode(parts: Vec<ImagePart>) -> std::result::Result<Vec<u8>, String> {
+    for part in &parts {
+        let (width, height) = (part.width, part.height);
+        let pixels = width * height;
+        if let Some((name, samples)) =
+            part.channels.iter().find(|(_, samples)| pixels == 0 || samples.len() != pixels)
+        {
             return Err(format!("channel `{name}` has {} values for {width} x {height}", samples.len()));
         }
-        channels.push(AnyChannel::new(text(&name), samples));
     }
-    let mut attributes = LayerAttributes { layer_name: part.name.as_deref().map(text), ..Default::default() };
-    for (name, value) in part.attributes {
-        let value = match value {
-            Attribute::Text(value) => AttributeValue::Text(text(&value)),
-            Attribute::Number(value) => AttributeValue::F64(value),
-        };
-        attributes.other.insert(text(&name), value);
-    }
-    let encoding = Encoding::SMALL_LOSSLESS;
-    let encoding = Encoding { compression: exr::prelude::Compression::ZIP16, ..encoding };
-    let size = Vec2(part.width, part.height);
-    Ok(Layer::new(size, attributes, encoding, AnyChannels::sort(channels)))
-}
-
-pub(super) fn text(text: &str) -> Text {
-    Text::from_slice_unchecked(text.as_bytes())
+    image_rows::encode(&parts, |(part, name, row), out| {
+        let (samples, width) = (&parts[part].channels[name], parts[part].width);
+        out.copy_from_slice(&samples.bytes(row * width..(row + 1) * width));
+    })
 }
 
 /// The parts of a file, decoded block by block: in memory are the values and one block, never the file.
 ///
 /// Refused is what does not fit the memory that may be used.
-/// Held by: `exports_of_a_large_table_stay_below_twice_its_memory`, tests/process/bombs.rs.
-pub fn load(path: &Path) -> FileResult<Vec<ImagePart>> {
+// Tested by `exports_of_a_large_table_stay_below_twice_its_memory`, tests/process/bombs.rs.
+pub fn load(path: &Path) -> Result<Vec<ImagePart>> {
     let file = super::open(path)?;
     let blocks = BlockReader::open(BufReader::new(file)).map_err(|why| Error::format(path, why))?;
     memory::check_file(path, blocks.bytes())?;
@@ -149,20 +40,21 @@ pub fn load(path: &Path) -> FileResult<Vec<ImagePart>> {
 }
 
 /// The parts in the bytes of a file.
-pub fn decode(bytes: &[u8]) -> Result<Vec<ImagePart>, String> {
-    read(Cursor::new(bytes))
-}
-
-/// The parts of what `source` holds.
 ///
-/// Memory is bounded by what may be used, and by the source's size: a header that asks for more is refused first.
-pub fn read(source: impl Read + Seek) -> Result<Vec<ImagePart>, String> {
-    let blocks = BlockReader::open(source)?;
+/// Memory is bounded by what may be used, and by the file's size: a header that asks for more is refused first.
+pub fn decode(bytes: &[u8]) -> Checked<Vec<ImagePart>> {
+    let blocks = BlockReader::open(Cursor::new(bytes))?;
     memory::check(blocks.bytes())?;
     filled(blocks)
 }
 
-fn filled(mut blocks: BlockReader<impl Read + Seek>) -> Result<Vec<ImagePart>, String> {
+/// The only part in the bytes of a file.
+pub fn decode_one(bytes: &[u8]) -> Checked<ImagePart> {
+    let [part] = <[ImagePart; 1]>::try_from(decode(bytes)?).map_err(|_| "several parts, one needed")?;
+    Ok(part)
+}
+
+fn filled(mut blocks: BlockReader<impl Read + Seek>) -> Checked<Vec<ImagePart>> {
     let mut parts = blocks.outlines().to_vec();
     for part in &mut parts {
         reserve(part)?;
@@ -181,7 +73,7 @@ fn filled(mut blocks: BlockReader<impl Read + Seek>) -> Result<Vec<ImagePart>, S
 }
 
 /// Room for all values: better an error here than an abort later.
-pub(crate) fn reserve(part: &mut ImagePart) -> Result<(), String> {
+pub(crate) fn reserve(part: &mut ImagePart) -> std::result::Result<(), String> {
     let values = part.width.checked_mul(part.height).ok_or("more pixels than this machine can address")?;
     let room = |samples: &mut Samples| match samples {
         Samples::F32(list) => list.try_reserve_exact(values),
@@ -228,9 +120,9 @@ mod tests {
         let mut bytes = encode(vec![sample()]).expect("encodes");
         let at = bytes.windows(10).position(|w| w == b"dataWindow").expect("is there") + 10 + 1 + 6 + 4;
         bytes[at + 8..at + 12].copy_from_slice(&((1u32 << 24) - 1).to_le_bytes());
-        assert!(decode(&bytes).expect_err("too wide").contains("asks for"));
+        assert!(decode(&bytes).expect_err("too wide").to_string().contains("asks for"));
         bytes[at + 8..at + 12].copy_from_slice(&i32::MAX.to_le_bytes());
-        assert!(decode(&bytes).expect_err("absurd").contains("dataWindow"));
+        assert!(decode(&bytes).expect_err("absurd").to_string().contains("dataWindow"));
     }
 
     #[test]
@@ -242,7 +134,7 @@ mod tests {
         let at = bytes.windows(name.len()).position(|w| w == name).expect("is there") + name.len();
         assert_eq!((bytes[at], bytes[at + 1]), (0, b'c'));
         bytes[at] = b'x';
-        assert!(decode(&bytes).expect_err("fused").contains("is there twice"));
+        assert!(decode(&bytes).expect_err("fused").to_string().contains("is there twice"));
     }
 
     #[test]
@@ -256,14 +148,14 @@ mod tests {
     #[test]
     fn rows_in_another_block_s_place_are_refused() {
         let mut bytes = encode(vec![sample()]).expect("encodes");
-        let table = super::exr_header::read(&mut Cursor::new(&bytes)).expect("a header").len();
+        let table = crate::files::exr_header::read(&mut Cursor::new(&bytes)).expect("a header").len();
         // 40 rows are three blocks; the first two change places, then both places name the first.
         let (first, second) = bytes[table..table + 16].split_at_mut(8);
         first.swap_with_slice(second);
-        let why = decode(&bytes).expect_err("out of order");
+        let why = decode(&bytes).expect_err("out of order").to_string();
         assert!(why.contains("rows from 16 lie in the place of block 0"), "{why}");
         bytes.copy_within(table + 8..table + 16, table);
-        let why = decode(&bytes).expect_err("twice");
+        let why = decode(&bytes).expect_err("twice").to_string();
         assert!(why.contains("rows from 0 lie in the place of block 1"), "{why}");
     }
 
@@ -271,8 +163,8 @@ mod tests {
     fn tiled_and_deep_images_are_refused_by_name() {
         let mut bytes = encode(vec![sample()]).expect("encodes");
         bytes[5] = 0b0010;
-        assert!(decode(&bytes).expect_err("tiled").contains("tiled"));
+        assert!(decode(&bytes).expect_err("tiled").to_string().contains("tiled"));
         bytes[5] = 0b1000;
-        assert!(decode(&bytes).expect_err("deep").contains("deep"));
+        assert!(decode(&bytes).expect_err("deep").to_string().contains("deep"));
     }
 }

@@ -14,8 +14,9 @@ use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::{AttributeValue, Text};
 
-use super::image::{Attribute, ImagePart, Samples};
+use super::image_part::{Attribute, ImagePart, Samples};
 use super::{exr_header, memory};
+use crate::error::Checked;
 
 /// Copies of a block that the decoder holds at once: packed, unpacked, and in the order of its bytes.
 const COPIES: u64 = 3;
@@ -40,11 +41,11 @@ pub struct RowBlock<'a> {
 
 impl<R: Read + Seek> BlockReader<R> {
     /// Reads and checks the header.
-    pub fn open(mut source: R) -> Result<Self, String> {
+    pub fn open(mut source: R) -> Checked<Self> {
         let head = exr_header::read(&mut source)?;
         let meta = guarded(|| MetaData::read_from_buffered(head.as_slice(), true))?;
         let block = meta.headers.iter().map(block_bytes).max().unwrap_or(0);
-        memory::check(COPIES.saturating_mul(block)).map_err(|why| format!("its rows are too wide: {why}"))?;
+        memory::check(COPIES.saturating_mul(block)).map_err(|why| why.at("its rows are too wide"))?;
         let outlines = meta.headers.iter().map(outline).collect::<Result<Vec<_>, String>>()?;
         let names = meta.headers.iter().map(names).collect();
         source.seek(SeekFrom::Start(head.len() as u64)).map_err(|e| damaged(&e))?;

@@ -1,25 +1,25 @@
-//! EXR images row by row: parts whose pixels lie elsewhere are written, and are read, without a copy of them.
+//! EXR images row by row: parts whose pixels lie elsewhere are written without a copy of them.
 
-use std::io::{BufRead, Cursor, Seek};
+use std::io::Cursor;
 
-use exr::block::reader::ChunksReader;
 use exr::block::writer::ChunksWriter;
 use exr::block::{self, UncompressedBlock, enumerate_ordered_header_block_indices};
 use exr::meta::attribute::{ChannelDescription, LineOrder, SampleType};
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, Headers};
-use exr::prelude::{AttributeValue, Compression, ImageAttributes, IntegerBounds, LayerAttributes, Vec2};
+use exr::prelude::{
+    AttributeValue, Compression, ImageAttributes, IntegerBounds, LayerAttributes, Text, Vec2,
+};
 
 use super::exr_header;
-use super::image::{Attribute, ImagePart, Samples, text};
+use super::image_part::{Attribute, ImagePart, Samples};
 
 /// One row of one channel: part, channel and row.
 pub type ChannelRow<'a> = (usize, &'a str, usize);
 
-/// The bytes of a file with these parts, as [`super::image::encode`] makes them. Their channels name types only;
-/// `fill` puts the values of a row, four bytes each in the machine's order, into what it is given.
-///
-/// Held by: `exr_parts_come_back_bit_for_bit` (tests/it/interchange/interchange_points.rs).
+/// The bytes of a file with these parts, ZIP in blocks of 16 rows, data and display window both from (0, 0). Their
+/// channels name types only; `fill` puts the bytes of a row, in the machine's order, into what it is given.
+// Tested by `exr_parts_come_back_bit_for_bit` (tests/it/interchange/interchange_points.rs).
 pub fn encode(parts: &[ImagePart], fill: impl Fn(ChannelRow, &mut [u8])) -> Result<Vec<u8>, String> {
     let headers = headers(parts)?;
     let names: Vec<Vec<&String>> = parts.iter().map(|part| part.channels.keys().collect()).collect();
@@ -74,30 +74,6 @@ fn header(part: &ImagePart, shared: &ImageAttributes) -> Header {
         .with_shared_attributes(shared.clone())
 }
 
-/// Visits the rows of a file that this program has just written; `number` is an attribute that every part has, its value
-/// takes the part's place. The values are four bytes each in the machine's order.
-pub fn each_row(
-    file: impl BufRead + Seek,
-    number: &str,
-    mut visit: impl FnMut((f64, &str, usize), &[u8]) -> Result<(), String>,
-) -> Result<(), String> {
-    let wrong = |e: exr::error::Error| e.to_string();
-    let reader = block::read(file, true).map_err(wrong)?;
-    let mut numbers = Vec::new();
-    for header in reader.headers() {
-        match header.own_attributes.other.get(&text(number)) {
-            Some(AttributeValue::F64(value)) => numbers.push(*value),
-            _ => return Err(format!("a part without {number}")),
-        }
-    }
-    let mut blocks = reader.all_chunks(true).map_err(wrong)?.sequential_decompressor(true);
-    while let Some(block) = blocks.decompress_next_block() {
-        let block = block.map_err(wrong)?;
-        let channels = &blocks.meta_data().headers[block.index.layer].channels;
-        for line in block.lines(channels) {
-            let name = channels.list[line.location.channel].name.to_string();
-            visit((numbers[line.location.layer], &name, line.location.position.y()), line.value)?;
-        }
-    }
-    Ok(())
+fn text(text: &str) -> Text {
+    Text::from_slice_unchecked(text.as_bytes())
 }

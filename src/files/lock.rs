@@ -1,4 +1,4 @@
-//! One process at a time for one output: a lock of the system on a file beside it, which ends with its process.
+//! One process at a time for one output: a lock of the system on a file next to it, which ends with its process.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read, Seek, Write};
@@ -33,11 +33,11 @@ fn locks() -> MutexGuard<'static, Vec<Weak<HeldLock>>> {
 }
 
 impl Lock {
-    /// Locks the outputs of a folder whose names begin with `stem`: the file `.<stem>.gonio-lock`, which is made if it is
-    /// not there.
+    /// Locks the outputs of a folder whose names begin with `stem`: the file `.<stem>.gonio-lock`, which is made if
+    /// it is not there.
     ///
     /// Errors: `Format` where another process holds it, or something else has the name; `Io`.
-    /// Held by: `a_lock_is_held_by_one_and_leaves_nothing`, and `tests/process/files_under_failure.rs`.
+    // Tested by `a_lock_is_held_by_one_and_leaves_nothing`, and `tests/process/files_under_failure.rs`.
     pub fn take(folder: &Path, stem: &str) -> Result<Self> {
         let path = folder.join(format!(".{stem}.gonio-lock"));
         let failed = |e: io::Error| Error::io(&path, e);

@@ -1,42 +1,42 @@
 //! How much memory a run and its readers may use: half of what the system, the session and the job scheduler leave.
 //!
-//! Readers judge what a file needs before they make room for it: from its length, the sizes that it claims, or the numbers
-//! that its text can hold ([`words`]). What still does not fit, because others took the memory meanwhile, ends the program
-//! with exit code 4 (`cli::run`).
+//! Readers judge what a file needs before they make room for it: from its length, the sizes that it claims, or the
+//! numbers that its text can hold ([`words`]). What still does not fit, because others took the memory meanwhile,
+//! ends the program with exit code 4 (`cli::run`).
 
 use std::fs;
 use std::path::Path;
 
-use crate::error::{Error, LACK_OF_MEMORY, Result};
+use crate::error::{Checked, ContentError, Error, Result};
 
 /// Bytes where the system says nothing.
 const DEFAULT_LIMIT: u64 = 4 << 30;
 
 /// Half of the least of: available memory, address space left under `ulimit -v`, limit of the control group (as job
 /// schedulers and containers set it).
-///
-/// Held by: the rows `little memory` of `tests/process/bad_inputs.rs`.
+// Tested by the rows `little memory` of `tests/process/bad_inputs.rs`.
 pub fn memory_limit() -> u64 {
     let limits = [available(), address_space_left(), control_group()];
     limits.into_iter().flatten().min().map_or(DEFAULT_LIMIT, |bytes| bytes / 2)
 }
 
-/// Refuses what takes more bytes than may be used; the reason is to be completed with what it is.
-pub fn check(needed: u64) -> std::result::Result<(), String> {
+/// Refuses what takes more bytes than may be used.
+pub fn check(needed: u64) -> Checked<()> {
     let limit = memory_limit();
     if needed <= limit {
         return Ok(());
     }
-    Err(format!(
-        "reading it takes up to {} MiB of memory, {} {LACK_OF_MEMORY}",
+    Err(ContentError::TooLarge(format!(
+        "reading it takes up to {} MiB of memory, {} MiB may be used (half of what is free); free memory, or split the \
+         file",
         needed.div_ceil(1 << 20),
         limit >> 20
-    ))
+    )))
 }
 
-/// The same for the file at `path`, as a refusal (exit code 4).
+/// The same for the file at `path`.
 pub fn check_file(path: &Path, needed: u64) -> Result<()> {
-    check(needed).map_err(|why| Error::Refused(format!("{}: {why}", path.display())))
+    check(needed).map_err(|why| Error::format(path, why))
 }
 
 /// How many words, cells or nodes a text can hold: its marks, its runs of blanks that follow none, and one more.
@@ -121,10 +121,11 @@ mod tests {
 
     #[test]
     fn what_no_machine_has_is_refused_before_it_is_asked_for() {
-        assert_eq!(check(0), Ok(()));
-        let why = check(1 << 60).expect_err("an exbibyte");
+        assert!(check(0).is_ok());
+        let error = Error::format(Path::new("f"), check(1 << 60).expect_err("an exbibyte"));
+        let why = error.to_string();
         assert!(why.contains("1099511627776 MiB") && why.contains("may be used"), "{why}");
-        assert_eq!(Error::format(Path::new("f"), why).exit_code(), 4);
+        assert_eq!(error.exit_code(), 4);
         assert!(room::<u64>(usize::MAX / 16).expect_err("too much").contains("do not fit"));
     }
 

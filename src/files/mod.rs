@@ -4,6 +4,7 @@ mod claim;
 pub mod exr_header;
 pub mod image;
 pub mod image_blocks;
+mod image_part;
 pub mod image_rows;
 pub mod lock;
 pub mod memory;
@@ -17,7 +18,7 @@ pub use claim::Claim;
 pub use new_file::NewFile;
 
 use std::fs::{self, File};
-use std::io::{self, Read, Write};
+use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -27,18 +28,11 @@ use crate::error::{Error, Result};
 
 /// Puts `bytes` in the place of the file at `path`, or leaves what was there.
 ///
-/// The bytes go to a file under way ([`Claim`]) in the same folder, reach the disk, and take the name by a rename, after
-/// which the folder is flushed too. On failure the temporary file is removed.
-/// Held by: `a_failed_write_leaves_the_old_file_whole`.
+/// The bytes go to an unfinished file ([`Claim`]) in the same folder, reach the disk, and take the name by a rename,
+/// after which the folder is flushed too. On failure the temporary file is removed.
+// Tested by `a_failed_write_leaves_the_old_file_whole`.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
-    write_atomically_with(path, |out| out.write_all(bytes))
-}
-
-/// As [`write_atomically`], with the content streamed by `fill`.
-pub fn write_atomically_with(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
-    let mut file = NewFile::create(path)?;
-    fill(&mut file).map_err(|e| Error::io(path, e))?;
-    file.commit()
+    NewFile::with(path, bytes)?.commit()
 }
 
 /// Removes whatever of this process is no whole file, for it ends now: other threads can make no file any more.
@@ -85,8 +79,8 @@ fn sync_folder(_folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Makes sure that `path` is a folder that takes files; missing parents are made. Whoever writes several files there keeps
-/// the claim, under which all of them are under way.
+/// Makes sure that `path` is a folder that takes files; missing parents are made. Whoever writes several files there
+/// keeps the claim, under which all of them are unfinished.
 pub fn create_folder(path: &Path) -> Result<Arc<Claim>> {
     fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
     Claim::on(path).map_err(|e| Error::io(path, e))
@@ -153,6 +147,8 @@ pub fn hex(bytes: &[u8]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Write;
+
     use super::*;
 
     fn names(folder: &Path) -> Vec<String> {
@@ -185,11 +181,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = folder.path().join("table.exr");
         write_atomically(&path, b"good").expect("first write");
-        let failure = write_atomically_with(&path, |out| {
-            out.write_all(&[0; 100_000])?;
-            Err(io::Error::new(io::ErrorKind::StorageFull, "disk full"))
-        });
-        assert!(failure.expect_err("the writer failed").to_string().contains("disk full"));
+        let mut unfinished = NewFile::create(&path).expect("opened");
+        unfinished.write_all(&[0; 100_000]).expect("written");
+        // What makes the rest of the bytes has failed.
+        drop(unfinished);
         assert_eq!(fs::read(&path).expect("file is there"), b"good");
         assert_eq!(names(folder.path()), ["table.exr"]);
     }

@@ -1,4 +1,4 @@
-//! A file under way: written beside its place, taking its name when it is whole.
+//! An unfinished file: written next to its place, taking its name when it is whole.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
@@ -9,7 +9,7 @@ use super::claim::Claim;
 use super::{check_target, clean_up, folder_of, sync_folder};
 use crate::error::{Error, Result};
 
-/// An open file under way in the folder of its place. Dropped before [`NewFile::commit`], it is
+/// An open, unfinished file in the folder of its place. Dropped before [`NewFile::commit`], it is
 /// removed, and what lay in its place stays.
 pub struct NewFile {
     place: PathBuf,
@@ -63,8 +63,7 @@ impl NewFile {
     }
 
     /// Puts the file in its place, when its bytes have reached the disk.
-    ///
-    /// Held by: `a_file_under_way_leaves_the_old_one_whole`.
+    // Tested by `a_file_under_way_leaves_the_old_one_whole`.
     pub fn commit(mut self) -> Result<()> {
         let placed = self.reach_disk().and_then(|()| fs::rename(&self.temporary, &self.place));
         self.done = true;

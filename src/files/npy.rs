@@ -1,12 +1,13 @@
 //! NPY arrays in memory: plain numbers of any shape, and texts; little-endian, C order when written.
 //!
-//! Enters and leaves: bytes. Headers are looked at before the general parser sees them, as that recurses and
+//! Input and output: bytes. Headers are looked at before the general parser sees them, as that recurses and
 //! multiplies unchecked.
 
 use std::io::{self, Write};
 
 use npyz::{
-    AutoSerialize, DType, Deserialize, Endianness, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder,
+    AutoSerialize, DType, Deserialize, Endianness, NpyFile, NpyHeader, NpyWriter, Order, TypeChar,
+    WriterBuilder,
 };
 
 use super::memory;
@@ -166,8 +167,7 @@ fn texts(data: &[u8], length: usize, big: bool) -> Result<Vec<String>, String> {
 }
 
 /// Writes one text, which NumPy reads as `str` (`<U`), without an axis.
-///
-/// Held by: `the_texts_of_an_npz_are_strings` (tests/it/interchange/interchange_arrays.rs).
+// Tested by `the_texts_of_an_npz_are_strings` (tests/it/interchange/interchange_arrays.rs).
 pub fn encode_text(mut out: impl Write, text: &str) -> io::Result<()> {
     // NumPy makes no type of length 0.
     let points = text.chars().count().max(1);
@@ -209,8 +209,13 @@ pub fn encode<T: AutoSerialize>(
     shape: &[usize],
     values: impl Iterator<Item = T>,
 ) -> io::Result<()> {
+    let mut array = writer(out, shape)?;
+    array.extend(values)?;
+    array.finish()
+}
+
+/// Begins an array of this shape.
+pub fn writer<T: AutoSerialize, W: Write>(out: W, shape: &[usize]) -> io::Result<NpyWriter<T, W>> {
     let shape: Vec<u64> = shape.iter().map(|&side| side as u64).collect();
-    let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(out).begin_nd()?;
-    writer.extend(values)?;
-    writer.finish()
+    npyz::WriteOptions::new().default_dtype().shape(&shape).writer(out).begin_nd()
 }

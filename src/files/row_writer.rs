@@ -1,6 +1,6 @@
 //! An EXR image written row by row: one part, its header completed at the end, never more than some blocks in memory.
 //!
-//! Enters: an outline, then rows. Leaves: the bytes of [`super::image::encode`] for the same content.
+//! Input: an outline, then rows. Output: the bytes of [`super::image::encode`] for the same content.
 
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 
@@ -11,10 +11,10 @@ use exr::prelude::Vec2;
 use rayon::prelude::*;
 
 use super::exr_header;
-use super::image::ImagePart;
+use super::image_part::ImagePart;
 use super::image_rows;
 
-/// A file under way.
+/// An unfinished file.
 pub struct RowWriter<W> {
     out: W,
     part: ImagePart,
@@ -84,8 +84,7 @@ impl<W: Write + Seek> RowWriter<W> {
     }
 
     /// Completes the header with texts of the lengths that the outline gave them, and hands the file back.
-    ///
-    /// Held by: `a_table_written_by_rows_has_the_bytes_of_one_written_at_once` (tests/it/table/large_tables.rs).
+    // Tested by `a_table_written_by_rows_has_the_bytes_of_one_written_at_once` (tests/it/table/large_tables.rs).
     pub fn finish(mut self, completed: &ImagePart) -> io::Result<W> {
         if self.taken != self.part.height {
             let why = format!("{} of {} rows were written", self.taken, self.part.height);

@@ -30,8 +30,7 @@ pub fn seal<E>(
 }
 
 /// The content of a file of this `kind`, or what is wrong with it. Nothing is copied.
-///
-/// Held by: `every_cut_and_every_flipped_bit_is_noticed`.
+// Tested by `every_cut_and_every_flipped_bit_is_noticed`.
 pub fn open<'a>(kind: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
     let (wanted, checksum, content) = promised(kind, bytes)?;
     let length = content.len() as u64;
@@ -42,8 +41,7 @@ pub fn open<'a>(kind: &str, bytes: &'a [u8]) -> Result<&'a [u8], String> {
 
 /// Reads a file of this `kind` to its end and holds it to its checksum, never more than `most` bytes and a piece in
 /// memory; hands back the beginning of its content, up to `most` bytes, or what is wrong with it.
-///
-/// Held by: `every_cut_and_every_flipped_bit_is_noticed`.
+// Tested by `every_cut_and_every_flipped_bit_is_noticed`.
 pub fn checked(kind: &str, from: &mut impl Read, most: usize) -> io::Result<Result<Vec<u8>, String>> {
     let mut head = Vec::new();
     from.by_ref().take((kind.len() + 1 + LENGTH + CHECKSUM) as u64).read_to_end(&mut head)?;

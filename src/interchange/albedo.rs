@@ -3,20 +3,18 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::format::Format;
 use super::resample::sampling::{integral, samples};
-use super::{Brdf, Lookup, Reason};
+use super::{Brdf, Lookup};
+use crate::error::{Checked, wrong};
 use crate::sphere;
 
 /// Directions of each of three kinds in an integral: of smooth lobes right to 0.1 %.
 const SAMPLES: usize = 1 << 11;
 /// Incidences of the table that are looked at, at most.
 const STOPS: usize = 12;
-/// The last incidence, degrees.
-const LAST_DEG: f64 = 85.0;
 /// Where to look between two incidences: 1 less the golden ratio, far from every fraction of small numbers.
 const PLACE: f64 = 0.381_966;
-/// Azimuths where all are alike: formats of cells tell them apart.
+/// Azimuths where all are alike: formats of cells distinguish them.
 const AZIMUTHS_DEG: [f64; 3] = [0.0, 37.0, 130.0];
 /// Differences above this are said, and refused between the table's incidences unless more is allowed, relative.
 pub const ALLOWED: f64 = 0.01;
@@ -30,13 +28,13 @@ pub struct AlbedoPoint {
     pub theta_i_deg: f64,
     /// Degrees.
     pub phi_i_deg: f64,
-    /// The table's: at its stops the one of its bins, between them interpolated.
+    /// The table's: at its incidences the one of its bins, between them interpolated.
     pub table: Vec<f64>,
     /// The file's.
     pub file: Vec<f64>,
 }
 
-/// The albedo of a file beside the table's.
+/// The albedo of a file next to the table's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AlbedoCurve {
     /// By polar angle of the light, then azimuth.
@@ -73,9 +71,8 @@ impl AlbedoPoint {
 }
 
 impl AlbedoCurve {
-    /// The curve of a file; `None` where the table is dark.
-    pub fn of(lookup: &Lookup, file: &dyn Brdf, format: Format) -> Option<Self> {
-        let (theta_i_end, theta_r_end) = reach(format, lookup);
+    /// The curve of a file whose light and sensor go up to these angles, degrees; `None` where the table is dark.
+    pub fn of(lookup: &Lookup, file: &dyn Brdf, [theta_i_end, theta_r_end]: [f64; 2]) -> Option<Self> {
         let horizon = theta_r_end.to_radians().cos();
         let thetas =
             between(&lookup.theta_i().iter().map(|t| t.to_degrees()).collect::<Vec<_>>(), theta_i_end);
@@ -100,7 +97,7 @@ impl AlbedoCurve {
         let (worst_point, worst) =
             points.iter().map(AlbedoPoint::off).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
         let lit = points.iter().any(|point| point.table.iter().any(|&value| value > 0.0));
-        let theta_i_last_deg = last_deg(lookup);
+        let theta_i_last_deg = lookup.last_theta_i_deg();
         lit.then_some(AlbedoCurve {
             points,
             theta_i_last_deg,
@@ -110,12 +107,11 @@ impl AlbedoCurve {
         })
     }
 
-    /// Refuses a file that makes light (more than 1, and more than the table, by [`REFUSED_ABOVE`]), or that is off by more
-    /// than `allowed` between the table's incidences.
-    ///
-    /// Held by: `an_export_that_makes_light_is_refused`, `an_export_with_another_albedo_is_refused_unless_allowed`
-    /// (tests/it/interchange/interchange_albedo.rs).
-    pub fn check(&self, allowed: f64) -> Reason<()> {
+    /// Refuses a file that makes light (more than 1, and more than the table, by [`REFUSED_ABOVE`]), or that is off
+    /// by more than `allowed` between the table's incidences.
+    // Tested by `an_export_that_makes_light_is_refused`, `an_export_with_another_albedo_is_refused_unless_allowed`
+    // (tests/it/interchange/interchange_albedo.rs).
+    pub fn check(&self, allowed: f64) -> Checked<()> {
         let most = |pick: fn(&AlbedoPoint) -> &Vec<f64>| {
             let of = |point| pick(point).iter().copied().fold(0.0, f64::max);
             self.points.iter().map(|point| (of(point), point)).max_by(|a, b| a.0.total_cmp(&b.0))
@@ -123,17 +119,18 @@ impl AlbedoCurve {
         if let (Some((file, at)), Some((table, _))) = (most(|p| &p.file), most(|p| &p.table))
             && file > table.max(1.0) * (1.0 + REFUSED_ABOVE)
         {
-            return Err(format!(
+            return Err(wrong!(
                 "a reader of the file would find the albedo {file:.4} under light from {:.2} {:.2} degrees (the table: \
                  {table:.4} at most): the format's directions do not hold the lobe; choose another format, a wider \
                  lobe, or more incidences and bins",
-                at.theta_i_deg, at.phi_i_deg
+                at.theta_i_deg,
+                at.phi_i_deg
             ));
         }
         let inside = self.points.iter().filter(|point| !self.is_beyond(point));
         match inside.max_by(|a, b| a.off().total_cmp(&b.off())).filter(|at| at.off() > allowed) {
             None => Ok(()),
-            Some(at) => Err(format!(
+            Some(at) => Err(wrong!(
                 "its albedo would be {}; at most {} % is allowed: choose another format, measure more incidences and \
                  bins, or allow it by --allow-albedo-error {:.0}",
                 at.difference(),
@@ -148,7 +145,7 @@ impl AlbedoCurve {
         point.theta_i_deg > self.theta_i_last_deg + 1e-3
     }
 
-    /// What is to be said of differences above [`ALLOWED`].
+    /// The note on differences above [`ALLOWED`].
     pub fn note(&self) -> Option<String> {
         let at = &self.points[self.worst_point];
         let why = if self.is_beyond(at) {
@@ -176,23 +173,8 @@ impl AlbedoCurve {
     }
 }
 
-/// The table's last incidence, degrees.
-fn last_deg(lookup: &Lookup) -> f64 {
-    lookup.theta_i()[lookup.theta_i().len() - 1].to_degrees()
-}
-
-/// The last polar angles of light and sensor that a format has, degrees.
-fn reach(format: Format, lookup: &Lookup) -> (f64, f64) {
-    let last = last_deg(lookup);
-    match format {
-        Format::Utia => (75.0, 75.0),
-        Format::Zemax => (last, 90.0),
-        _ => (LAST_DEG.max(last.min(89.0)), 90.0),
-    }
-}
-
-/// Some of the stops, a place between each two, and the end where they stop before it. The place is not the middle: where
-/// a format halves gaps, the middle is one of its own incidences.
+/// Some of the incidences, a place between each two, and the end where they stop before it. The place is not the
+/// middle: where a format halves gaps, the middle is one of its own incidences.
 fn between(stops: &[f64], end: f64) -> Vec<f64> {
     let step = stops.len().div_ceil(STOPS);
     let mut chosen: Vec<f64> = stops.iter().copied().step_by(step).filter(|&theta| theta <= end).collect();

@@ -1,13 +1,14 @@
 //! Tables over Rusinkiewicz' half and difference angles, as MERL files hold them: as a function of two directions, and
-//! as a table of stops and bins for whoever needs one.
+//! as a table of incidences and bins for callers that need one.
 //!
 //! Linear between the angles; cells without a value (no arrivals: an arm below the horizon) are left out. phi_d and
 //! phi_d + 180 are one pair with its arms exchanged, so such a table is reciprocal by construction.
 
 use glam::DVec3;
 
+use super::resample::interval::{around, interval};
 use super::resample::{default_grid, resample_spectrum, thirds};
-use super::{Brdf, Colour, Reason};
+use super::{Brdf, Checked, Colour};
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -20,18 +21,13 @@ struct AngleAxis {
 }
 
 impl AngleAxis {
-    /// The nodes on both sides of x and the share of the second; beyond the ends of an open axis the end.
+    /// The nodes on both sides of x, with their weights.
     fn around(&self, x: f64) -> [(usize, f64); 2] {
-        let (count, x) = (self.nodes.len(), self.turn.map_or(x, |turn| x % turn));
-        let above = self.nodes.partition_point(|&node| node <= x);
-        let (low, high) = match self.turn {
-            Some(_) => ((above + count - 1) % count, above % count),
-            None => (above.saturating_sub(1), above.min(count - 1)),
+        let ([low, high], place) = match self.turn {
+            Some(turn) => around(&self.nodes, x % turn, turn),
+            None => interval(&self.nodes, x),
         };
-        let width = |step: f64| self.turn.map_or(step, |turn| step.rem_euclid(turn));
-        let gap = width(self.nodes[high] - self.nodes[low]);
-        let share = if low == high || gap == 0.0 { 0.0 } else { width(x - self.nodes[low]) / gap };
-        [(low, 1.0 - share), (high, share)]
+        [(low, 1.0 - place), (high, place)]
     }
 }
 
@@ -47,7 +43,7 @@ pub struct HalfDifference {
 
 impl HalfDifference {
     /// The totals of a table.
-    pub fn new(table: &BrdfTable) -> Reason<Self> {
+    pub fn new(table: &BrdfTable) -> Checked<Self> {
         let grid = &table.grid;
         if grid.kind != GridKind::HalfDifference {
             return Err("the table has no half/difference angles".into());
@@ -56,7 +52,7 @@ impl HalfDifference {
         Ok(Self::of(grid, values, &table.hits, 180.0))
     }
 
-    /// Values over azimuths of a whole turn: a pair and its exchange are told apart.
+    /// Values over azimuths of a whole turn: a pair and its exchange are distinguished.
     pub fn directed(grid: &Grid, values: Vec<Vec<f32>>, hits: &[u32]) -> Self {
         Self::of(grid, values, hits, 360.0)
     }
@@ -75,14 +71,13 @@ impl HalfDifference {
 }
 
 /// theta_h, phi_h, theta_d, phi_d of a pair in degrees, phi_d in [0, 180).
-///
-/// Held by: `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
+// Tested by `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
 pub fn angles_deg(wi: DVec3, wo: DVec3) -> [f64; 4] {
     let [theta_h, phi_h, theta_d, phi_d] = directed_angles_deg(wi, wo);
     [theta_h, phi_h, theta_d, phi_d % 180.0]
 }
 
-/// The same with phi_d in [0, 360), which tells the arms apart.
+/// The same with phi_d in [0, 360), which distinguishes the arms.
 fn directed_angles_deg(wi: DVec3, wo: DVec3) -> [f64; 4] {
     let h = (wi + wo).normalize();
     let (theta_h, phi_h) = (sphere::theta(h), sphere::phi(h));
@@ -115,19 +110,19 @@ impl Brdf for HalfDifference {
     }
 }
 
-/// Such a table as one of stops and bins: means over the bins of `grid`, or over centred bins of 2.5 x 5 degrees under
-/// stops of 5 (anisotropic: 15) degrees. `None` where it is one already.
-pub fn as_arms(table: &BrdfTable, grid: Option<&Grid>) -> Reason<Option<BrdfTable>> {
+/// Such a table as one of incidences and bins: means over the bins of `grid`, or over centred bins of 2.5 x 5 degrees
+/// under incidences of 5 (anisotropic: 15) degrees. `None` where it is one already.
+pub fn as_arms(table: &BrdfTable, grid: Option<&Grid>) -> Checked<Option<BrdfTable>> {
     if table.grid.kind != GridKind::HalfDifference {
         return Ok(None);
     }
     let own = default_arms(table.grid.is_isotropic());
-    let parts = thirds(table).iter().map(HalfDifference::new).collect::<Reason<Vec<_>>>()?;
+    let parts = thirds(table).iter().map(HalfDifference::new).collect::<Checked<Vec<_>>>()?;
     let parts = parts.iter().map(|part| part as &dyn Brdf);
     resample_spectrum(parts, &table.wavelengths_nm(), grid.unwrap_or(&own)).map(Some)
 }
 
-/// Stops of 5 (anisotropic: 15) degrees over the default bins.
+/// Incidences of 5 (anisotropic: 15) degrees over the default bins.
 pub fn default_arms(isotropic: bool) -> Grid {
     let even = |step: f64, count: usize| (0..count).map(|k| step * k as f64).collect::<Vec<f64>>();
     if isotropic { default_grid(even(5.0, 18), vec![]) } else { default_grid(even(15.0, 6), even(15.0, 24)) }

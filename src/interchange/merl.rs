@@ -9,8 +9,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::codec::{Codec, Encoded, FormatTraits, resampling_notes};
 use super::half_difference::HalfDifference;
-use super::{Brdf, Colour, Reason, foreign_table};
+pub use super::options::Sampling;
+use super::{Brdf, Checked, Colour, Imported, Lookup, Options, foreign_table};
+use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -24,23 +27,13 @@ const SCALE: Colour = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 /// What stands in cells that no pair of directions above the horizon has.
 const INVALID: f64 = -1.0;
 
-/// Where in its cell a value lies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Sampling {
-    /// At the lower corner: for readers that interpolate. theta_h = 0 is stored exactly.
-    #[default]
-    Node,
-    /// In the middle of the index: for readers that take the cell as it is.
-    Centre,
-}
-
 impl Sampling {
     fn offset(self) -> f64 {
         if self == Sampling::Node { 0.0 } else { 0.5 }
     }
 
     /// How the values are meant.
-    pub fn convention(self) -> String {
+    fn convention(self) -> String {
         let (word, reader) = match self {
             Sampling::Node => (
                 "nodes (index i is the angle of i), such that straight lines between them along theta_h keep the means",
@@ -52,6 +45,45 @@ impl Sampling {
             "BRDF in 1/sr, no cosine, divided by 1/1500, 1.15/1500, 1.66/1500 for R, G, B; half/difference angles, \
              isotropic; cell values at {word}, for {reader}; -1 where a direction is below the horizon"
         )
+    }
+}
+
+/// The format.
+pub struct MerlFile;
+
+impl Codec for MerlFile {
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { more_than_totals: true, half_difference: true, ..FormatTraits::resampled("merl") }
+    }
+
+    fn decode(&self, bytes: &[u8], options: &Options) -> Checked<(Imported, Vec<String>)> {
+        Ok((read(bytes, options.merl_sampling)?.into(), vec![]))
+    }
+
+    fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
+        let sampling = options.merl_sampling;
+        if table.grid == grid(sampling) {
+            let notes = vec!["the table's own cells, as they are".into()];
+            return Ok(Encoded::bytes(write_cells(table), sampling.convention(), notes));
+        }
+        let mut notes = vec![
+            "the arms of a pair are one cell: a cell is the mean of f(wi, wo) and f(wo, wi)".to_string(),
+        ];
+        let bytes = if table.grid.kind == GridKind::HalfDifference {
+            if table.grid.phi_h_deg.len() > 1 {
+                return Err(
+                    "the table is anisotropic, and MERL files have no azimuth of the half vector".into()
+                );
+            }
+            notes.push("resampled: linear between the table's half/difference angles".into());
+            write(&HalfDifference::new(table)?, sampling)
+        } else {
+            check(&table.grid)?;
+            let lookup = Lookup::new(table)?;
+            notes.extend(resampling_notes(&lookup));
+            write(&lookup, sampling)
+        };
+        Ok(Encoded::bytes(bytes, sampling.convention(), notes))
     }
 }
 
@@ -81,7 +113,7 @@ pub fn grid(sampling: Sampling) -> Grid {
 }
 
 /// Refuses anisotropic tables.
-pub fn check(grid: &Grid) -> Reason<()> {
+pub fn check(grid: &Grid) -> Checked<()> {
     if grid.is_isotropic() {
         return Ok(());
     }
@@ -93,10 +125,10 @@ pub fn check(grid: &Grid) -> Reason<()> {
 /// The bytes of a file of an isotropic BRDF; one of one colour has it in all three. Both arms of a pair are one cell:
 /// their mean.
 ///
-/// Straight lines between values of a lobe lie above it nearly everywhere. Node values are therefore moved by two thirds
-/// of the gap in the middles of the neighbouring intervals of theta_h, the mean of a parabola: what is left has no mean,
-/// and two fifths of the L1. Held by:
-/// `of_a_table_that_holds_the_lobe_it_is_within_three_thousandths` (tests/it/interchange/interchange_merl.rs).
+/// Straight lines between values of a lobe lie above it nearly everywhere. Node values are therefore moved by two
+/// thirds of the gap in the middles of the neighbouring intervals of theta_h, the mean of a parabola: what is left
+/// has no mean, and two fifths of the L1.
+// Tested by `of_a_table_that_holds_the_lobe_it_is_within_three_thousandths` (tests/it/interchange/interchange_merl.rs).
 pub fn write(brdf: &dyn Brdf, sampling: Sampling) -> Vec<u8> {
     let mut cells: Vec<Colour> = (0..CELLS)
         .into_par_iter()
@@ -159,7 +191,7 @@ fn value(brdf: &dyn Brdf, index: [f64; 3]) -> Colour {
     std::array::from_fn(|c| 0.5 * (there[c] + back[c]))
 }
 
-/// How far the value half-way to the next theta_h lies above the straight line; 0 beside invalid cells.
+/// How far the value half-way to the next theta_h lies above the straight line; 0 next to invalid cells.
 fn gap(brdf: &dyn Brdf, cells: &[Colour], at: usize) -> Colour {
     let ([h, d, p], (low, high)) = (indices(at), (cells[at], cells[at + ROW]));
     let half_way = (0.5 * (h * h + (h + 1) * (h + 1)) as f64).sqrt();
@@ -170,37 +202,24 @@ fn gap(brdf: &dyn Brdf, cells: &[Colour], at: usize) -> Colour {
     std::array::from_fn(|c| middle[c] - 0.5 * (low[c] + high[c]))
 }
 
-/// A file as a function: linear between its values, invalid ones left out.
-pub struct Merl {
-    half: HalfDifference,
-    /// Share of the values that are negative: marks of "below the horizon".
-    pub invalid: f64,
-}
-
-/// Reads the bytes of a file.
-pub fn read(bytes: &[u8], sampling: Sampling) -> Reason<Merl> {
-    let table = read_table(bytes, sampling)?;
-    let invalid = table.gaps() as f64 / CELLS as f64;
-    Ok(Merl { half: HalfDifference::new(&table)?, invalid })
-}
-
 /// The table of a file's own cells; invalid ones are gaps.
 ///
-/// Refused: another length, another size of the grid, values that are not finite. Held by:
-/// `damaged_files_are_refused`, `the_cells_of_a_file_are_a_table` (tests/it/interchange/interchange_merl.rs).
-pub fn read_table(bytes: &[u8], sampling: Sampling) -> Reason<BrdfTable> {
+/// Refused: another length, another size of the grid, values that are not finite.
+// Tested by `damaged_files_are_refused`, `the_cells_of_a_file_are_a_table` (tests/it/interchange/interchange_merl.rs).
+pub fn read(bytes: &[u8], sampling: Sampling) -> Checked<BrdfTable> {
     let side = |k: usize| bytes.get(4 * k..4 * k + 4).map(|b| i32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let sides = [side(0), side(1), side(2)];
     if sides != SIZE.map(|side| Some(side as i32)) {
-        return Err(match sides {
+        let what = match sides {
             [Some(h), Some(d), Some(p)] => {
                 format!("says {h} x {d} x {p} cells, a MERL file has 90 x 90 x 180")
             }
             _ => format!("{} bytes are too few for a MERL file", bytes.len()),
-        });
+        };
+        return Err(what.into());
     }
     if bytes.len() != BYTES {
-        return Err(format!("{} bytes, a MERL file has {BYTES}", bytes.len()));
+        return Err(wrong!("{} bytes, a MERL file has {BYTES}", bytes.len()));
     }
     let mut total: Vec<Vec<f32>> = (0..3).map(|_| Vec::with_capacity(CELLS)).collect();
     let mut hits = vec![1u32; CELLS];
@@ -208,7 +227,7 @@ pub fn read_table(bytes: &[u8], sampling: Sampling) -> Reason<BrdfTable> {
         let value = f64::from_le_bytes(*chunk) * SCALE[at / CELLS];
         let stored = value as f32;
         if !stored.is_finite() {
-            return Err(format!("value {at} is {value}, no finite BRDF"));
+            return Err(wrong!("value {at} is {value}, no finite BRDF"));
         }
         if stored < 0.0 {
             hits[at % CELLS] = 0;
@@ -222,14 +241,4 @@ pub fn read_table(bytes: &[u8], sampling: Sampling) -> Reason<BrdfTable> {
     let mut table = foreign_table(grid(sampling), total.into_iter().map(seen).collect())?;
     (0..CELLS).filter(|&cell| hits[cell] == 0).for_each(|cell| table.set_gap(cell));
     Ok(table)
-}
-
-impl Brdf for Merl {
-    fn colours(&self) -> usize {
-        3
-    }
-
-    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        self.half.brdf(wi, wo)
-    }
 }

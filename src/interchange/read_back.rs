@@ -3,11 +3,12 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::Brdf;
 use super::resample::mean;
-use super::{Brdf, Colour, Reason};
+use crate::error::{Checked, wrong};
 use crate::instrument::{Grid, GridKind, Region};
 use crate::sphere;
-use crate::table::BrdfTable;
+use crate::table::{BrdfTable, ColourChannels};
 
 /// Bins that are compared at most; of larger tables every k-th.
 const MOST_BINS: usize = 400_000;
@@ -15,11 +16,11 @@ const MOST_BINS: usize = 400_000;
 /// The error of reading a file back.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReadBack {
-    /// Sum of |file - table| w over sum of table w, w the projected solid angle; mean over stops and colours.
+    /// Sum of |file - table| w over sum of table w, w the projected solid angle; mean over incidences and colours.
     pub l1: f64,
-    /// The worst bin: |file - table| over the largest value of its stop and colour.
+    /// The worst bin: |file - table| over the largest value of its incidence and colour.
     pub worst: f64,
-    /// Its stop, (theta_i, phi_i) in degrees.
+    /// Its incidence, (theta_i, phi_i) in degrees.
     pub worst_stop_deg: (f64, f64),
     /// The middle of the bin, (theta_r, phi_r) in degrees.
     pub worst_bin_deg: (f64, f64),
@@ -27,17 +28,7 @@ pub struct ReadBack {
     pub bins: usize,
 }
 
-/// What one stop adds.
-#[derive(Default)]
-struct StopSums {
-    distance: Colour,
-    sum: Colour,
-    worst: f64,
-    worst_bin: usize,
-    bins: usize,
-}
-
-/// Holds `brdf` to the totals of `table`. Points count with their cosine.
+/// Compares `brdf` with the totals of `table`. Points count with their cosine.
 ///
 /// `None` where the table holds nothing but zeros.
 pub fn read_back(table: &BrdfTable, brdf: &dyn Brdf) -> Option<ReadBack> {
@@ -47,132 +38,125 @@ pub fn read_back(table: &BrdfTable, brdf: &dyn Brdf) -> Option<ReadBack> {
     while stride > 1 && bins.is_multiple_of(stride) {
         stride += 1;
     }
-    let sums: Vec<StopSums> =
-        (0..stops).into_par_iter().map(|stop| stop_sums(table, brdf, stop, stride)).collect();
-    let ratios: Vec<f64> = sums
-        .iter()
-        .flat_map(|s| (0..table.colours.len()).filter(|&c| s.sum[c] > 0.0).map(|c| s.distance[c] / s.sum[c]))
-        .collect();
-    let (stop, worst) = sums.iter().enumerate().max_by(|a, b| a.1.worst.total_cmp(&b.1.worst))?;
-    let l1 = ratios.iter().sum::<f64>() / ratios.len() as f64;
-    (!ratios.is_empty()).then(|| ReadBack {
-        l1,
-        worst: worst.worst,
-        worst_stop_deg: table.grid.stop_deg(stop),
-        worst_bin_deg: middles_deg(&table.grid, stop)[worst.worst_bin],
-        bins: sums.iter().map(|s| s.bins).sum(),
-    })
+    let found: Vec<StopErrors> =
+        (0..stops).into_par_iter().map(|stop| stop_errors(table, brdf, stop, stride)).collect();
+    let mut errors = ReadErrors::default();
+    found.iter().enumerate().for_each(|(stop, found)| errors.add(&table.grid, stop, found));
+    errors.read_back()
 }
 
-fn stop_sums(table: &BrdfTable, brdf: &dyn Brdf, stop: usize, stride: usize) -> StopSums {
+fn stop_errors(table: &BrdfTable, brdf: &dyn Brdf, stop: usize, stride: usize) -> StopErrors {
     let (grid, bins) = (&table.grid, table.grid.bins());
     let (wi, regions) = (grid.wi(stop), grid.regions(stop));
-    let values = |colour: usize| &table.colours[colour].total[stop * bins..][..bins];
-    let largest = |colour| values(colour).iter().fold(0.0f64, |most, &v| most.max(f64::from(v)));
-    let peaks: Vec<f64> = (0..table.colours.len()).map(largest).collect();
-    let mut sums = StopSums::default();
-    for bin in (stop % stride..bins).step_by(stride) {
-        let region = &regions[bin];
-        if wi.z <= 0.0 {
-            continue;
+    let mut errors = StopErrors::of(table, stop);
+    for bin in (stop % stride..bins).step_by(stride).filter(|_| wi.z > 0.0) {
+        let (found, size) = (mean(brdf, wi, &regions[bin]), size_of(&regions[bin]));
+        for (colour, channels) in table.colours.iter().enumerate() {
+            let value = f64::from(channels.total[stop * bins + bin]);
+            let off = (found[colour.min(brdf.colours() - 1)] - value).abs();
+            errors.add(bin, colour, size, [off, value]);
         }
-        let found = mean(brdf, wi, region);
-        let size = size_of(region);
-        for (colour, &peak) in peaks.iter().enumerate() {
-            let value = f64::from(values(colour)[bin]);
-            let distance = (found[colour.min(brdf.colours() - 1)] - value).abs();
-            sums.distance[colour] += size * distance;
-            sums.sum[colour] += size * value;
-            if peak > 0.0 && distance / peak > sums.worst {
-                (sums.worst, sums.worst_bin) = (distance / peak, bin);
-            }
-        }
-        sums.bins += 1;
     }
-    sums
+    errors
 }
 
-/// Values that a reader finds at the table's own bins, in any order, held to the table as they come.
+/// How far the bins of one incidence are off.
+struct StopErrors {
+    /// By colour: the largest value, the sum of distances, the sum of values.
+    sums: Vec<[f64; 3]>,
+    /// The largest distance over the largest value, and its bin.
+    worst: (f64, usize),
+    /// Values compared.
+    count: usize,
+}
+
+impl StopErrors {
+    fn of(table: &BrdfTable, stop: usize) -> Self {
+        let bins = table.grid.bins();
+        let peak = |colour: &ColourChannels| {
+            let values = colour.total[stop * bins..][..bins].iter();
+            [values.fold(0.0, |most, &v| f64::max(most, f64::from(v))), 0.0, 0.0]
+        };
+        StopErrors { sums: table.colours.iter().map(peak).collect(), worst: (0.0, 0), count: 0 }
+    }
+
+    fn add(&mut self, bin: usize, colour: usize, size: f64, [off, value]: [f64; 2]) {
+        let [peak, distance, sum] = &mut self.sums[colour];
+        *distance += size * off;
+        *sum += size * value;
+        if *peak > 0.0 && off > self.worst.0 * *peak {
+            self.worst = (off / *peak, bin);
+        }
+        self.count += 1;
+    }
+}
+
+/// Values that a reader finds at the table's own bins, in any order, compared with it as they come.
 pub struct Listing<'a> {
     table: &'a BrdfTable,
-    /// Of the bins of any stop.
+    /// Of the bins of any incidence.
     sizes: Vec<f64>,
-    /// By stop and colour: largest value, sum of distances, sum of values.
-    sums: Vec<[f64; 3]>,
-    worst: (f64, usize, usize),
-    count: usize,
+    stops: Vec<StopErrors>,
 }
 
 impl<'a> Listing<'a> {
     /// Nothing found so far.
     pub fn new(table: &'a BrdfTable) -> Self {
-        let (bins, colours) = (table.grid.bins(), &table.colours);
-        let peak = |entry: usize| {
-            let values = &colours[entry % colours.len()].total[entry / colours.len() * bins..][..bins];
-            [values.iter().fold(0.0, |most, &v| f64::max(most, f64::from(v))), 0.0, 0.0]
-        };
-        Listing {
-            sizes: table.grid.regions(0).iter().map(size_of).collect(),
-            sums: (0..table.grid.stops() * colours.len()).map(peak).collect(),
-            worst: (0.0, 0, 0),
-            count: 0,
-            table,
-        }
+        let sizes = table.grid.regions(0).iter().map(size_of).collect();
+        let stops = (0..table.grid.stops()).map(|stop| StopErrors::of(table, stop)).collect();
+        Listing { table, sizes, stops }
     }
 
-    /// Takes in a value of a stop, bin and colour; what stands for a gap is passed over.
+    /// Takes in a value of an incidence, bin and colour; what stands for a gap is passed over.
     pub fn add(&mut self, stop: usize, bin: usize, colour: usize, found: f32) {
-        let (colours, entry) = (self.table.colours.len(), stop * self.sizes.len() + bin);
-        if self.table.is_gap(entry) {
-            return;
+        let entry = stop * self.sizes.len() + bin;
+        if !self.table.is_gap(entry) {
+            let value = self.table.colours[colour].total[entry];
+            let off = f64::from((found - value).abs());
+            self.stops[stop].add(bin, colour, self.sizes[bin], [off, value.into()]);
         }
-        let value = self.table.colours[colour].total[entry];
-        let off = f64::from((found - value).abs());
-        let [peak, distance, sum] = &mut self.sums[stop * colours + colour];
-        *distance += self.sizes[bin] * off;
-        *sum += self.sizes[bin] * f64::from(value);
-        if *peak > 0.0 && off > self.worst.0 * *peak {
-            self.worst = (off / *peak, stop, bin);
-        }
-        self.count += 1;
     }
 
     /// The measures; `None` as for [`read_back`]. Values that are missing, or are there twice, are a reason.
-    pub fn finish(self) -> Reason<Option<ReadBack>> {
-        let mut held = BandErrors::default();
-        held.join(self)?;
-        Ok(held.read_back())
+    pub fn finish(self) -> Checked<Option<ReadBack>> {
+        let mut errors = ReadErrors::default();
+        errors.join(self)?;
+        Ok(errors.read_back())
     }
 }
 
-/// What the bands of a table showed, one after the other.
+/// How far a file is off, over the incidences that were compared so far.
 #[derive(Default)]
-pub struct BandErrors {
-    /// Distance over sum of every stop and colour with light.
+pub struct ReadErrors {
+    /// Distance over sum of every incidence and colour with light.
     ratios: Vec<f64>,
     worst: f64,
-    /// Stop and bin of the worst, degrees.
+    /// Incidence and bin of the worst, degrees.
     place: [(f64, f64); 2],
     bins: usize,
 }
 
-impl BandErrors {
-    /// Takes in a band that was read to its end.
-    pub fn join(&mut self, band: Listing) -> Reason<()> {
-        let grid = &band.table.grid;
-        let bins = grid.stops() * grid.bins() - band.table.gaps();
-        let wanted = bins * band.table.colours.len();
-        if band.count != wanted {
-            return Err(format!("{} values, {wanted} needed", band.count));
-        }
-        let lit = band.sums.iter().filter(|sums| sums[2] > 0.0);
-        self.ratios.extend(lit.map(|[_, distance, sum]| distance / sum));
-        let (worst, stop, bin) = band.worst;
+impl ReadErrors {
+    fn add(&mut self, grid: &Grid, stop: usize, errors: &StopErrors) {
+        let with_light = errors.sums.iter().filter(|sums| sums[2] > 0.0);
+        self.ratios.extend(with_light.map(|[_, distance, sum]| distance / sum));
+        let (worst, bin) = errors.worst;
         if self.bins == 0 || worst > self.worst {
             self.worst = worst;
             self.place = [grid.stop_deg(stop), middles_deg(grid, stop)[bin]];
         }
-        self.bins += bins;
+        self.bins += errors.count / errors.sums.len();
+    }
+
+    /// Takes in a band that was read to its end.
+    pub fn join(&mut self, band: Listing) -> Checked<()> {
+        let grid = &band.table.grid;
+        let wanted = (grid.stops() * grid.bins() - band.table.gaps()) * band.table.colours.len();
+        let count: usize = band.stops.iter().map(|errors| errors.count).sum();
+        if count != wanted {
+            return Err(wrong!("{count} values, {wanted} needed"));
+        }
+        band.stops.iter().enumerate().for_each(|(stop, errors)| self.add(grid, stop, errors));
         Ok(())
     }
 
@@ -188,8 +172,8 @@ impl BandErrors {
     }
 }
 
-/// Holds totals in the table's own order to the table.
-pub fn listed(table: &BrdfTable, totals: &[Vec<f32>]) -> Reason<Option<ReadBack>> {
+/// Compares totals in the table's own order with the table.
+pub fn listed(table: &BrdfTable, totals: &[&[f32]]) -> Checked<Option<ReadBack>> {
     let (bins, mut listing) = (table.grid.bins(), Listing::new(table));
     for (colour, found) in totals.iter().enumerate().take(table.colours.len()) {
         found.iter().enumerate().for_each(|(k, &value)| listing.add(k / bins, k % bins, colour, value));
@@ -205,11 +189,10 @@ fn size_of(region: &Region) -> f64 {
     }
 }
 
-/// The middles of a stop's bins in degrees, azimuths absolute, to ten digits after the point. They are the grid's own
-/// angles, not those of its unit vectors: the azimuth of an arm at the pole is kept, and so is a negative one. A
-/// negative polar angle is the far side of its plane.
-///
-/// Held by: `an_arm_at_the_pole_keeps_its_azimuths` (tests/it/interchange/interchange_angles.rs).
+/// The middles of an incidence's bins in degrees, azimuths absolute, to ten digits after the point. They are the
+/// grid's own angles, not those of its unit vectors: the azimuth of an arm at the pole is kept, and so is a negative
+/// one. A negative polar angle is the far side of its plane.
+// Tested by `an_arm_at_the_pole_keeps_its_azimuths` (tests/it/interchange/interchange_angles.rs).
 pub fn middles_deg(grid: &Grid, stop: usize) -> Vec<(f64, f64)> {
     let turn = if grid.phi_r_relative { grid.stop_deg(stop).1 } else { 0.0 };
     let listed = match grid.kind {

@@ -7,8 +7,10 @@
 
 use rayon::prelude::*;
 
-use super::resample::lookup::{bin_axes, stop_axes};
-use super::{Brdf, Lookup, Reason, foreign_table};
+use super::codec::{Codec, Encoded, FormatTraits};
+use super::resample::angles::{bin_axes, stop_axes};
+use super::{Brdf, Checked, Imported, Lookup, Options, foreign_table, needed};
+use crate::error::wrong;
 use crate::files::exr_header;
 use crate::files::image::{self, ImagePart, Samples};
 use crate::instrument::{Grid, GridKind};
@@ -16,13 +18,36 @@ use crate::sphere;
 use crate::table::BrdfTable;
 
 /// How the values are meant.
-pub const CONVENTION: &str = "linear BRDF in 1/sr, no cosine (no sRGB curve, no factor: some readers expect one); f64, \
+const CONVENTION: &str = "linear BRDF in 1/sr, no cosine (no sRGB curve, no factor: some readers expect one); f64, \
     [R, G, B][light][sensor], theta 0 to 75 by 15, phi 0 to 352.5 by 7.5 degrees, absolute azimuths, phi fastest; \
     values at directions, no aperture";
 
 const DIRECTIONS: usize = 6 * 48;
 /// Bytes of a file: 1,990,656.
 pub const BYTES: usize = 3 * DIRECTIONS * DIRECTIONS * 8;
+
+/// The format.
+pub struct Utia;
+
+impl Codec for Utia {
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { reach_deg: |_last_deg| [75.0, 75.0], ..FormatTraits::resampled("utia") }
+    }
+
+    fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
+        if exr_header::is_exr(bytes) { needed::image_table(bytes) } else { Ok(4 * bytes.len() as u64) }
+    }
+
+    fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
+        Ok((read(bytes)?.into(), vec![]))
+    }
+
+    fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
+        let write = if options.utia_image { write_image } else { write };
+        let note = "resampled to a direction every 15 x 7.5 degrees: lobes narrower than that are not held";
+        Ok(Encoded::bytes(write(table)?, CONVENTION, vec![note.into()]))
+    }
+}
 
 fn axes() -> (Vec<f64>, Vec<f64>) {
     ((0..6).map(|k| 15.0 * f64::from(k)).collect(), (0..48).map(|k| 7.5 * f64::from(k)).collect())
@@ -35,14 +60,14 @@ fn directions() -> Vec<[f64; 2]> {
 
 /// Whether the table has the very directions of the format.
 fn is_native(grid: &Grid) -> bool {
-    let same = |found: Reason<(Vec<f64>, Vec<f64>)>| found.is_ok_and(|found| found == axes());
+    let same = |found: Checked<(Vec<f64>, Vec<f64>)>| found.is_ok_and(|found| found == axes());
     let kinds = [GridKind::Points, GridKind::Arm];
     kinds.contains(&grid.kind) && !grid.phi_r_relative && same(stop_axes(grid)) && same(bin_axes(grid))
 }
 
 /// The planes R, G, B of a file; a table of one colour has it in all three. Values of a table with the format's own
 /// directions are kept exactly.
-fn planes(table: &BrdfTable) -> Reason<[Vec<f64>; 3]> {
+fn planes(table: &BrdfTable) -> Checked<[Vec<f64>; 3]> {
     let colours = table.colours.len();
     let planes: Vec<Vec<f64>> = if is_native(&table.grid) {
         table.colours.iter().map(|colour| colour.total.iter().map(|&v| f64::from(v)).collect()).collect()
@@ -57,31 +82,31 @@ fn planes(table: &BrdfTable) -> Reason<[Vec<f64>; 3]> {
 }
 
 /// The bytes of a `.bin` file.
-pub fn write(table: &BrdfTable) -> Reason<Vec<u8>> {
+pub fn write(table: &BrdfTable) -> Checked<Vec<u8>> {
     Ok(planes(table)?.iter().flatten().flat_map(|value| value.to_le_bytes()).collect())
 }
 
 /// The bytes of the image form: an EXR of 288 x 288 pixels, row = light, column = sensor, channels R, G, B.
-pub fn write_image(table: &BrdfTable) -> Reason<Vec<u8>> {
+pub fn write_image(table: &BrdfTable) -> Checked<Vec<u8>> {
     let mut part = ImagePart { width: DIRECTIONS, height: DIRECTIONS, ..ImagePart::default() };
     for (name, plane) in NAMES.iter().zip(planes(table)?) {
         part.channels.insert(name.to_string(), Samples::F32(plane.iter().map(|&v| v as f32).collect()));
     }
     part.set_text("gonio.convention", CONVENTION);
-    image::encode(vec![part])
+    Ok(image::encode(vec![part])?)
 }
 
 const NAMES: [&str; 3] = ["R", "G", "B"];
 
-/// The table of points of a file, `.bin` or image. Negative values, which the database has where the light was too weak, become 0.
-///
-/// Held by: `utia_comes_back_exactly`, `the_image_form_of_utia_comes_back`, `damaged_utia_files_are_refused`.
-pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+/// The table of points of a file, `.bin` or image. Negative values, which the database has where the light was too
+/// weak, become 0.
+// Tested by `utia_comes_back_exactly`, `the_image_form_of_utia_comes_back`, `damaged_utia_files_are_refused`.
+pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     if exr_header::is_exr(bytes) {
         return read_image(bytes);
     }
     if bytes.len() != BYTES {
-        return Err(format!(
+        return Err(wrong!(
             "{} bytes, a UTIA file of 288 x 288 directions has {BYTES}; its image form is an EXR",
             bytes.len()
         ));
@@ -92,24 +117,20 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
 }
 
 /// The image form, floats or halves.
-fn read_image(bytes: &[u8]) -> Reason<BrdfTable> {
-    let parts = image::decode(bytes)?;
-    let [mut part] = <[ImagePart; 1]>::try_from(parts).map_err(|_| "several parts, one needed")?;
+fn read_image(bytes: &[u8]) -> Checked<BrdfTable> {
+    let mut part = image::decode_one(bytes)?;
     if (part.width, part.height) != (DIRECTIONS, DIRECTIONS) {
-        return Err(format!(
+        return Err(wrong!(
             "{} x {} pixels, 288 x 288 needed (row = light, column = sensor)",
-            part.width, part.height
+            part.width,
+            part.height
         ));
     }
-    let plane = |name: &&str| match part.channels.remove(*name) {
-        Some(Samples::F32(values)) => Ok(values),
-        Some(Samples::F16(values)) => Ok(values.iter().map(|value| value.to_f32()).collect()),
-        _ => Err(format!("no channel `{name}` of floats")),
-    };
-    of_planes(NAMES.iter().map(plane).collect::<Reason<_>>()?)
+    let plane = |name| part.take_floats(name).ok_or_else(|| format!("no channel `{name}` of floats"));
+    of_planes(NAMES.map(plane).into_iter().collect::<Result<_, String>>()?)
 }
 
-fn of_planes(mut planes: Vec<Vec<f32>>) -> Reason<BrdfTable> {
+fn of_planes(mut planes: Vec<Vec<f32>>) -> Checked<BrdfTable> {
     // NaN stays, to be refused with its place.
     planes.iter_mut().flatten().filter(|value| **value < 0.0).for_each(|value| *value = 0.0);
     let (theta_i_deg, phi_i_deg) = axes();

@@ -1,4 +1,4 @@
-//! The result of a measurement: BRDF values, error bars and hits over (stop, bin).
+//! The result of a measurement: BRDF values, error bars and hits over (incidence, bin).
 
 use crate::instrument::Grid;
 use crate::stats;
@@ -6,7 +6,7 @@ use crate::stats;
 /// A measured (or imported) BRDF table. Every channel is row-major: `stop * bins + bin`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrdfTable {
-    /// Which stops and bins.
+    /// Which incidences and bins.
     pub grid: Grid,
     /// The resolved campaign, TOML.
     pub campaign: String,
@@ -37,8 +37,8 @@ pub struct ColourChannels {
     pub stderr: Vec<f32>,
     /// The same of `single`.
     pub stderr_single: Vec<f32>,
-    /// Standard error over the realisations of each stop's albedo, all orders together. The bins of a stop vary together:
-    /// it does not follow from `stderr`. Empty where it is not known, as with one realisation.
+    /// Standard error over the realisations of each incidence's albedo, all orders together. The bins of an incidence
+    /// vary together: it does not follow from `stderr`. Empty where it is not known, as with one realisation.
     pub albedo_se: Vec<f32>,
     /// Orders 2, 3, ... by themselves, where they were asked for.
     pub orders: Vec<Vec<f32>>,
@@ -56,7 +56,8 @@ pub struct SchlickSums {
     pub unit: Vec<f32>,
     /// Order 1 times (1-c)^5.
     pub first: Vec<f32>,
-    /// The parts (`optics::parts`) of orders 2, 3, ... (channels by order), or of all of them together: \[group\]\[part\].
+    /// The parts (`optics::parts`) of orders 2, 3, ... (channels by order), or of all of them together:
+    /// \[group\]\[part\].
     pub further: Vec<Vec<Vec<f32>>>,
 }
 
@@ -84,8 +85,8 @@ pub fn flux(values: &[f32], sizes: &[f64]) -> f64 {
 }
 
 impl BrdfTable {
-    /// Channel names of the colours: `Y`; `R G B`; or the wavelengths, as in `w550` and `w632_8` (an EXR channel name has
-    /// no point but between layers).
+    /// Channel names of the colours: `Y`; `R G B`; or the wavelengths, as in `w550` and `w632_8` (an EXR channel name
+    /// has no point but between layers).
     pub fn colour_names(&self) -> Vec<String> {
         let plain: &[&str] = if self.colours.len() == 1 { &["Y"] } else { &["R", "G", "B"] };
         let name = |(k, colour): (usize, &ColourChannels)| match colour.wavelength_nm {
@@ -116,8 +117,7 @@ impl BrdfTable {
     }
 
     /// The same table with the errors of its albedos, over the very values that realisations hold in their file.
-    ///
-    /// Held by: `errors_of_albedos_do_not_change_with_a_missing_file` (tests/it/cli.rs).
+    // Tested by `errors_of_albedos_do_not_change_with_a_missing_file` (tests/it/cli.rs).
     pub fn with_albedo_errors(mut self, parts: &[RealisationPart]) -> Self {
         if parts.len() < 2 {
             return self;
@@ -178,7 +178,8 @@ pub const HITS_OF_AN_EMPTY_BIN: f64 = 1.5;
 impl ColourChannels {
     /// Mean and standard error over the realisations of one colour, of the very f32 values that their file holds.
     ///
-    /// `empty` is the error of a bin without light: the BRDF of [`HITS_OF_AN_EMPTY_BIN`]. With one realisation there are no errors.
+    /// `empty` is the error of a bin without light: the BRDF of [`HITS_OF_AN_EMPTY_BIN`]. With one realisation there
+    /// are no errors.
     pub fn of_realisations(parts: &[RealisationPart], colour: usize, hits: &[u32], empty: &[f32]) -> Self {
         let mut channels = ColourChannels::default();
         for (entry, &hits) in hits.iter().enumerate() {
@@ -203,7 +204,7 @@ impl ColourChannels {
 }
 
 impl Realisations {
-    /// Adds the stops of the next band to every part.
+    /// Adds the incidences of the next band to every part.
     pub fn append(&mut self, next: Realisations) {
         if self.parts.is_empty() {
             *self = next;
@@ -220,7 +221,7 @@ impl Realisations {
 }
 
 impl SchlickSums {
-    /// Adds the sums of further stops.
+    /// Adds the sums of further incidences.
     fn append(&mut self, next: SchlickSums) {
         self.unit.extend(next.unit);
         self.first.extend(next.first);

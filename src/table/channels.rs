@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::error::{Checked, wrong};
 use crate::files::image::{ImagePart, Samples};
 use crate::instrument::Grid;
 use crate::instrument::grid::GridKind;
@@ -14,16 +15,12 @@ use super::{BrdfTable, SchlickSums};
 /// Name of the grid's attribute.
 pub(super) const GRID: &str = "gonio.grid";
 
-/// Name of the attribute of the albedos' errors: a number for each stop and colour, stop major.
+/// Name of the attribute of the albedos' errors: a number for each incidence and colour, incidence major.
 const ALBEDO_SE: &str = "gonio.albedo_se";
 
-/// A reason, to be completed with the file's path.
-pub(super) type Reason<T> = Result<T, String>;
-
-/// Stops and bins of a grid; an axis that no instrument has is a reason to refuse it.
-///
-/// Held by: `axes_that_no_instrument_has_are_refused`.
-pub fn check_grid(grid: &Grid) -> Result<(usize, usize), String> {
+/// Incidences and bins of a grid; an axis that no instrument has is a reason to refuse it.
+// Tested by `axes_that_no_instrument_has_are_refused`.
+pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
     if grid.kind == GridKind::HalfDifference {
         return half_difference(grid);
     }
@@ -32,8 +29,8 @@ pub fn check_grid(grid: &Grid) -> Result<(usize, usize), String> {
         axis("phi_i_deg", &grid.phi_i_deg, 1, -360.0..=360.0)?;
     } else {
         if !grid.theta_i_deg.is_empty() || !grid.phi_i_deg.is_empty() {
-            return Err(format!(
-                "{GRID}: stops_deg beside the axes theta_i_deg and phi_i_deg: only one is allowed"
+            return Err(wrong!(
+                "{GRID}: stops_deg next to the axes theta_i_deg and phi_i_deg: only one is allowed"
             ));
         }
         directions("stops_deg", &grid.stops_deg)?;
@@ -57,10 +54,10 @@ pub fn check_grid(grid: &Grid) -> Result<(usize, usize), String> {
     Ok((grid.stops(), grid.bins()))
 }
 
-/// Axes of half vectors and differences; others are of no use beside them.
-fn half_difference(grid: &Grid) -> Reason<(usize, usize)> {
+/// Axes of half vectors and differences; others are of no use next to them.
+fn half_difference(grid: &Grid) -> Checked<(usize, usize)> {
     if !(grid.theta_i_deg.is_empty() && grid.phi_i_deg.is_empty() && grid.stops_deg.is_empty()) {
-        return Err(format!("{GRID}: stops of the light beside half/difference angles: only one is allowed"));
+        return Err(wrong!("{GRID}: incidences next to half/difference angles: only one is allowed"));
     }
     let axes = [
         ("theta_h_deg", &grid.theta_h_deg, 90.0),
@@ -72,52 +69,52 @@ fn half_difference(grid: &Grid) -> Reason<(usize, usize)> {
         axis(name, values, 1, 0.0..=most)?;
         increasing(name, values)?;
         if most > 90.0 && values.last() == Some(&most) {
-            return Err(format!("{GRID}: {name} = {most} is there already, as 0"));
+            return Err(wrong!("{GRID}: {name} = {most} already exists, as 0"));
         }
     }
     Ok((grid.stops(), grid.bins()))
 }
 
-fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusive<f64>) -> Reason<()> {
+fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusive<f64>) -> Checked<()> {
     if values.len() < least {
-        return Err(format!("{GRID}: {name} has {} values, at least {least} needed", values.len()));
+        return Err(wrong!("{GRID}: {name} has {} values, at least {least} needed", values.len()));
     }
     match values.iter().find(|value| !range.contains(value)) {
         Some(value) => {
-            Err(format!("{GRID}: {name} = {value} lies outside [{}, {}]", range.start(), range.end()))
+            Err(wrong!("{GRID}: {name} = {value} lies outside [{}, {}]", range.start(), range.end()))
         }
         None => Ok(()),
     }
 }
 
-fn directions(name: &str, values: &[[f64; 2]]) -> Reason<()> {
+fn directions(name: &str, values: &[[f64; 2]]) -> Checked<()> {
     axis(name, &values.iter().map(|d| d[0]).collect::<Vec<_>>(), 1, 0.0..=90.0)?;
     axis(name, &values.iter().map(|d| d[1]).collect::<Vec<_>>(), 1, -360.0..=360.0)
 }
 
-fn patches(values: &[[f64; 4]]) -> Reason<()> {
+fn patches(values: &[[f64; 4]]) -> Checked<()> {
     axis("patches_deg", &values.iter().flat_map(|p| [p[0], p[1]]).collect::<Vec<_>>(), 2, 0.0..=90.0)?;
     axis("patches_deg", &values.iter().flat_map(|p| [p[2], p[3]]).collect::<Vec<_>>(), 2, -720.0..=720.0)?;
     match values.iter().find(|p| p[0] >= p[1] || p[2] >= p[3] || p[3] - p[2] > 360.0) {
-        Some(p) => Err(format!("{GRID}: the patch {p:?} is empty or wider than a turn")),
+        Some(p) => Err(wrong!("{GRID}: the patch {p:?} is empty or wider than a turn")),
         None => Ok(()),
     }
 }
 
-fn increasing(name: &str, values: &[f64]) -> Reason<()> {
+fn increasing(name: &str, values: &[f64]) -> Checked<()> {
     match values.windows(2).find(|pair| pair[0] >= pair[1]) {
-        Some(pair) => Err(format!("{GRID}: {name} does not increase from {} to {}", pair[0], pair[1])),
+        Some(pair) => Err(wrong!("{GRID}: {name} does not increase from {} to {}", pair[0], pair[1])),
         None => Ok(()),
     }
 }
 
 /// The grid as the text of its attribute.
-pub(super) fn grid_text(grid: &Grid) -> Reason<String> {
-    serde_json::to_string(grid).map_err(|e| format!("{GRID}: {e}"))
+pub(super) fn grid_text(grid: &Grid) -> Checked<String> {
+    serde_json::to_string(grid).map_err(|e| wrong!("{GRID}: {e}"))
 }
 
 /// The grid that a part carries; its size must be the part's.
-pub(super) fn read_grid(part: &ImagePart) -> Reason<Grid> {
+pub(super) fn read_grid(part: &ImagePart) -> Checked<Grid> {
     let text = part.text(GRID).ok_or_else(|| format!("no {GRID} attribute: not a table of this program"))?;
     let grid: Grid = serde_json::from_str(text).map_err(|e| format!("{GRID}: {e}"))?;
     let (stops, bins) = check_grid(&grid)?;
@@ -125,12 +122,12 @@ pub(super) fn read_grid(part: &ImagePart) -> Reason<Grid> {
         return Ok(grid);
     }
     let (width, height) = (part.width, part.height);
-    Err(format!("{GRID} says {stops} stops and {bins} bins, the image is {width} wide and {height} high"))
+    Err(wrong!("{GRID} says {stops} incidences and {bins} bins, the image is {width} wide and {height} high"))
 }
 
 /// A table's channel where it lies.
 #[derive(Clone, Copy)]
-pub(super) enum Plane<'a> {
+pub(crate) enum Plane<'a> {
     /// FLOAT.
     F32(&'a [f32]),
     /// UINT.
@@ -163,7 +160,7 @@ impl Plane<'_> {
 }
 
 /// A table's channels by name, the first row being that of `first_stop`; each must fit the grid and be finite.
-pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Reason<BTreeMap<String, Plane<'_>>> {
+pub(crate) fn planes(table: &BrdfTable, first_stop: usize) -> Checked<BTreeMap<String, Plane<'_>>> {
     let (stops, bins) = check_grid(&table.grid)?;
     let mut planes = BTreeMap::new();
     for (name, colour) in distinct_names(table)?.iter().zip(&table.colours) {
@@ -184,7 +181,7 @@ pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Reason<BTreeMap<St
     planes.insert("hits".into(), Plane::U32(&table.hits));
     for (name, plane) in &planes {
         if plane.len() != stops * bins {
-            return Err(format!("channel `{name}` has {} values, {} needed", plane.len(), stops * bins));
+            return Err(wrong!("channel `{name}` has {} values, {} needed", plane.len(), stops * bins));
         }
         if let Plane::F32(values) = plane {
             check_finite(name, values, bins, first_stop)?;
@@ -194,10 +191,10 @@ pub(super) fn planes(table: &BrdfTable, first_stop: usize) -> Reason<BTreeMap<St
 }
 
 /// Adds a FLOAT channel, which must fit the part and be finite.
-pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Reason<()> {
+pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Checked<()> {
     let pixels = part.width * part.height;
     if values.len() != pixels {
-        return Err(format!("channel `{name}` has {} values, {pixels} needed", values.len()));
+        return Err(wrong!("channel `{name}` has {} values, {pixels} needed", values.len()));
     }
     check_finite(name, values, part.width, 0)?;
     part.channels.insert(name.into(), Samples::F32(values.to_vec()));
@@ -205,20 +202,20 @@ pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Reason
 }
 
 /// Takes a FLOAT channel out of a part, the first row of which is that of `first_stop`; its values must be finite.
-pub(super) fn take(part: &mut ImagePart, name: &str, first_stop: usize) -> Reason<Vec<f32>> {
+pub(super) fn take(part: &mut ImagePart, name: &str, first_stop: usize) -> Checked<Vec<f32>> {
     match part.channels.remove(name) {
         Some(Samples::F32(values)) => check_finite(name, &values, part.width, first_stop).map(|()| values),
-        Some(Samples::F16(_)) => Err(format!("channel `{name}` is HALF, FLOAT needed")),
-        Some(Samples::U32(_)) => Err(format!("channel `{name}` is UINT, FLOAT needed")),
-        None => Err(format!("channel `{name}` is missing")),
+        Some(Samples::F16(_)) => Err(wrong!("channel `{name}` is HALF, FLOAT needed")),
+        Some(Samples::U32(_)) => Err(wrong!("channel `{name}` is UINT, FLOAT needed")),
+        None => Err(wrong!("channel `{name}` is missing")),
     }
 }
 
-fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> Reason<()> {
+fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> Checked<()> {
     match values.iter().position(|value| !value.is_finite()) {
         Some(at) => {
             let (stop, bin, value) = (first_stop + at / width, at % width, values[at]);
-            Err(format!("channel `{name}`, stop {stop}, bin {bin}: {value} is not a finite number"))
+            Err(wrong!("channel `{name}`, incidence {stop}, bin {bin}: {value} is not a finite number"))
         }
         None => Ok(()),
     }
@@ -228,7 +225,7 @@ fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> 
 pub(super) type ColourName = (String, Option<f64>);
 
 /// The colours that a part's channels speak of, wavelengths in their order.
-pub(super) fn colour_names(part: &ImagePart) -> Reason<Vec<ColourName>> {
+pub(super) fn colour_names(part: &ImagePart) -> Checked<Vec<ColourName>> {
     let has = |name: &str| part.channels.contains_key(name);
     let plain = |names: &[&str]| names.iter().map(|name| (name.to_string(), None)).collect();
     let waves = part.channels.keys().filter_map(|name| Some((name.clone(), named_wavelength(name)?)));
@@ -243,8 +240,8 @@ pub(super) fn colour_names(part: &ImagePart) -> Reason<Vec<ColourName>> {
     }
 }
 
-/// The channel names of a table's colours; colours that are not told apart are a reason to refuse it.
-pub(super) fn distinct_names(table: &BrdfTable) -> Reason<Vec<String>> {
+/// The channel names of a table's colours; colours that are not distinguished are a reason to refuse it.
+pub(super) fn distinct_names(table: &BrdfTable) -> Checked<Vec<String>> {
     let names = table.colour_names();
     let spectral = table.colours.iter().filter(|colour| colour.wavelength_nm.is_some()).count();
     let plain = matches!(names.len(), 1 | 3) && spectral == 0;
@@ -252,17 +249,21 @@ pub(super) fn distinct_names(table: &BrdfTable) -> Reason<Vec<String>> {
     if plain || (spectral == names.len() && spectral > 0 && increasing) {
         return Ok(names);
     }
-    Err(format!("{} colours; 1 or 3 needed, or each with its wavelength, in increasing order", names.len()))
+    Err(wrong!("{} colours; 1 or 3 needed, or each with its wavelength, in increasing order", names.len()))
 }
 
 /// Adds the sums of Schlick's formula.
-pub(super) fn insert_schlick(part: &mut ImagePart, sums: Option<&SchlickSums>, by_order: bool) -> Reason<()> {
+pub(super) fn insert_schlick(
+    part: &mut ImagePart,
+    sums: Option<&SchlickSums>,
+    by_order: bool,
+) -> Checked<()> {
     let channels = sums.map(|sums| sums.channels(by_order)).unwrap_or_default();
     channels.into_iter().try_for_each(|(name, values)| insert(part, &name, values))
 }
 
 /// Takes the sums of Schlick's formula, where they are there.
-pub(super) fn take_schlick(part: &mut ImagePart, first_stop: usize) -> Reason<Option<SchlickSums>> {
+pub(super) fn take_schlick(part: &mut ImagePart, first_stop: usize) -> Checked<Option<SchlickSums>> {
     SchlickSums::gathered(|name| match part.channels.contains_key(name) {
         true => take(part, name, first_stop).map(Some),
         false => Ok(None),
@@ -280,18 +281,18 @@ pub(super) fn set_albedo_errors(part: &mut ImagePart, errors: &[Vec<f32>], stops
     part.set_text(ALBEDO_SE, &numbers.collect::<Vec<_>>().join("\n"));
 }
 
-/// The errors of the albedos of each colour at some stops, empty where the part has none.
+/// The errors of the albedos of each colour at some incidences, empty where the part has none.
 pub(super) fn albedo_errors(
     part: &ImagePart,
     colours: usize,
     stops: &[usize],
     of: usize,
-) -> Reason<Vec<Vec<f32>>> {
+) -> Checked<Vec<Vec<f32>>> {
     let Some(text) = part.text(ALBEDO_SE) else { return Ok(vec![Vec::new(); colours]) };
     let number = |word: &str| word.parse().ok().filter(|se: &f32| se.is_finite() && *se >= 0.0);
     let all: Option<Vec<f32>> = text.split_whitespace().map(number).collect();
     let all = all.filter(|all| all.len() == of * colours).ok_or_else(|| {
-        format!("{ALBEDO_SE}: {} numbers from 0 up needed, one for each stop and colour", of * colours)
+        format!("{ALBEDO_SE}: {} numbers from 0 up needed, one for each incidence and colour", of * colours)
     })?;
     let of_colour = |colour: usize| stops.iter().map(|stop| all[stop * colours + colour]).collect();
     Ok((0..colours).map(of_colour).collect())
@@ -308,8 +309,8 @@ pub(super) fn content_of(part: &ImagePart) -> ContentDigest {
 
 /// Compares a part's digest with its content; a missing one is a warning.
 ///
-/// `origin` is the text that older digests held beside the grid: the patches' digest, or the table's.
-pub(super) fn check_digest(part: &ImagePart, origin: &str, warnings: &mut Vec<String>) -> Reason<()> {
+/// `origin` is the text that older digests held next to the grid: the patches' digest, or the table's.
+pub(super) fn check_digest(part: &ImagePart, origin: &str, warnings: &mut Vec<String>) -> Checked<()> {
     match part.text(DIGEST) {
         None => {
             warnings.push(no_digest());
@@ -330,18 +331,18 @@ pub(super) fn same_digest(
     content: &ContentDigest,
     part: &ImagePart,
     origin: &str,
-) -> Reason<()> {
+) -> Checked<()> {
     let found = content.finish(part);
     if stored == found {
         return Ok(());
     }
     if stored == content.finish_2(part.text(GRID).unwrap_or_default(), origin) {
-        return Err(format!(
+        return Err(wrong!(
             "{DIGEST} is of an older version, which left the campaign and the other texts out: a change of them \
              could not be noticed; measure it again"
         ));
     }
-    Err(format!(
+    Err(wrong!(
         "{DIGEST} says {stored}, the content gives {found}: the file was changed or damaged, or is older than \
          digests by channel; measure it again"
     ))
@@ -371,7 +372,7 @@ mod tests {
         let reason = |change: fn(&mut Grid)| {
             let mut grid = table(1).grid;
             change(&mut grid);
-            check_grid(&grid).expect_err("must be refused")
+            check_grid(&grid).expect_err("must be refused").to_string()
         };
         assert!(reason(|g| g.phi_r_edges_deg.clear()).contains("phi_r_edges_deg has 0 values"));
         assert!(reason(|g| g.theta_r_edges_deg.swap(0, 1)).contains("does not increase"));

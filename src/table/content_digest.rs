@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use crate::files;
 use crate::files::image::{Attribute, ImagePart, Samples};
 
-/// A digest under way.
+/// An unfinished digest.
 #[derive(Default)]
 pub(super) struct ContentDigest {
     channels: BTreeMap<String, ChannelDigest>,
@@ -50,16 +50,9 @@ impl ContentDigest {
         const SOME: usize = 1 << 14;
         // A channel without values has a name all the same.
         self.add(name, samples, &[]);
-        match samples {
-            Samples::F32(values) => values.chunks(SOME).for_each(|values| {
-                self.add(name, samples, &values.iter().flat_map(|v| v.to_ne_bytes()).collect::<Vec<_>>());
-            }),
-            Samples::U32(values) => values.chunks(SOME).for_each(|values| {
-                self.add(name, samples, &values.iter().flat_map(|v| v.to_ne_bytes()).collect::<Vec<_>>());
-            }),
-            Samples::F16(values) => values.chunks(SOME).for_each(|values| {
-                self.add(name, samples, &values.iter().flat_map(|v| v.to_ne_bytes()).collect::<Vec<_>>());
-            }),
+        for first in (0..samples.len()).step_by(SOME) {
+            let bytes = samples.bytes(first..samples.len().min(first + SOME));
+            self.add(name, samples, &bytes);
         }
     }
 

@@ -1,6 +1,8 @@
-//! Pairs of directions that a table lists and nobody measured: a scan whose sensor went elsewhere for each light.
+//! Pairs of directions that a table lists and that were not measured: a scan whose sensor went elsewhere for each
+//! light.
 //!
-//! A gap has no light, no arrivals and the error [`NOT_MEASURED`] in every colour. It counts nowhere: it is no darkness.
+//! A gap has no light, no arrivals and the error [`NOT_MEASURED`] in every colour. It counts nowhere: it is no
+//! darkness.
 
 use super::BrdfTable;
 

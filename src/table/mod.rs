@@ -14,5 +14,6 @@ pub mod writer;
 
 pub use brdf_table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
 pub use channels::check_grid;
+pub(crate) use channels::{Plane, planes};
 pub use rows::TableRows;
 pub use writer::TableWriter;

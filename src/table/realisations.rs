@@ -1,16 +1,16 @@
 //! The table of every realisation: `<name>.realisations.exr`, one part each, for pairing and jackknife.
 //!
-//! Enters: [`Realisations`] and the table they belong to. Leaves: a multi-part EXR, or a smaller one with 16
+//! Input: [`Realisations`] and the table they belong to. Output: a multi-part EXR, or a smaller one with 16
 //! groups of consecutive realisations, or nothing where even that is too large.
 
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Checked, ContentError, Error, Result, wrong};
 use crate::files::NewFile;
 use crate::files::image::{self, ImagePart};
 use crate::instrument::Grid;
 
-use super::channels::{self, ColourName, DIGEST, GRID, Reason};
+use super::channels::{self, ColourName, DIGEST, GRID};
 use super::{BrdfTable, RealisationPart, Realisations, SchlickSums, store};
 
 /// The attribute by which a file of realisations is told as one of ours.
@@ -41,7 +41,7 @@ pub enum StoredRealisations {
 /// The content of a realisations file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RealisationsFile {
-    /// Which stops and bins, as in the table.
+    /// Which incidences and bins, as in the table.
     pub grid: Grid,
     /// Digest of the table that they belong to.
     pub table_digest: String,
@@ -54,11 +54,6 @@ pub struct RealisationsFile {
 }
 
 impl RealisationsFile {
-    /// Whether these are the realisations of `table`.
-    pub fn belongs_to(&self, table: &BrdfTable) -> Result<bool> {
-        Ok(self.is_of(&store::digest(table)?))
-    }
-
     /// Whether these are the realisations of the table with this digest.
     pub fn is_of(&self, digest: &str) -> bool {
         self.table_digest == digest
@@ -68,7 +63,7 @@ impl RealisationsFile {
 /// An upper bound of the file's size in bytes, known before anything is measured.
 ///
 /// Pixels of so many f32 `channels` that do not compress at all, and the headers.
-/// Held by: `the_size_said_beforehand_is_never_exceeded`.
+// Tested by `the_size_said_beforehand_is_never_exceeded`.
 pub fn file_bytes(grid: &Grid, channels: usize, parts: usize) -> u64 {
     let (stops, bins) = (grid.stops() as u64, grid.bins() as u64);
     let channels = channels as u64;
@@ -147,7 +142,7 @@ pub fn encode_of(
     let parts = (0..)
         .zip(&realisations.parts)
         .map(|(index, part)| to_part(index, part, table, table_digest, group_size))
-        .collect::<Reason<Vec<_>>>()
+        .collect::<Checked<Vec<_>>>()
         .map_err(|why| Error::Refused(format!("the realisations cannot be stored: {why}")))?;
     image::encode(parts).map_err(|why| Error::Internal(format!("encoding the realisations: {why}")))
 }
@@ -202,11 +197,11 @@ fn to_part(
     table: &BrdfTable,
     table_digest: &str,
     group_size: usize,
-) -> Reason<ImagePart> {
+) -> Checked<ImagePart> {
     let (height, width) = channels::check_grid(&table.grid)?;
     let names = table.colour_names();
     if values.total.len() != names.len() || values.single.len() != names.len() {
-        return Err(format!("{} has other colours than the table", part_name(index)));
+        return Err(wrong!("{} has other colours than the table", part_name(index)));
     }
     let mut part = ImagePart { name: Some(part_name(index)), width, height, ..ImagePart::default() };
     for (c, name) in names.iter().enumerate() {
@@ -223,7 +218,7 @@ fn to_part(
     Ok(part)
 }
 
-fn from_parts(parts: Vec<ImagePart>) -> Reason<RealisationsFile> {
+fn from_parts(parts: Vec<ImagePart>) -> Checked<RealisationsFile> {
     let first = parts.first().ok_or("no parts")?;
     let grid = channels::read_grid(first)?;
     let same =
@@ -231,15 +226,16 @@ fn from_parts(parts: Vec<ImagePart>) -> Reason<RealisationsFile> {
     let (table_digest, group) = (same(TABLE_DIGEST)?, same(GROUP_SIZE)?);
     let group_size = match group.parse() {
         Ok(size) if size > 0 => size,
-        _ => return Err(format!("{GROUP_SIZE} = {group}: a positive integer needed")),
+        _ => return Err(wrong!("{GROUP_SIZE} = {group}: a positive integer needed")),
     };
     let mut warnings = Vec::new();
     let mut realisations = Realisations::default();
     let names = channels::colour_names(first)?;
     for (index, mut part) in parts.into_iter().enumerate() {
-        let wrong = |why: String| format!("part {index}: {why}");
+        let wrong = |why: ContentError| why.at(format_args!("part {index}"));
         if part.name.as_deref() != Some(part_name(index).as_str()) {
-            return Err(wrong(format!("its name is {:?}, not `{}`", part.name, part_name(index))));
+            let what = format!("its name is {:?}, not `{}`", part.name, part_name(index));
+            return Err(wrong(what.into()));
         }
         if channels::read_grid(&part).map_err(wrong)? != grid
             || part.text(TABLE_DIGEST) != Some(&table_digest)
@@ -253,7 +249,7 @@ fn from_parts(parts: Vec<ImagePart>) -> Reason<RealisationsFile> {
     Ok(RealisationsFile { grid, table_digest, group_size, realisations, warnings })
 }
 
-fn take_part(part: &mut ImagePart, names: &[ColourName]) -> Reason<RealisationPart> {
+fn take_part(part: &mut ImagePart, names: &[ColourName]) -> Checked<RealisationPart> {
     let mut values =
         RealisationPart { schlick: channels::take_schlick(part, 0)?, ..RealisationPart::default() };
     for (name, _) in names {
@@ -284,10 +280,10 @@ mod tests {
             let file = decode(Path::new("x.exr"), &bytes).expect("decodes");
             assert_eq!(file.realisations, parts);
             assert_eq!((&file.grid, file.group_size), (&table.grid, 1));
-            assert!(file.belongs_to(&table).expect("has a digest") && file.warnings.is_empty());
+            assert!(file.is_of(&store::digest(&table).expect("a digest")) && file.warnings.is_empty());
             let mut other = table.clone();
             other.hits[0] += 1;
-            assert!(!file.belongs_to(&other).expect("has a digest"));
+            assert!(!file.is_of(&store::digest(&other).expect("a digest")));
         }
     }
 

@@ -1,10 +1,11 @@
 //! The table of another Schlick material from the sums that a table holds: no path is traced again.
 //!
-//! Enters: a table with `SchlickSums`, its realisations where they are there, F0 of the new material. Leaves: both as
+//! Input: a table with `SchlickSums`, its realisations where they are there, F0 of the new material. Output: both as
 //! they would have been measured with it.
 
 use super::brdf_table::HITS_OF_AN_EMPTY_BIN;
 use super::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
+use crate::error::Checked;
 use crate::optics::parts;
 
 /// The table for another F0 of R, G and B, and its realisations.
@@ -16,13 +17,13 @@ use crate::optics::parts;
 ///
 /// - Errors: the reason, where the table holds no sums for the orders that it has.
 /// - Numerics: within f32 rounding of the table traced with the material: 1e-6 for order 1, 1e-5 for up to 8 orders.
-/// - Held by: `a_recoloured_table_is_the_traced_one`, `orders_follow_from_their_parts` (tests/it/measure/materials.rs).
+// Tested by `a_recoloured_table_is_the_traced_one`, `orders_follow_from_their_parts` (tests/it/measure/materials.rs).
 pub fn recolour(
     table: &BrdfTable,
     realisations: Option<&Realisations>,
     f0: [f64; 3],
     campaign: String,
-) -> Result<(BrdfTable, Option<Realisations>), String> {
+) -> Checked<(BrdfTable, Option<Realisations>)> {
     let sums = usable(table)?;
     let parts: Option<Vec<RealisationPart>> =
         realisations.and_then(|all| all.parts.iter().map(|part| recoloured(part, f0)).collect());
@@ -46,7 +47,7 @@ pub fn recolour(
 }
 
 /// The sums of a table that hold for all of its orders.
-fn usable(table: &BrdfTable) -> Result<&SchlickSums, String> {
+fn usable(table: &BrdfTable) -> Checked<&SchlickSums> {
     let Some(sums) = &table.schlick else {
         return Err(
             "holds no `schlick` sums, which another material follows from: it was measured with F = 1, with \
@@ -117,7 +118,7 @@ fn without_errors(table: &BrdfTable, sums: &SchlickSums, f0: f64) -> ColourChann
 }
 
 /// The errors of bins without light: as they are where nothing arrived, 1.5 arrivals where all was absorbed. An arrival
-/// carries what those of its stop carry in the mean, as `measure` has it.
+/// carries what those of its incidence carry in the mean, as `measure` has it.
 fn empty_bin_errors(table: &BrdfTable, sums: &SchlickSums) -> Vec<f32> {
     let bins = table.grid.bins();
     let of_stop = |stop: usize| {

@@ -1,13 +1,13 @@
-//! A stored table read by rows: its header first, then the stops that are asked for, from a file of any size.
+//! A stored table read by rows: its header first, then the incidences that are asked for, from a file of any size.
 //!
-//! Enters: a table's file. Leaves: bands of it, each a table of its own with a list of stops.
+//! Input: a table's file. Output: bands of it, each a table of its own with a list of incidences.
 
 use std::fs::File;
 use std::io::BufReader;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::error::{Checked, ContentError, Error, Result};
 use crate::files;
 use crate::files::image::{self, ImagePart};
 use crate::files::image_blocks::BlockReader;
@@ -31,7 +31,7 @@ pub struct TableRows {
 impl TableRows {
     /// Reads the header of a table's file.
     pub fn open(path: &Path) -> Result<Self> {
-        let wrong = |why: String| Error::format(path, why);
+        let wrong = |why: ContentError| Error::format(path, why);
         let blocks = BlockReader::open(BufReader::new(files::open(path)?)).map_err(wrong)?;
         let [outline] = blocks.outlines() else {
             return Err(store::several(path, blocks.outlines().len()));
@@ -84,12 +84,13 @@ impl TableRows {
         self.blocks.bytes()
     }
 
-    /// Bytes of one stop's values.
+    /// Bytes of one incidence's values.
     pub fn row_bytes(&self) -> u64 {
         4 * (self.outline.channels.len() * self.outline.width) as u64
     }
 
-    /// Bands of whole blocks, as many stops each as `bytes` hold when a stop takes `row_bytes`, at least one block.
+    /// Bands of whole blocks, as many incidences each as `bytes` hold when an incidence takes `row_bytes`, at least
+    /// one block.
     ///
     /// Whole blocks: each is decoded once.
     pub fn bands(&self, bytes: u64, row_bytes: u64) -> Vec<Range<usize>> {
@@ -112,15 +113,14 @@ impl TableRows {
             .map_err(|why| Error::format(&self.path, why))
     }
 
-    /// The rows of some stops, in increasing order, as a table of these stops.
-    ///
-    /// Held by: `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
+    /// The rows of some incidences, in increasing order, as a table of these incidences.
+    // Tested by `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
     pub fn take(&mut self, stops: &[usize]) -> Result<BrdfTable> {
         let path = self.path.clone();
         self.rows_of(stops).map_err(|why| Error::format(&path, why))
     }
 
-    fn rows_of(&mut self, stops: &[usize]) -> std::result::Result<BrdfTable, String> {
+    fn rows_of(&mut self, stops: &[usize]) -> Checked<BrdfTable> {
         let whole = stops.len() == self.outline.height;
         let grid =
             if whole { Some(self.grid().clone()) } else { self.grid().of_stops(stops.iter().copied()) };
@@ -141,7 +141,7 @@ impl TableRows {
     }
 }
 
-/// Ranges of `stops` that hold `bytes` when a stop takes `row_bytes`, in multiples of `together`.
+/// Ranges of `stops` that hold `bytes` when an incidence takes `row_bytes`, in multiples of `together`.
 pub fn bands(stops: usize, together: usize, bytes: u64, row_bytes: u64) -> Vec<Range<usize>> {
     let fit = usize::try_from(bytes / row_bytes.max(1)).unwrap_or(usize::MAX);
     let step = (fit / together * together).max(together);

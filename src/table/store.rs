@@ -1,17 +1,17 @@
-//! The table's own file: one EXR image, row = light stop, column = sensor bin, lossless.
+//! The table's own file: one EXR image, row = incidence, column = sensor bin, lossless.
 //!
-//! Enters: a [`BrdfTable`]. Leaves: the same bytes from every run, and the same table from the bytes.
+//! Input: a [`BrdfTable`]. Output: the same bytes from every run, and the same table from the bytes.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Checked, ContentError, Error, Result, wrong};
 use crate::files::NewFile;
 use crate::files::image::{self, ImagePart, Samples};
 use crate::instrument::Grid;
 
-use super::channels::{self, ColourName, DIGEST, GRID, Plane, Reason};
+use super::channels::{self, ColourName, DIGEST, GRID, Plane};
 use super::content_digest::ContentDigest;
 use super::{BrdfTable, ColourChannels, TableWriter};
 
@@ -40,7 +40,8 @@ pub struct Loaded {
 
 /// The bytes of the table's file.
 ///
-/// NaN and infinite values are refused. Held by: `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
+/// NaN and infinite values are refused.
+// Tested by `equal_tables_have_equal_bytes_whatever_the_hash_seed`.
 pub fn encode(table: &BrdfTable) -> Result<Vec<u8>> {
     let mut writer = TableWriter::new(Cursor::new(Vec::new()), Path::new("memory"), table, &table.grid)?;
     writer.append(table)?;
@@ -61,7 +62,7 @@ pub fn staged(path: &Path, table: &BrdfTable) -> Result<NewFile> {
 
 /// The digest that the table's file carries.
 pub fn digest(table: &BrdfTable) -> Result<String> {
-    let no = |why: String| Error::Refused(format!("the table has no digest: {why}"));
+    let no = |why: ContentError| Error::Refused(format!("the table has no digest: {why}"));
     let mut content = ContentDigest::default();
     let planes = channels::planes(table, 0).map_err(no)?;
     let bins = table.grid.bins();
@@ -83,7 +84,8 @@ pub fn load(path: &Path) -> Result<Loaded> {
 
 /// The table in the bytes of a file; `path` is for messages only.
 ///
-/// A wrong digest is an error, a missing one a warning. Held by: `damaged_tables_are_errors_and_never_panic`.
+/// A wrong digest is an error, a missing one a warning.
+// Tested by `damaged_tables_are_errors_and_never_panic`.
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Loaded> {
     from_parts(path, image::decode(bytes).map_err(|why| Error::format(path, why))?)
 }
@@ -101,12 +103,10 @@ pub(super) fn several(path: &Path, parts: usize) -> Error {
     Error::format(path, format!("a table has one part, this file has {parts}"))
 }
 
-fn from_part(mut part: ImagePart) -> Reason<Loaded> {
-    let TableHeader { empty, names, mut warnings } = header(&mut part)?;
+fn from_part(mut part: ImagePart) -> Checked<Loaded> {
+    let TableHeader { empty, mut warnings, .. } = header(&mut part)?;
     channels::check_digest(&part, &empty.patch_digest, &mut warnings)?;
-    let stops: Vec<usize> = (0..part.height).collect();
-    let table = filled(empty, &mut part, &names, (&stops, stops.len()))?;
-    Ok(Loaded { table, warnings })
+    Ok(Loaded { table: of_channels(empty, part)?, warnings })
 }
 
 /// What a part says besides its values.
@@ -120,7 +120,7 @@ pub(super) struct TableHeader {
 }
 
 /// Reads what a part says besides its values; channels that are none of a table's are taken out of it.
-pub(super) fn header(part: &mut ImagePart) -> Reason<TableHeader> {
+pub(super) fn header(part: &mut ImagePart) -> Checked<TableHeader> {
     let mut warnings = Vec::new();
     let grid = channels::read_grid(part)?;
     let seed = read_seed(part, &mut warnings)?;
@@ -143,19 +143,27 @@ pub(super) fn header(part: &mut ImagePart) -> Reason<TableHeader> {
     Ok(TableHeader { empty, names, warnings })
 }
 
+/// The table whose channels are those of `part`, a row each incidence; channels that are none of a table's are left
+/// out.
+pub(crate) fn of_channels(empty: BrdfTable, mut part: ImagePart) -> Checked<BrdfTable> {
+    let names = channels::colour_names(&part)?;
+    let stops: Vec<usize> = (0..part.height).collect();
+    filled(empty, &mut part, &names, (&stops, stops.len()))
+}
+
 /// The table with the channels of `part`, whose rows are those of some `stops`, of so many in the file.
 pub(super) fn filled(
     empty: BrdfTable,
     part: &mut ImagePart,
     names: &[ColourName],
     (stops, of): (&[usize], usize),
-) -> Reason<BrdfTable> {
+) -> Checked<BrdfTable> {
     let first_stop = stops.first().copied().unwrap_or(0);
     let errors = channels::albedo_errors(part, names.len(), stops, of)?;
     let mut colour = |(name, albedo_se)| {
         take_colour(part, name, first_stop).map(|colour| ColourChannels { albedo_se, ..colour })
     };
-    let colours = names.iter().zip(errors).map(&mut colour).collect::<Reason<_>>()?;
+    let colours = names.iter().zip(errors).map(&mut colour).collect::<Checked<_>>()?;
     let hits = match part.channels.remove("hits") {
         Some(Samples::U32(hits)) => hits,
         Some(_) => return Err("channel `hits` is not UINT".into()),
@@ -166,7 +174,11 @@ pub(super) fn filled(
 }
 
 /// The header of a table's file: all but the values, the digest yet to be filled in.
-pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, Plane>) -> Reason<ImagePart> {
+pub(super) fn outline(
+    table: &BrdfTable,
+    grid: &Grid,
+    planes: &BTreeMap<String, Plane>,
+) -> Checked<ImagePart> {
     let (height, width) = channels::check_grid(grid)?;
     let mut part = ImagePart { width, height, ..ImagePart::default() };
     part.channels = planes.iter().map(|(name, plane)| (name.clone(), plane.kind())).collect();
@@ -182,19 +194,19 @@ pub(super) fn outline(table: &BrdfTable, grid: &Grid, planes: &BTreeMap<String, 
     Ok(part)
 }
 
-fn read_seed(part: &ImagePart, warnings: &mut Vec<String>) -> Reason<u64> {
+fn read_seed(part: &ImagePart, warnings: &mut Vec<String>) -> Checked<u64> {
     let Some(text) = part.text(SEED) else {
         warnings.push(format!("no {SEED} attribute; 0 is taken"));
         return Ok(0);
     };
-    text.parse().map_err(|_| format!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))
+    text.parse().map_err(|_| wrong!("{SEED} = {text}: an integer from 0 to {} needed", u64::MAX))
 }
 
 fn take_colour(
     part: &mut ImagePart,
     (name, wavelength_nm): &ColourName,
     first: usize,
-) -> Reason<ColourChannels> {
+) -> Checked<ColourChannels> {
     let mut orders = Vec::new();
     for order in 2.. {
         let channel = format!("order{order}.{name}");
@@ -248,12 +260,12 @@ mod tests {
     use super::super::test_tables::{colour, table};
     use super::*;
 
-    fn to_part(table: &BrdfTable) -> Reason<ImagePart> {
-        image::decode(&encode(table).map_err(|e| e.to_string())?).map(|mut parts| parts.remove(0))
+    fn to_part(table: &BrdfTable) -> Checked<ImagePart> {
+        image::decode(&encode(table)?).map(|mut parts| parts.remove(0))
     }
 
     fn reason(part: ImagePart) -> String {
-        from_part(part).expect_err("must be refused").clone()
+        from_part(part).expect_err("must be refused").to_string()
     }
 
     #[test]
@@ -262,7 +274,7 @@ mod tests {
             let mut table = table(3);
             table.colours[1].stderr[7] = bad;
             let message = encode(&table).expect_err("must be refused").to_string();
-            assert!(message.contains("`stderr.G`, stop 1, bin 1"), "{message}");
+            assert!(message.contains("`stderr.G`, incidence 1, bin 1"), "{message}");
         }
     }
 
@@ -294,7 +306,7 @@ mod tests {
         assert_eq!(reason(hits), "channel `hits` is not UINT");
         let mut nan = part();
         nan.channels.insert("Y".into(), Samples::F32(vec![f32::NAN; 12]));
-        assert!(reason(nan).contains("channel `Y`, stop 0, bin 0"));
+        assert!(reason(nan).contains("channel `Y`, incidence 0, bin 0"));
     }
 
     #[test]
@@ -303,7 +315,7 @@ mod tests {
         let mut grid = table(1).grid;
         grid.theta_i_deg.push(80.0);
         part.set_text(GRID, &channels::grid_text(&grid).expect("prints"));
-        assert!(reason(part).contains("3 stops and 6 bins, the image is 6 wide and 2 high"));
+        assert!(reason(part).contains("3 incidences and 6 bins, the image is 6 wide and 2 high"));
     }
 
     #[test]

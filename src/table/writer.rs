@@ -1,11 +1,11 @@
-//! A table written by rows: bands of stops one after the other, never more than a band in memory.
+//! A table written by rows: bands of incidences one after the other, never more than a band in memory.
 //!
-//! Enters: bands, in the order of the stops. Leaves: the very file of the whole table.
+//! Input: bands, in the order of the incidences. Output: the very file of the whole table.
 
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::error::{ContentError, Error, Result};
 use crate::files::NewFile;
 use crate::files::image::ImagePart;
 use crate::files::row_writer::RowWriter;
@@ -15,7 +15,7 @@ use super::channels::{self, DIGEST};
 use super::content_digest::ContentDigest;
 use super::{BrdfTable, store};
 
-/// A table's file under way.
+/// A table's unfinished file.
 pub struct TableWriter<W> {
     rows: RowWriter<W>,
     content: ContentDigest,
@@ -24,7 +24,7 @@ pub struct TableWriter<W> {
     patch_digest: String,
     /// Errors of the albedos by colour.
     albedo_se: Vec<Vec<f32>>,
-    /// Stops taken so far.
+    /// Incidences taken so far.
     stops: usize,
     path: PathBuf,
 }
@@ -37,7 +37,7 @@ impl TableWriter<NewFile> {
 }
 
 impl<W: Write + Seek> TableWriter<W> {
-    /// Begins a table of all stops of `grid`, with the channels and texts of `like`; `path` is for messages.
+    /// Begins a table of all incidences of `grid`, with the channels and texts of `like`; `path` is for messages.
     pub fn new(out: W, path: &Path, like: &BrdfTable, grid: &Grid) -> Result<Self> {
         let begin = || store::outline(like, grid, &channels::planes(like, 0)?);
         let outline = begin().map_err(refused)?;
@@ -47,7 +47,7 @@ impl<W: Write + Seek> TableWriter<W> {
         Ok(TableWriter { rows, content, outline, patch_digest, albedo_se, stops: 0, path: path.into() })
     }
 
-    /// Adds the rows of the next stops. NaN and infinite values are refused.
+    /// Adds the rows of the next incidences. NaN and infinite values are refused.
     pub fn append(&mut self, band: &BrdfTable) -> Result<()> {
         let planes = channels::planes(band, self.stops).map_err(refused)?;
         if band.patch_digest != self.patch_digest {
@@ -81,6 +81,6 @@ impl<W: Write + Seek> TableWriter<W> {
     }
 }
 
-fn refused(why: String) -> Error {
+fn refused(why: ContentError) -> Error {
     Error::Refused(format!("the table cannot be stored: {why}"))
 }

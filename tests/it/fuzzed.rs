@@ -11,7 +11,7 @@ use std::path::Path;
 use gonio::campaign::{self, Campaign};
 use gonio::error::Error;
 use gonio::files::sealed;
-use gonio::interchange::{self, Format, Options};
+use gonio::interchange::{self, Checked, Format, Options};
 use gonio::measure::persist::header::KIND;
 use gonio::measure::{self, Plan, StoredRun};
 use gonio::surface::io::map_file;
@@ -59,17 +59,17 @@ fn the_lock_of_the_targets_names_the_programs_versions() {
 }
 
 /// What the target's reader says.
-fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
+fn read(target: &str, bytes: &[u8]) -> Checked<()> {
     let here = Path::new("fuzzed");
     match target {
         "table" => {
-            let table = store::decode(here, bytes).map_err(|e| e.to_string())?.table;
+            let table = store::decode(here, bytes)?.table;
             if let Ok(again) = store::encode(&table) {
                 assert!(store::decode(here, &again).expect("its own bytes").table == table);
             }
             Ok(())
         }
-        "realisations" => realisations::decode(here, bytes).map(drop).map_err(|e| e.to_string()),
+        "realisations" => Ok(realisations::decode(here, bytes).map(drop)?),
         "height_map" => map_file::read(bytes).map(drop),
         "map_gsf" => map_file::read(&[b"Gwyddion Simple Field 1.0\n", bytes].concat()).map(drop),
         "map_xyz" => map_file::read(&[b"0 0 0\n", bytes].concat()).map(drop),
@@ -77,7 +77,7 @@ fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
         "checkpoint" => {
             let (campaign, plan) = checkpoint_of();
             let sealed = sealed::seal(KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()))?;
-            StoredRun::from_bytes(&sealed)?.run_state(&campaign, &plan).map(drop)
+            Ok(StoredRun::from_bytes(&sealed)?.run_state(&campaign, &plan).map(drop)?)
         }
         "campaign" => match campaign::parse(bytes, "c.toml", here) {
             Ok(parsed) => {
@@ -87,9 +87,9 @@ fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
                 Ok(())
             }
             Err(gonio::error::Error::Campaign(faults)) => {
-                faults.iter().try_for_each(|fault| Err(fault.to_string()))
+                Ok(faults.iter().try_for_each(|fault| Err(fault.to_string()))?)
             }
-            Err(other) => Err(other.to_string()),
+            Err(other) => Err(other.into()),
         },
         "maps" => {
             let (length, rest) = bytes
@@ -102,7 +102,7 @@ fn read(target: &str, bytes: &[u8]) -> Result<(), String> {
             let folder = tempfile::tempdir().expect("a folder");
             fs::write(folder.path().join("index.csv"), bytes).expect("written");
             let text = include_str!("../../fuzz/src/index_file.toml");
-            campaign::parse(text, "c.toml", folder.path()).map(drop).map_err(|e| e.to_string())
+            Ok(campaign::parse(text, "c.toml", folder.path()).map(drop)?)
         }
         "traced_map" => {
             traced::trace(bytes);

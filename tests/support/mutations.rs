@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gonio::error::Error;
+use gonio::error::{ContentError, Error};
 
 /// A small repeatable source of bits (splitmix64).
 pub struct Bits(pub u64);
@@ -29,7 +29,11 @@ impl Bits {
 /// Feeds `rounds` damaged copies of `good` to `read`, which must return (not panic) and whose reasons must be one line
 /// where the program shows them.
 /// Returns how many were refused.
-pub fn survives<T>(good: &[u8], rounds: usize, read: impl Fn(&[u8]) -> Result<T, String>) -> usize {
+pub fn survives<T, E: Into<ContentError>>(
+    good: &[u8],
+    rounds: usize,
+    read: impl Fn(&[u8]) -> Result<T, E>,
+) -> usize {
     let mut bits = Bits(good.len() as u64);
     let interesting = [0u8, 1, 0x7f, 0x80, 0xff, b'-', b'9', b'<', b'n', b'\n', b','];
     let mut refused = 0;
@@ -47,8 +51,10 @@ pub fn survives<T>(good: &[u8], rounds: usize, read: impl Fn(&[u8]) -> Result<T,
             }
         }
         if let Err(reason) = read(&bytes) {
-            let shown = Error::format(Path::new("damaged"), &reason).to_string();
-            assert!(!reason.is_empty() && !shown.contains('\n') && shown.chars().count() <= 500, "{shown}");
+            let reason = reason.into();
+            let is_empty = reason.to_string().is_empty();
+            let shown = Error::format(Path::new("damaged"), reason).to_string();
+            assert!(!is_empty && !shown.contains('\n') && shown.chars().count() <= 500, "{shown}");
             refused += 1;
         }
     }

@@ -86,7 +86,7 @@ fn json_bytes(bytes: &[u8]) -> u64 {
 
 /// A JSON document from its bytes, which an editor may have saved with a byte order mark.
 pub fn parsed_json(bytes: &[u8]) -> std::result::Result<Value, String> {
-    memory::check(json_bytes(bytes))?;
+    memory::check(json_bytes(bytes)).map_err(|why| why.to_string())?;
     serde_json::from_str(&decode_text(bytes)?).map_err(|e| e.to_string())
 }
 

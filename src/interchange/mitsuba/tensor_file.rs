@@ -6,7 +6,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use crate::interchange::Reason;
+use crate::error::wrong;
+use crate::interchange::Checked;
 
 const MAGIC: &[u8] = b"tensor_file\0";
 /// More than any file seen has.
@@ -76,14 +77,14 @@ struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    fn take(&mut self, count: usize) -> Reason<&'a [u8]> {
+    fn take(&mut self, count: usize) -> Checked<&'a [u8]> {
         let found =
             self.bytes.get(self.at..).and_then(|rest| rest.get(..count)).ok_or("the header is cut off")?;
         self.at += count;
         Ok(found)
     }
 
-    fn number(&mut self, count: usize) -> Reason<u64> {
+    fn number(&mut self, count: usize) -> Checked<u64> {
         let bytes = self.take(count)?;
         Ok(bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)))
     }
@@ -91,14 +92,14 @@ impl<'a> Cursor<'a> {
 
 impl<'a> TensorFile<'a> {
     /// Reads the header; every field must lie within the file.
-    pub fn open(bytes: &'a [u8]) -> Reason<Self> {
+    pub fn open(bytes: &'a [u8]) -> Checked<Self> {
         if !bytes.starts_with(MAGIC) {
             return Err(if bytes.is_empty() { "the file is empty" } else { "not a tensor file" }.into());
         }
         let mut cursor = Cursor { bytes, at: MAGIC.len() };
         let version = cursor.number(2)?;
         if version != 1 {
-            return Err(format!(
+            return Err(wrong!(
                 "version {}.{} of the tensor file is not read, only 1.0",
                 version & 255,
                 version >> 8
@@ -106,24 +107,24 @@ impl<'a> TensorFile<'a> {
         }
         let count = cursor.number(4)? as u32;
         if count > MOST_FIELDS {
-            return Err(format!("{count} fields, at most {MOST_FIELDS} are read"));
+            return Err(wrong!("{count} fields, at most {MOST_FIELDS} are read"));
         }
         let mut fields = BTreeMap::new();
         for _ in 0..count {
             let (name, place) = Self::place(&mut cursor)?;
             if fields.insert(name.clone(), place).is_some() {
-                return Err(format!("field `{name}` is there twice"));
+                return Err(wrong!("field `{name}` is there twice"));
             }
         }
         // Fields over the same bytes would make more values than the file has.
         let all = fields.values().fold(0usize, |sum, place| sum.saturating_add(place.data.len()));
         if all > bytes.len() {
-            return Err(format!("fields of {all} bytes in a file of {}: they overlap", bytes.len()));
+            return Err(wrong!("fields of {all} bytes in a file of {}: they overlap", bytes.len()));
         }
         Ok(TensorFile { bytes, fields })
     }
 
-    fn place(cursor: &mut Cursor) -> Reason<(String, FieldRange)> {
+    fn place(cursor: &mut Cursor) -> Checked<(String, FieldRange)> {
         let length = cursor.number(2)? as usize;
         // Shown in messages: no control characters.
         let name = String::from_utf8_lossy(cursor.take(length)?).escape_debug().to_string();
@@ -132,7 +133,7 @@ impl<'a> TensorFile<'a> {
         }
         let axes = cursor.number(2)? as u16;
         if axes > MOST_AXES {
-            return Err(format!("field `{name}` has {axes} axes, at most {MOST_AXES} are read"));
+            return Err(wrong!("field `{name}` has {axes} axes, at most {MOST_AXES} are read"));
         }
         let kind = cursor.number(1)? as u8;
         let size = match kind {
@@ -140,10 +141,10 @@ impl<'a> TensorFile<'a> {
             3 | 4 | 9 => 2,
             5 | 6 | 10 => 4,
             7 | 8 | 11 => 8,
-            _ => return Err(format!("field `{name}` has the unknown type {kind}")),
+            _ => return Err(wrong!("field `{name}` has the unknown type {kind}")),
         };
         let offset = usize::try_from(cursor.number(8)?).unwrap_or(usize::MAX);
-        let sides = (0..axes).map(|_| cursor.number(8)).collect::<Reason<Vec<u64>>>()?;
+        let sides = (0..axes).map(|_| cursor.number(8)).collect::<Checked<Vec<u64>>>()?;
         let sides: Vec<usize> =
             sides.iter().map(|&side| usize::try_from(side).unwrap_or(usize::MAX)).collect();
         let length = sides.iter().try_fold(size, |length: usize, &side| length.checked_mul(side));
@@ -160,10 +161,10 @@ impl<'a> TensorFile<'a> {
     }
 
     /// Sides and values of an f32 field with so many axes, all finite and none empty.
-    pub fn f32(&self, name: &str, axes: usize) -> Reason<(Vec<usize>, Vec<f32>)> {
+    pub fn f32(&self, name: &str, axes: usize) -> Checked<(Vec<usize>, Vec<f32>)> {
         let place = self.fields.get(name).ok_or_else(|| format!("no field `{name}`"))?;
         if place.kind != 10 || place.sides.len() != axes || place.data.is_empty() {
-            return Err(format!("field `{name}`: f32 with {axes} axes needed, none of them empty"));
+            return Err(wrong!("field `{name}`: f32 with {axes} axes needed, none of them empty"));
         }
         let values: Vec<f32> = self.bytes[place.data.clone()]
             .as_chunks::<4>()
@@ -172,7 +173,7 @@ impl<'a> TensorFile<'a> {
             .map(|chunk| f32::from_le_bytes(*chunk))
             .collect();
         match values.iter().position(|value| !value.is_finite()) {
-            Some(at) => Err(format!("field `{name}`, value {at}: {} is not a finite number", values[at])),
+            Some(at) => Err(wrong!("field `{name}`, value {at}: {} is not a finite number", values[at])),
             None => Ok((place.sides.clone(), values)),
         }
     }

@@ -1,7 +1,8 @@
 //! The map from the unit square to directions of an RGL file: a bilinear density for each angle of the light, and its
 //! inverse, both ways by sums of trapezoids, as its readers do.
 
-use crate::interchange::Reason;
+use crate::error::wrong;
+use crate::interchange::Checked;
 
 /// Slices of rows x columns, normalised, with their sums. Slice index = phi_i index x theta_i nodes + theta_i index.
 pub(crate) struct Warp {
@@ -19,9 +20,9 @@ pub(crate) struct Warp {
 pub(crate) type Slices = [(usize, f64); 4];
 
 impl Warp {
-    pub fn new(rows: usize, columns: usize, mut density: Vec<f32>) -> Reason<Self> {
+    pub fn new(rows: usize, columns: usize, mut density: Vec<f32>) -> Checked<Self> {
         if rows < 2 || columns < 2 || !density.len().is_multiple_of(rows * columns) {
-            return Err(format!("slices of {rows} x {columns} nodes, at least 2 x 2 needed"));
+            return Err(wrong!("slices of {rows} x {columns} nodes, at least 2 x 2 needed"));
         }
         let slices = density.len() / (rows * columns);
         let (mut along, mut down) = (vec![0.0; density.len()], vec![0.0; slices * rows]);

@@ -22,8 +22,7 @@ pub fn xyz(rgb: Colour) -> Colour {
 }
 
 /// The RGB of an XYZ; outside the triangle of the primaries the negative part is 0.
-///
-/// Held by: `colours_come_back`.
+// Tested by `colours_come_back`.
 pub fn rgb(xyz: Colour) -> Colour {
     (matrix().inverse() * DVec3::from_array(xyz)).to_array().map(|value| value.max(0.0))
 }

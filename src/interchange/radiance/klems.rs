@@ -6,50 +6,56 @@
 
 use std::fmt::Write;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::colour;
+pub use super::patchwise::Patchwise;
+use super::patchwise::{bases_of, grid};
 use super::xml;
 use super::xml::{SampleSide, negative_note, short};
-use crate::instrument::klems::{Basis, Ring, middles, patches, rings_of};
-use crate::instrument::{Grid, GridKind, Region};
+use crate::error::wrong;
+use crate::instrument::klems::{Basis, Ring, patches};
+use crate::instrument::{GridKind, Region};
+use crate::interchange::codec::{Codec, Encoded, FormatTraits};
 use crate::interchange::resample::nodes;
-use crate::interchange::{Brdf, Colour, Lookup, Reason, foreign_table};
-use crate::sphere;
+use crate::interchange::{Brdf, Checked, Colour, Imported, Lookup, Options, foreign_table, needed};
 use crate::table::BrdfTable;
 
 /// How the values are meant.
-pub const CONVENTION: &str = "Klems matrix, IncidentDataStructure Columns, BRDF in 1/sr, no cosine, mean over both \
+const CONVENTION: &str = "Klems matrix, IncidentDataStructure Columns, BRDF in 1/sr, no cosine, mean over both \
     patches by projected solid angle; Reflection Back is the +z side; patches of the light have the azimuth of wi + 180; \
     Visible is Y, of a table of three colours CIE-X and CIE-Z beside it (linear BT.709 primaries, white D65)";
 
-/// Directions nearer to a border than this belong to both sides, degrees: files in radians carry twelve digits.
-const BORDER_DEG: f64 = 1e-9;
+/// The format.
+pub struct Klems;
 
-/// The geometry of a matrix: stops in the middle of the light's patches.
-fn grid(light: &[[f64; 4]], sensor: Vec<[f64; 4]>) -> Grid {
-    Grid { kind: GridKind::Patches, stops_deg: middles(light), patches_deg: sensor, ..Grid::default() }
+impl Codec for Klems {
+    fn traits(&self) -> FormatTraits {
+        FormatTraits::resampled("klems")
+    }
+
+    fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
+        Ok(needed::xml(bytes))
+    }
+
+    fn decode(&self, bytes: &[u8], options: &Options) -> Checked<(Imported, Vec<String>)> {
+        let (table, notes) = read_side(bytes, options.side)?;
+        Ok((table.into(), notes))
+    }
+
+    fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
+        let (text, notes) = write(table, options.klems)?;
+        Ok(Encoded::bytes(text, CONVENTION, notes))
+    }
 }
 
 /// What the blocks of a coloured file are, after `Visible`.
 const COLOURS: [&str; 2] = ["CIE-X", "CIE-Z"];
 
-/// The bases of a table whose stops are the middles of patches: of the light, and of the sensor.
-fn bases_of(table: &Grid) -> Option<[Vec<Ring>; 2]> {
-    let sensor = if table.kind == GridKind::Patches { rings_of(&table.patches_deg)? } else { return None };
-    let named = Basis::ALL.iter().map(|basis| basis.rings().to_vec());
-    let light = std::iter::once(sensor.clone())
-        .chain(named)
-        .find(|rings| *table == grid(&patches(rings), table.patches_deg.clone()))?;
-    Some([light, sensor])
-}
-
-/// The text of a file, and what is to be said of it. Values of a table of patches are kept as they are, unless another
+/// The text of a file, and notes on it. Values of a table of patches are kept as they are, unless another
 /// basis is wanted; of other tables the full basis is written. Those of three colours go through XYZ.
-///
-/// Held by: `half_and_quarter_bases_go_out_as_they_came`, `klems_patches_come_back`.
-pub fn write(table: &BrdfTable, wanted: Option<Basis>) -> Reason<(String, Vec<String>)> {
+// Tested by `half_and_quarter_bases_go_out_as_they_came`, `klems_patches_come_back`.
+pub fn write(table: &BrdfTable, wanted: Option<Basis>) -> Checked<(String, Vec<String>)> {
     let own = bases_of(&table.grid);
     let kept = own.filter(|own| wanted.is_none_or(|basis| own.iter().all(|rings| rings == basis.rings())));
     let (bases, matrix, notes) = if let Some(bases) = kept {
@@ -69,7 +75,7 @@ pub fn write(table: &BrdfTable, wanted: Option<Basis>) -> Reason<(String, Vec<St
 }
 
 /// The table as a function of two directions.
-fn as_function(table: &BrdfTable) -> Reason<Box<dyn Brdf>> {
+fn as_function(table: &BrdfTable) -> Checked<Box<dyn Brdf>> {
     if table.grid.kind == GridKind::Patches && bases_of(&table.grid).is_some() {
         return Ok(Box::new(Patchwise::new(table.clone())?));
     }
@@ -148,21 +154,22 @@ fn basis(name: &str, rings: &[Ring]) -> String {
 }
 
 /// The table of patches of a file; see [`read_side`].
-pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     read_side(bytes, None).map(|(table, _)| table)
 }
 
-/// The table of patches of one side of a file, and what is to be said of it; negative values become 0, as Radiance has
+/// The table of patches of one side of a file, and notes on it; negative values become 0, as Radiance has
 /// it, and are counted.
-///
-/// Held by: `klems_patches_come_back`, `colours_of_radiance_files_come_back`, `damaged_xml_is_refused`,
-/// `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
-pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Reason<(BrdfTable, Vec<String>)> {
+// Tested by `klems_patches_come_back`, `colours_of_radiance_files_come_back`, `damaged_xml_is_refused`,
+// `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
+pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(BrdfTable, Vec<String>)> {
     let document = xml::read(bytes)?;
     let columns = match document.structure.as_str() {
         "Columns" => true,
         "Rows" => false,
-        other => return Err(format!("IncidentDataStructure {:?}: Columns or Rows needed", short(other))),
+        other => {
+            return Err(wrong!("IncidentDataStructure {:?}: Columns or Rows needed", short(other)));
+        }
     };
     let xml::Reflection { blocks, mut notes } = document.reflection(COLOURS, side)?;
     let basis = |k: usize| {
@@ -180,8 +187,10 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Reason<(BrdfTable, V
     }
     let bins = sensor.len();
     let place = |stop: usize, bin: usize| if columns { bin * light.len() + stop } else { stop * bins + bin };
-    let matrices =
-        blocks.iter().map(|block| matrix(&block.data, light.len(), bins)).collect::<Reason<Vec<Matrix>>>()?;
+    let matrices = blocks
+        .iter()
+        .map(|block| matrix(&block.data, light.len(), bins))
+        .collect::<Checked<Vec<Matrix>>>()?;
     let least = matrices.iter().map(|matrix| matrix.least).fold(0.0, f64::min);
     let negative = matrices.iter().map(|matrix| matrix.negative).sum();
     notes.extend(negative_note(negative, matrices.len() * light.len() * bins, least));
@@ -213,71 +222,21 @@ struct Matrix {
     least: f64,
 }
 
-fn matrix(data: &str, light: usize, sensor: usize) -> Reason<Matrix> {
+fn matrix(data: &str, light: usize, sensor: usize) -> Checked<Matrix> {
     let wanted = light * sensor;
     let cells = data.split(|c: char| c == ',' || c.is_whitespace()).filter(|cell| !cell.is_empty());
     let mut found = Matrix { values: Vec::with_capacity(wanted.min(data.len())), negative: 0, least: 0.0 };
     for cell in cells {
         let value: f32 = cell.parse().map_err(|_| format!("{:?} is no number", short(cell)))?;
         if found.values.len() == wanted {
-            return Err(format!("more than {light} x {sensor} values"));
+            return Err(wrong!("more than {light} x {sensor} values"));
         }
         found.negative += usize::from(value < 0.0);
         found.least = found.least.min(f64::from(value));
         found.values.push(if value < 0.0 { 0.0 } else { value });
     }
     if found.values.len() != wanted {
-        return Err(format!("{} values, {light} x {sensor} needed", found.values.len()));
+        return Err(wrong!("{} values, {light} x {sensor} needed", found.values.len()));
     }
     Ok(found)
-}
-
-/// A matrix as a function: the value of the patches that hold the directions; on a border, the mean of both sides, as
-/// which side a rounding falls to is nobody's choice.
-///
-/// Held by: `directions_on_a_border_take_both_sides` (tests/it/interchange/interchange_radiance.rs).
-pub struct Patchwise {
-    light: Vec<Ring>,
-    sensor: Vec<Ring>,
-    table: BrdfTable,
-}
-
-impl Patchwise {
-    /// Of a table of patches whose stops are the middles of patches.
-    pub fn new(table: BrdfTable) -> Reason<Self> {
-        let [light, sensor] = bases_of(&table.grid)
-            .ok_or("the patches are no Klems basis: rings from the normal to the horizon, of even steps")?;
-        Ok(Patchwise { light, sensor, table })
-    }
-}
-
-/// The patches about a direction, one for each of the four sides that it may lie on.
-fn around(rings: &[Ring], w: DVec3) -> [usize; 4] {
-    let (theta, phi) = (sphere::theta(w).to_degrees(), sphere::phi(w).to_degrees());
-    let side = |theta: f64, phi: f64| {
-        let within = rings.iter().position(|ring| theta < ring.1).unwrap_or(rings.len() - 1);
-        let before: usize = rings[..within].iter().map(|ring| ring.2).sum();
-        let count = rings[within].2;
-        // Patch j reaches half a step to each side of 360 j/n.
-        before + (phi / 360.0 * count as f64 + 0.5).rem_euclid(count as f64) as usize % count
-    };
-    [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)]
-        .map(|(t, p)| side(theta + t * BORDER_DEG, phi + p * BORDER_DEG))
-}
-
-impl Brdf for Patchwise {
-    fn colours(&self) -> usize {
-        self.table.colours.len()
-    }
-
-    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let stops = around(&self.light, DVec3::new(-wi.x, -wi.y, wi.z));
-        let bins = around(&self.sensor, wo);
-        let mut sum = [0.0; 3];
-        for at in stops.iter().flat_map(|stop| bins.map(|bin| stop * self.table.grid.bins() + bin)) {
-            let colours = &self.table.colours;
-            sum.iter_mut().zip(colours).for_each(|(s, colour)| *s += f64::from(colour.total[at]) / 16.0);
-        }
-        sum
-    }
 }

@@ -1,9 +1,9 @@
 //! Where a tensor tree is divided: cells are split, the largest share of the error first, until what is left is small
 //! enough or the file large enough.
 //!
-//! A cell holds the function in its 2^rank parts, at their middles until all are divided, then as means. Constant over each part, it is off by about a quarter
-//! of the step between neighbours, times its volume and its weight: its share of the flux of all pairs, whichever light
-//! counts how much. Splitting the cell halves that.
+//! A cell holds the function in its 2^rank parts, at their middles until all are divided, then as means. Constant
+//! over each part, it is off by about a quarter of the step between neighbours, times its volume and its weight: its
+//! share of the flux of all pairs, whichever light counts how much. Splitting the cell halves that.
 
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ pub struct Task<'a> {
     pub rank: usize,
     /// The value at a point of [0, 1]^rank.
     pub value: &'a (dyn Fn(&[f64; 4]) -> f64 + Sync),
-    /// What a cell with this middle counts with, beside its volume.
+    /// What a cell with this middle counts with, next to its volume.
     pub weight: fn(usize, &[f64; 4]) -> f64,
     /// Where to stop: the error's share of the sum.
     pub target: f64,
@@ -58,9 +58,9 @@ impl Task<'_> {
         TreeCell { corner, side, parts, children: None, error: 0.25 * step * volume, sum }
     }
 
-    /// Gives each part of a cell that stays its mean for the value at its middle: towards the horizon a BRDF is hollow, and
-    /// middles lie below it. Two opposite Gauss points, exact for squares along each axis; on which diagonal they lie changes
-    /// from part to part such that products of two axes cancel over the cell.
+    /// Gives each part of a cell that stays its mean for the value at its middle: towards the horizon a BRDF is
+    /// hollow, and middles lie below it. Two opposite Gauss points, exact for squares along each axis; on which
+    /// diagonal they lie changes from part to part such that products of two axes cancel over the cell.
     fn average(&self, cell: &mut TreeCell) {
         if cell.children.is_some() {
             return;

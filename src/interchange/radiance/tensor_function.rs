@@ -5,10 +5,11 @@
 use glam::DVec3;
 
 use super::colour;
-use super::tensor_tree::{COLOURS, Tree, coordinates};
+use super::tensor_square::{COLOURS, Tree, coordinates};
 use super::xml;
 use super::xml::{SampleSide, negative_note, short};
-use crate::interchange::{Brdf, Colour, Reason};
+use crate::error::wrong;
+use crate::interchange::{Brdf, Checked, Colour};
 
 /// Deeper than any file.
 const DEEPEST: usize = 16;
@@ -33,21 +34,20 @@ impl TensorTree {
 }
 
 /// Reads a file; see [`read_side`].
-pub fn read(bytes: &[u8]) -> Reason<TensorTree> {
+pub fn read(bytes: &[u8]) -> Checked<TensorTree> {
     read_side(bytes, None).map(|(tree, _)| tree)
 }
 
-/// Reads one side of a file, and says what is to be said of it; negative values become 0, as Radiance has it, and are
+/// Reads one side of a file, and gives notes on it; negative values become 0, as Radiance has it, and are
 /// counted.
-///
-/// Held by: `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
-pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Reason<(TensorTree, Vec<String>)> {
+// Tested by `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
+pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(TensorTree, Vec<String>)> {
     let document = xml::read(bytes)?;
     let rank = match document.structure.as_str() {
         "TensorTree3" => 3,
         "TensorTree4" => 4,
         other => {
-            return Err(format!(
+            return Err(wrong!(
                 "IncidentDataStructure {:?}: TensorTree3 or TensorTree4 needed",
                 short(other)
             ));
@@ -59,7 +59,7 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Reason<(TensorTree, 
         let mut parser = Parser { rest: block.data.trim_start(), rank, levels: 0, seen };
         trees.push(parser.group(0)?);
         if !parser.rest.trim().is_empty() {
-            return Err(format!("{:?} stands behind the tree", short(parser.rest.trim())));
+            return Err(wrong!("{:?} stands behind the tree", short(parser.rest.trim())));
         }
         (levels, seen) = (levels.max(parser.levels), parser.seen);
     }
@@ -85,14 +85,14 @@ struct Parser<'a> {
 
 impl Parser<'_> {
     /// A group from its brace to its brace.
-    fn group(&mut self, depth: usize) -> Reason<Tree> {
+    fn group(&mut self, depth: usize) -> Checked<Tree> {
         if depth > DEEPEST {
-            return Err(format!("branches {DEEPEST} deep: no such tree is"));
+            return Err(wrong!("branches {DEEPEST} deep: no such tree is"));
         }
         self.rest = self.rest.strip_prefix('{').ok_or("a brace is missing in the tree")?.trim_start();
         if self.rest.starts_with('{') {
             let children =
-                (0..1 << self.rank).map(|_| self.group(depth + 1)).collect::<Reason<Vec<Tree>>>()?;
+                (0..1 << self.rank).map(|_| self.group(depth + 1)).collect::<Checked<Vec<Tree>>>()?;
             self.close()?;
             return Ok(Tree::Branch(children));
         }
@@ -107,21 +107,21 @@ impl Parser<'_> {
                 seen.least = seen.least.min(f64::from(value));
                 Ok(value.max(0.0))
             }
-            _ => Err(format!("{:?} is no finite number", short(cell))),
+            _ => Err(wrong!("{:?} is no finite number", short(cell))),
         };
-        let values = cells.map(value).collect::<Reason<Vec<f32>>>()?;
+        let values = cells.map(value).collect::<Checked<Vec<f32>>>()?;
         self.rest = &self.rest[end..];
         self.close()?;
         let side =
             (0..12).map(|k| 1usize << k).find(|side| side.pow(self.rank as u32) >= values.len()).unwrap_or(0);
         if values.is_empty() || side.checked_pow(self.rank as u32) != Some(values.len()) {
-            return Err(format!("a leaf of {} values; 2^({} k) needed", values.len(), self.rank));
+            return Err(wrong!("a leaf of {} values; 2^({} k) needed", values.len(), self.rank));
         }
         self.levels = self.levels.max(depth + side.ilog2() as usize);
         Ok(Tree::Leaf(side, values))
     }
 
-    fn close(&mut self) -> Reason<()> {
+    fn close(&mut self) -> Checked<()> {
         self.rest = self.rest.strip_prefix('}').ok_or("a group has too many values or no end")?.trim_start();
         Ok(())
     }

@@ -5,7 +5,6 @@
 //! groups, bit k of the number is the half of axis k; a leaf holds a grid of values, the last axis fastest.
 //! Source: Radiance's bsdf_t.c.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use std::fmt::Write;
 
 use glam::DVec3;
@@ -13,90 +12,50 @@ use glam::DVec3;
 use super::colour;
 use super::tensor_cells::{FIRST, Task, TreeCell};
 pub use super::tensor_function::{TensorTree, read, read_side};
+use super::tensor_square::{COLOURS, Tree, directions};
 use super::xml;
-use crate::interchange::{Brdf, Lookup};
-use crate::sphere;
+use crate::interchange::codec::{Codec, Encoded, FormatTraits, resampling_notes};
+use crate::interchange::resample::default_grid;
+use crate::interchange::{Brdf, Checked, Imported, Lookup, Options, needed};
+use crate::table::BrdfTable;
 
 /// How the values are meant.
-pub const CONVENTION: &str = "tensor tree on Shirley-Chiu squares, BRDF in 1/sr, no cosine, constant in each cell; \
+const CONVENTION: &str = "tensor tree on Shirley-Chiu squares, BRDF in 1/sr, no cosine, constant in each cell; \
     Reflection Back is the +z side; incident coordinates are those of -wi; Visible is Y, of a table of three colours \
     CIE-u and CIE-v (u\', v\' of 1976) beside it (linear BT.709 primaries, white D65)";
 
-/// What the blocks of a coloured file are, after `Visible`.
-pub(crate) const COLOURS: [&str; 2] = ["CIE-u", "CIE-v"];
+/// The format.
+pub struct TensorTreeFile;
+
+impl Codec for TensorTreeFile {
+    fn traits(&self) -> FormatTraits {
+        FormatTraits::resampled("tensor_tree")
+    }
+
+    fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
+        Ok(needed::xml(bytes))
+    }
+
+    fn decode(&self, bytes: &[u8], options: &Options) -> Checked<(Imported, Vec<String>)> {
+        let (tree, notes) = read_side(bytes, options.side)?;
+        let even = |count: u32| (0..count).map(|k| 15.0 * f64::from(k)).collect();
+        let grid = default_grid(even(6), if tree.is_isotropic() { vec![] } else { even(24) });
+        Ok((Imported::of(tree, grid), notes))
+    }
+
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
+        let lookup = Lookup::new(table)?;
+        Ok(Encoded::bytes(write(&lookup), CONVENTION, resampling_notes(&lookup)))
+    }
+}
+
 /// Where division ends: share of the error in the sum, and number of values (20 MB of text).
 const VISIBLE: (f64, usize) = (0.01, 1 << 21);
 /// The same of u' and v', which vary little.
 const CHROMATICITY: (f64, usize) = (0.002, 1 << 18);
-/// A group of the tree.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Tree {
-    /// 2^rank children.
-    Branch(Vec<Tree>),
-    /// A grid with so many cells a side.
-    Leaf(usize, Vec<f32>),
-}
-
-/// The square's point of a point of the unit disc.
-fn square(x: f64, y: f64) -> [f64; 2] {
-    let (r, mut phi) = (x.hypot(y), y.atan2(x));
-    if phi < -FRAC_PI_4 {
-        phi += 2.0 * PI;
-    }
-    let (a, b) = if phi < FRAC_PI_4 {
-        (r, phi * r / FRAC_PI_4)
-    } else if phi < 3.0 * FRAC_PI_4 {
-        (-(phi - FRAC_PI_2) * r / FRAC_PI_4, r)
-    } else if phi < 5.0 * FRAC_PI_4 {
-        (-r, -(phi - PI) * r / FRAC_PI_4)
-    } else {
-        ((phi - 1.5 * PI) * r / FRAC_PI_4, -r)
-    };
-    [0.5 * a + 0.5, 0.5 * b + 0.5]
-}
-
-/// The disc's point of a point of the square.
-fn disc([x, y]: [f64; 2]) -> (f64, f64) {
-    let (a, b) = (2.0 * x - 1.0, 2.0 * y - 1.0);
-    if a == 0.0 && b == 0.0 {
-        return (0.0, 0.0);
-    }
-    let (r, phi) =
-        if a.abs() > b.abs() { (a, FRAC_PI_4 * b / a) } else { (b, FRAC_PI_2 - FRAC_PI_4 * a / b) };
-    (r * phi.cos(), r * phi.sin())
-}
-
-fn above(x: f64, y: f64) -> DVec3 {
-    DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
-}
-
-/// The directions of a point; none for the unused half of rank 3.
-fn directions(rank: usize, at: &[f64; 4]) -> Option<(DVec3, DVec3)> {
-    if rank == 4 {
-        let (to, out) = (disc([at[0], at[1]]), disc([at[2], at[3]]));
-        return Some((above(-to.0, -to.1), above(out.0, out.1)));
-    }
-    let sin = 1.0 - 2.0 * at[0];
-    let out = disc([at[1], at[2]]);
-    (sin > 0.0).then(|| (above(-sin, 0.0), above(out.0, out.1)))
-}
-
-/// The point of a pair of directions. Along the first axis of rank 3 the normal is the end of the used half, which is
-/// closed there: the other half is no light at all.
-pub(crate) fn coordinates(rank: usize, wi: DVec3, wo: DVec3) -> [f64; 4] {
-    if rank == 4 {
-        let (to, out) = (square(-wi.x, -wi.y), square(wo.x, wo.y));
-        return [to[0], to[1], out[0], out[1]];
-    }
-    let sin = wi.x.hypot(wi.y);
-    let turned = if sin > 0.0 { sphere::turned(wo, (wi.y / sin, -wi.x / sin)) } else { wo };
-    let out = square(turned.x, turned.y);
-    [0.5 - 0.5 * sin, out[0], out[1], 0.0]
-}
-
-/// What a cell counts with: every direction of the light alike, in polar angle where the table is isotropic, else in solid
-/// angle. By projected solid angle, which the squares keep, grazing light would count so little that its cells stayed
-/// as wide as 15 degrees. Both are 1/cos theta_i.
+/// What a cell counts with: every direction of the light alike, in polar angle where the table is isotropic, else in
+/// solid angle. By projected solid angle, which the squares keep, grazing light would count so little that its cells
+/// stayed as wide as 15 degrees. Both are 1/cos theta_i.
 fn weight(rank: usize, at: &[f64; 4]) -> f64 {
     let sin =
         if rank == 4 { (2.0 * at[0] - 1.0).abs().max((2.0 * at[1] - 1.0).abs()) } else { 1.0 - 2.0 * at[0] };
@@ -153,9 +112,8 @@ fn joined(rank: usize, children: Vec<Tree>) -> Tree {
 }
 
 /// The text of a file: rank 3 where the table is isotropic, else 4; of three colours Y, u' and v'.
-///
-/// Held by: `tensor_trees_of_both_ranks_are_within_three_hundredths`, `colours_of_radiance_files_come_back`
-/// (tests/it/interchange/interchange_radiance.rs), and against Radiance in tests/interop.
+// Tested by `tensor_trees_of_both_ranks_are_within_three_hundredths`, `colours_of_radiance_files_come_back`
+// (tests/it/interchange/interchange_radiance.rs), and against Radiance in tests/interop.
 pub fn write(lookup: &Lookup) -> String {
     let rank = if lookup.is_isotropic() { 3 } else { 4 };
     let text = |tree: &Tree| {
@@ -196,22 +154,4 @@ fn print(tree: &Tree, out: &mut String) {
         }
     }
     out.push('}');
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn directions_and_coordinates_agree() {
-        for (rank, at) in [(4, [0.1, 0.7, 0.9, 0.3]), (4, [0.5, 0.2, 0.45, 0.8]), (3, [0.3, 0.6, 0.1, 0.0])] {
-            let (wi, wo) = directions(rank, &at).expect("used");
-            let found = coordinates(rank, wi, wo);
-            // A few operations on numbers of order 1, and a square root near the disc's edge.
-            assert!(found.iter().zip(at).all(|(f, w)| (f - w).abs() < 1e-12), "{found:?}");
-        }
-        // The corners of the published map: +x is the middle of the right side.
-        assert_eq!(square(1.0, 0.0), [1.0, 0.5]);
-        assert!((square(0.0, -0.5)[0] - 0.5).abs() < 1e-15 && (square(0.0, -0.5)[1] - 0.25).abs() < 1e-15);
-    }
 }

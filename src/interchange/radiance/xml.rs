@@ -8,7 +8,8 @@ use std::str::FromStr;
 use quick_xml::Reader;
 use quick_xml::events::{BytesRef, Event};
 
-use crate::interchange::Reason;
+use crate::error::wrong;
+use crate::interchange::Checked;
 use crate::text_decoding::decode_xml;
 
 /// Elements deeper than any such file has.
@@ -55,7 +56,7 @@ impl SampleSide {
 impl FromStr for SampleSide {
     type Err = String;
 
-    fn from_str(name: &str) -> Reason<Self> {
+    fn from_str(name: &str) -> Result<Self, String> {
         match name {
             "back" => Ok(SampleSide::Back),
             "front" => Ok(SampleSide::Front),
@@ -64,7 +65,7 @@ impl FromStr for SampleSide {
     }
 }
 
-/// The blocks that become a table, and what is to be said of the others.
+/// The blocks that become a table, and notes on the others.
 pub struct Reflection<'a> {
     /// Visible, and the two of colour where both are there.
     pub blocks: Vec<&'a DataBlock>,
@@ -124,7 +125,7 @@ pub fn write(structure: &str, basis: &str, block_bases: &str, channels: &[(&str,
 }
 
 /// Reads a file. Its text is held about twice.
-pub fn read(bytes: &[u8]) -> Reason<Document> {
+pub fn read(bytes: &[u8]) -> Checked<Document> {
     if bytes.is_empty() {
         return Err("the file is empty".into());
     }
@@ -159,7 +160,7 @@ pub fn read(bytes: &[u8]) -> Reason<Document> {
                 }
                 path.push(name);
                 if path.len() > DEEPEST {
-                    return Err(format!("elements {DEEPEST} deep: no such file is"));
+                    return Err(wrong!("elements {DEEPEST} deep: no such file is"));
                 }
                 content.clear();
                 undeclared = None;
@@ -173,11 +174,11 @@ pub fn read(bytes: &[u8]) -> Reason<Document> {
                 let text = content.trim();
                 if let Some(entity) = undeclared.take().filter(|_| is_read(&name)) {
                     let entity = short(&entity);
-                    return Err(format!("{name}: nothing declares `&{entity};`; write the character itself"));
+                    return Err(wrong!("{name}: nothing declares `&{entity};`; write the character itself"));
                 }
                 let is_name = NAMES.contains(&name.as_str());
                 if is_name && text.len() > LONGEST_NAME {
-                    return Err(format!("{name} of {} bytes; at most {LONGEST_NAME} are read", text.len()));
+                    return Err(wrong!("{name} of {} bytes; at most {LONGEST_NAME} are read", text.len()));
                 }
                 if name == "Wavelength" {
                     wavelength = text.into();
@@ -197,13 +198,13 @@ pub fn read(bytes: &[u8]) -> Reason<Document> {
 }
 
 /// Takes in an element that ends.
-fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Reason<()> {
-    let angle = || -> Reason<f64> {
+fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Checked<()> {
+    let angle = || -> Checked<f64> {
         let value: f64 = text.parse().map_err(|_| format!("{name}: {:?} is no number", short(text)))?;
         if (0.0..=90.0).contains(&value) {
             Ok(value)
         } else {
-            Err(format!("{name} = {value} lies outside [0, 90]"))
+            Err(wrong!("{name} = {value} lies outside [0, 90]"))
         }
     };
     match name {
@@ -222,7 +223,7 @@ fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Re
             if let Some(basis) = document.bases.last_mut() {
                 basis.1.push(*ring);
                 if basis.1.len() > MOST_RINGS {
-                    return Err(format!("AngleBasisBlock: a basis of more than {MOST_RINGS} rings"));
+                    return Err(wrong!("AngleBasisBlock: a basis of more than {MOST_RINGS} rings"));
                 }
             }
         }
@@ -232,7 +233,7 @@ fn close(document: &mut Document, ring: &mut Ring, name: &str, text: &str) -> Re
                 "WavelengthDataDirection" => block.direction = text.into(),
                 "ColumnAngleBasis" | "RowAngleBasis" | "AngleBasis" => block.bases.push(text.into()),
                 "ScatteringDataType" if text != "BRDF" && text != "BTDF" && text != "BSDF" => {
-                    return Err(format!("ScatteringDataType {:?} is not read", short(text)));
+                    return Err(wrong!("ScatteringDataType {:?} is not read", short(text)));
                 }
                 "ScatteringData" => block.data = text.into(),
                 _ => {}
@@ -271,10 +272,9 @@ fn flat(error: &quick_xml::Error) -> String {
 impl Document {
     /// The blocks of reflected light: visible, and those of the colour `others` (all or none; a file with one of two is
     /// taken for one without colour, as Radiance has it). Without a wanted side it is +z where the file has it.
-    ///
-    /// Held by: `a_missing_block_is_answered_with_those_that_are_there`, `the_wanted_side_is_read`
-    /// (tests/it/interchange/interchange_radiance.rs).
-    pub fn reflection(&self, others: [&str; 2], side: Option<SampleSide>) -> Reason<Reflection<'_>> {
+    // Tested by `a_missing_block_is_answered_with_those_that_are_there`, `the_wanted_side_is_read`
+    // (tests/it/interchange/interchange_radiance.rs).
+    pub fn reflection(&self, others: [&str; 2], side: Option<SampleSide>) -> Checked<Reflection<'_>> {
         let find = |side: SampleSide, wavelength: &str| {
             self.blocks
                 .iter()
@@ -284,7 +284,7 @@ impl Document {
         let Some((side, visible)) = wanted.iter().find_map(|&side| Some((side, find(side, "Visible")?)))
         else {
             let what = side.map_or("reflection".into(), |side| format!("`{}`", side.direction()));
-            return Err(format!("no block of visible {what}; the file has {}", self.named(|_| true)));
+            return Err(wrong!("no block of visible {what}; the file has {}", self.named(|_| true)));
         };
         let coloured: Vec<&DataBlock> = others.into_iter().filter_map(|name| find(side, name)).collect();
         let coloured = if coloured.len() == others.len() { coloured } else { vec![] };
@@ -325,7 +325,7 @@ impl DataBlock {
     }
 }
 
-/// What is to be said of negative values; `None` where there are none.
+/// The note on negative values; `None` where there are none.
 pub fn negative_note(count: usize, of: usize, least: f64) -> Option<String> {
     (count > 0).then(|| format!("{count} of {of} values are negative (the least {least:.3e}) and become 0"))
 }

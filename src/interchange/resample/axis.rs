@@ -2,6 +2,9 @@
 
 use std::f64::consts::TAU;
 
+/// The widest gap between azimuths that is interpolated over.
+pub(crate) const WIDEST_GAP_DEG: f64 = 46.0;
+
 /// A node, its weight, and whether it is seen through the pole (its azimuth then counts from the other side).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Tap {

@@ -27,15 +27,15 @@ impl Fold {
         (0..count).map(|place| Fold { place, sign: 1.0, shift: 0.0 }).collect()
     }
 
-    /// An azimuth as the measured stop sees it.
+    /// An azimuth as the measured incidence sees it.
     pub fn azimuth(&self, phi: f64) -> f64 {
         self.sign * phi + self.shift
     }
 }
 
-/// The azimuths with their mirror images, increasing, where the campaign says that the surface has them; else as they are.
-///
-/// Held by: `a_quarter_of_the_azimuths_is_unfolded`, `an_imported_quarter_is_refused`.
+/// The azimuths with their mirror images, increasing, where the campaign says that the surface has them; else as they
+/// are.
+// Tested by `a_quarter_of_the_azimuths_is_unfolded`, `an_imported_quarter_is_refused`.
 pub(crate) fn unfolded(phi_i: &[f64], table: &BrdfTable) -> (Vec<f64>, Vec<Fold>) {
     let mut all: Vec<(f64, Fold)> = phi_i.iter().copied().zip(Fold::none(phi_i.len())).collect();
     if let Some(axis) = mirror_axis(table) {

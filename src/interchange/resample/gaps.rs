@@ -1,21 +1,31 @@
-//! A scan with gaps made whole: what a stop lacks, interpolated from what it has.
+//! A scan with gaps made whole: what an incidence lacks, interpolated from what it has.
 //!
-//! Each azimuth of a stop: cubic along its polar angles, through the pole to the azimuth on the other side, the end value
-//! beyond them; the pole is one direction at all azimuths. Then each polar angle: cubic along the azimuths that the stop
-//! has, all the way round.
+//! Each azimuth of an incidence: cubic along its polar angles, through the pole to the azimuth on the other side, the
+//! end value beyond them; the pole is one direction at all azimuths. Then each polar angle: cubic along the azimuths
+//! that the incidence has, all the way round.
 
 use std::collections::{BTreeMap, HashMap};
 
 use super::angles::bin_axes;
-use super::axis::{AzimuthCircle, Polar, Taps};
-use super::lookup::WIDEST_GAP_DEG;
+use super::axis::{AzimuthCircle, Polar, Taps, WIDEST_GAP_DEG};
+use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::text::samples::key;
-use crate::interchange::{Reason, spectral_table};
+use crate::interchange::{Checked, spectral_table};
 use crate::sphere;
 use crate::table::BrdfTable;
 
-/// What is to be said of the gaps of a scan; half/difference angles have cells below the horizon, which are none.
+/// Why a table with gaps is not what was asked for.
+pub(crate) fn not_measured(table: &BrdfTable) -> String {
+    format!(
+        "{} of {} pairs of directions were not measured; npz, csv, astm, exr_parts and pabopto keep such gaps, import \
+         --like TABLE.exr fills them in",
+        table.gaps(),
+        table.grid.stops() * table.grid.bins()
+    )
+}
+
+/// The note on the gaps of a scan; half/difference angles have cells below the horizon, which are none.
 pub fn note(table: &BrdfTable) -> Option<String> {
     let (gaps, all) = (table.gaps(), table.grid.stops() * table.grid.bins());
     (gaps > 0 && table.grid.kind != GridKind::HalfDifference).then(|| {
@@ -28,22 +38,21 @@ pub fn note(table: &BrdfTable) -> Option<String> {
 
 /// The totals of a table over all pairs of its polar angles and azimuths, and one sentence of what was filled in; the
 /// table itself where it has all of them. Refused: more to fill in than was measured, azimuths too far apart.
-///
-/// Held by: tests/it/interchange/ragged_scans.rs.
-pub fn filled(table: BrdfTable) -> Reason<(BrdfTable, Option<String>)> {
+// Tested by tests/it/interchange/ragged_scans.rs.
+pub fn filled(table: BrdfTable) -> Checked<(BrdfTable, Option<String>)> {
     let gaps = table.gaps();
     let whole = gaps == 0 && (table.grid.kind != GridKind::Points || bin_axes(&table.grid).is_ok());
     if whole || table.grid.kind == GridKind::HalfDifference {
         return Ok((table, None));
     }
     if table.grid.kind != GridKind::Points {
-        return Err(format!("{gaps} bins were not measured: nothing is interpolated over them"));
+        return Err(wrong!("{gaps} bins were not measured: nothing is interpolated over them"));
     }
     let (stops, measured) = (table.grid.stops(), table.grid.stops() * table.grid.bins() - gaps);
     let rows = Rows::of(&table.grid);
     let all = stops.saturating_mul(rows.theta.len() * rows.phi.len());
     if all > 2 * measured {
-        return Err(format!(
+        return Err(wrong!(
             "the sensor's polar angles and azimuths make {all} pairs with the lights, of which {measured} were \
              measured: too few to fill in the rest; leave --like out to keep what was measured as it is"
         ));
@@ -54,10 +63,8 @@ pub fn filled(table: BrdfTable) -> Reason<(BrdfTable, Option<String>)> {
         for (colour, total) in total.iter_mut().enumerate() {
             let mut cells = rows.cells(&table, stop, colour);
             lacking += usize::from(colour == 0) * cells.iter().filter(|cell| cell.is_none()).count();
-            rows.fill(&mut cells).map_err(|why| {
-                let (theta, phi) = table.grid.stop_deg(stop);
-                format!("light {theta} {phi} degrees: {why}")
-            })?;
+            let (theta, phi) = table.grid.stop_deg(stop);
+            rows.fill(&mut cells).map_err(|why| why.at(format_args!("light {theta} {phi} degrees")))?;
             total.extend(cells.into_iter().map(|cell| cell.unwrap_or(0.0) as f32));
         }
     }
@@ -106,7 +113,7 @@ impl Rows {
         self.theta.iter().flat_map(|&t| self.phi.iter().map(move |&p| [t, p])).collect()
     }
 
-    /// What a stop has of each row and column.
+    /// What an incidence has of each row and column.
     fn cells(&self, table: &BrdfTable, stop: usize, colour: usize) -> Vec<Option<f64>> {
         let first = stop * table.grid.bins();
         let value = |&bin: &usize| {
@@ -126,8 +133,8 @@ impl Rows {
         (0..self.phi.len()).find(|&other| key([90.0, self.phi[other]]) == wanted)
     }
 
-    /// Fills in the values of one stop.
-    fn fill(&self, cells: &mut [Option<f64>]) -> Reason<()> {
+    /// Fills in the values of one incidence.
+    fn fill(&self, cells: &mut [Option<f64>]) -> Checked<()> {
         let columns = self.phi.len();
         let mut full = Vec::new();
         let measured = cells.to_vec();
@@ -175,7 +182,7 @@ impl Rows {
     }
 }
 
-/// A cubic may swing below 0 beside a lobe; there the value is 0, as everywhere between bins.
+/// A cubic may swing below 0 next to a lobe; there the value is 0, as everywhere between bins.
 fn sum(taps: Taps, value: impl Fn(usize) -> f64) -> f64 {
     taps.iter().map(|tap| tap.weight * value(tap.node)).sum::<f64>().max(0.0)
 }

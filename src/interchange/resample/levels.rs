@@ -1,21 +1,22 @@
 //! How much light leaves for every direction of the light: the scale that gives an interpolant the table's albedo.
 //!
-//! At the stops the table says it. Between them the ratio of the table's albedo to the guide's is interpolated, as the
-//! values are; beyond them it holds.
+//! At the incidences the table says it. Between them the ratio of the table's albedo to the guide's is interpolated,
+//! as the values are; beyond them it holds.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use rayon::prelude::*;
 
 use super::axis::Taps;
-use super::lookup::Lookup;
+use super::guided::Guided;
+use super::interval::interval;
 use super::sampling::{integral, samples};
 use crate::interchange::Colour;
 use crate::sphere;
 
 /// Directions of each kind in an integral.
 const SAMPLES: usize = 256;
-/// Gaps up to here have no node between stops, up to the second one; wider ones [`BETWEEN`], rad.
+/// Gaps up to here have no node between incidences, up to the second one; wider ones [`BETWEEN`], rad.
 const NARROW: [f64; 2] = [1.01 * TAU / 360.0, 3.01 * TAU / 360.0];
 const BETWEEN: usize = 3;
 /// The last node, rad: at 90 degrees no light arrives.
@@ -29,7 +30,7 @@ pub(crate) struct Levels {
     factors: Vec<Colour>,
 }
 
-/// The stops, and nodes between them; with each whether it is a stop.
+/// The incidences, and nodes between them; with each whether it is an incidence.
 fn nodes(stops: &[f64], end: Option<f64>) -> Vec<(f64, bool)> {
     let mut nodes: Vec<(f64, bool)> = Vec::new();
     let stop = stops.iter().map(|&angle| (angle, true));
@@ -56,26 +57,27 @@ fn nodes(stops: &[f64], end: Option<f64>) -> Vec<(f64, bool)> {
 
 impl Levels {
     /// The scales of an interpolant that has its guide.
-    pub fn of(lookup: &Lookup) -> Self {
-        let theta = nodes(lookup.theta_i(), Some(LAST.max(lookup.theta_i()[lookup.theta_i().len() - 1])));
-        let phi = nodes(lookup.phi_i(), None);
-        let columns = lookup.phi_i().len();
-        let ratios: Vec<Colour> = (0..lookup.theta_i().len() * columns)
+    pub fn of(guided: &Guided) -> Self {
+        let values = &guided.values;
+        let theta = nodes(values.theta_i(), Some(LAST.max(values.theta_i()[values.theta_i().len() - 1])));
+        let phi = nodes(values.phi_i(), None);
+        let columns = values.phi_i().len();
+        let ratios: Vec<Colour> = (0..values.theta_i().len() * columns)
             .into_par_iter()
             .map(|stop| {
-                let (theta, phi) = (lookup.theta_i()[stop / columns], lookup.phi_i()[stop % columns]);
-                let [table, law] = albedos(lookup, theta, phi);
+                let (theta, phi) = (values.theta_i()[stop / columns], values.phi_i()[stop % columns]);
+                let [table, law] = albedos(guided, theta, phi);
                 std::array::from_fn(|c| table[c] / law[c])
             })
             .collect();
         let factor = |k: usize| {
             let ((theta, on_row), (phi, on_column)) = (theta[k / phi.len()], phi[k % phi.len()]);
-            // The stop itself is the table.
+            // The incidence itself is the table.
             if on_row && on_column {
                 return [1.0; 3];
             }
-            let wanted = interpolated(&ratios, columns, lookup.stop_taps(theta, phi));
-            let [found, law] = albedos(lookup, theta, phi);
+            let wanted = interpolated(&ratios, columns, values.stop_taps(theta, phi));
+            let [found, law] = albedos(guided, theta, phi);
             std::array::from_fn(|c| if found[c] > 0.0 { wanted[c].max(0.0) * law[c] / found[c] } else { 1.0 })
         };
         let factors = (0..theta.len() * phi.len()).into_par_iter().map(factor).collect();
@@ -86,12 +88,9 @@ impl Levels {
     /// The scale of light from a polar angle and an azimuth.
     pub fn at(&self, theta: f64, phi: f64) -> Colour {
         let first = self.phi[0];
-        let (row, x) = interval(&self.theta, theta);
-        let (column, y) = interval(&self.phi, first + (phi - first).rem_euclid(TAU));
-        let columns = self.phi.len();
-        let node = |r: usize, c: usize| {
-            self.factors[(row + r).min(self.theta.len() - 1) * columns + (column + c).min(columns - 1)]
-        };
+        let (rows, x) = interval(&self.theta, theta);
+        let (columns, y) = interval(&self.phi, first + (phi - first).rem_euclid(TAU));
+        let node = |r: usize, c: usize| self.factors[rows[r] * self.phi.len() + columns[c]];
         let corners = [node(0, 0), node(0, 1), node(1, 0), node(1, 1)];
         std::array::from_fn(|k| {
             let line = |low: usize| (1.0 - y) * corners[low][k] + y * corners[low + 1][k];
@@ -101,10 +100,10 @@ impl Levels {
 }
 
 /// The integrals of f cos of the interpolant and of its guide.
-fn albedos(lookup: &Lookup, theta: f64, phi: f64) -> [Colour; 2] {
+fn albedos(guided: &Guided, theta: f64, phi: f64) -> [Colour; 2] {
     let wi = sphere::direction(theta.min(FRAC_PI_2), phi);
-    let to = samples(wi, lookup.guide().lobe(), SAMPLES);
-    [integral(&to, |wo| lookup.guided(wi, wo)), integral(&to, |wo| lookup.guide().brdf(wi, wo))]
+    let to = samples(wi, guided.guide.lobe(), SAMPLES);
+    [integral(&to, |wo| guided.brdf(wi, wo)), integral(&to, |wo| guided.guide.brdf(wi, wo))]
 }
 
 fn interpolated(ratios: &[Colour], columns: usize, (polar, circle): (Taps, Taps)) -> Colour {
@@ -116,13 +115,4 @@ fn interpolated(ratios: &[Colour], columns: usize, (polar, circle): (Taps, Taps)
         }
     }
     sum
-}
-
-/// The interval that holds x and the place in it; outside, the end.
-fn interval(nodes: &[f64], x: f64) -> (usize, f64) {
-    if nodes.len() < 2 {
-        return (0, 0.0);
-    }
-    let k = nodes.partition_point(|&node| node <= x).clamp(1, nodes.len() - 1) - 1;
-    (k, ((x - nodes[k]) / (nodes[k + 1] - nodes[k])).clamp(0.0, 1.0))
 }

@@ -1,241 +1,77 @@
 //! A table as a function of any two directions.
 //!
-//! Along the sensor's angles: cubic between the middles of the bins, with node values such that the means of the
-//! interpolant over the bins are the table's. A cubic may swing below 0 beside a lobe; there the value is 0.
-//!
-//! Between the stops of the light: the ratio to a law that the table nearly follows (`Guide`), cubic at equal half
-//! vector. There the mirrored light is alike (f(wi, wo) = D(h) times what varies slowly), where at equal `wo` two lobes
-//! would show; and masking and the two cosines, by which the values at one half vector grow manifold towards grazing
-//! light, are the law's. Beyond the stops the ratio of the nearest holds. Last, the values of every direction of the
-//! light are scaled such that their integral is the table's albedo, interpolated as the values are (`Levels`).
-
-use std::f64::consts::PI;
+//! Along the sensor's angles [`IncidenceValues`], between the incidences [`Guided`]. Last, the values of every
+//! direction of the light are scaled such that their integral is the table's albedo, interpolated as the values are
+//! ([`Levels`]).
 
 use glam::DVec3;
 
-use super::angles::{around, increasing};
-pub(crate) use super::angles::{bin_axes, stop_axes};
-use super::axis::{AzimuthCircle, Polar, Taps};
-use super::folds::{Fold, unfolded};
 use super::guide::Guide;
+use super::guided::Guided;
+use super::incidence_values::IncidenceValues;
 use super::levels::Levels;
-use super::means::keep_means;
 use crate::instrument::GridKind;
-use crate::interchange::{Brdf, Colour, Reason, not_measured};
+use crate::interchange::{Brdf, Checked, Colour};
 use crate::sphere;
 use crate::table::BrdfTable;
 
-/// The widest gap between azimuths that is interpolated over.
-pub(crate) const WIDEST_GAP_DEG: f64 = 46.0;
-
 /// The interpolant.
 pub struct Lookup {
-    theta_i: Vec<f64>,
-    phi_i: Vec<f64>,
-    /// The measured azimuth that each of `phi_i` is, or is the mirror image of.
-    folds: Vec<Fold>,
-    /// Measured azimuths.
-    azimuths: usize,
-    stops_polar: Polar,
-    stops_circle: AzimuthCircle,
-    /// The azimuth is relative and has one value: every azimuth of the light is alike.
-    isotropic: bool,
-    relative: bool,
-    rows: Polar,
-    columns: AzimuthCircle,
-    column_count: usize,
-    row_count: usize,
-    /// Per colour: [theta_i][measured phi_i][row][column] in increasing order of all angles.
-    values: Vec<Vec<f32>>,
-    guide: Guide,
+    guided: Guided,
+    /// None where the bins have no sizes.
     levels: Option<Levels>,
 }
 
 impl Lookup {
-    /// The interpolant of the totals of a table whose stops and bins are products of polar angles and azimuths that
-    /// go all the way round, or do with the mirror images that the law of the campaign's surface has.
-    pub fn new(table: &BrdfTable) -> Reason<Self> {
-        let grid = &table.grid;
-        if table.gaps() > 0 {
-            return Err(not_measured(table));
-        }
-        let (theta_i_deg, phi_i_deg) = stop_axes(grid)?;
-        let (theta_i, phi_i) = (increasing("theta_i", &theta_i_deg)?, around("phi_i", &phi_i_deg)?);
-        let isotropic = grid.phi_r_relative && phi_i.angles.len() == 1;
-        let (theta_r_deg, phi_r_deg) = bin_axes(grid)?;
-        let (rows, columns) = (increasing("theta_r", &theta_r_deg)?, around("phi_r", &phi_r_deg)?);
-        let gap = |circle: &AzimuthCircle| circle.widest_gap().to_degrees();
-        let is_open = |angles: &[f64]| gap(&AzimuthCircle::new(angles.to_vec())) > WIDEST_GAP_DEG;
-        let (all_phi_i, folds) = if !isotropic && is_open(&phi_i.angles) {
-            unfolded(&phi_i.angles, table)
-        } else {
-            (phi_i.angles.clone(), Fold::none(phi_i.angles.len()))
-        };
-        let (stops_circle, columns_circle) =
-            (AzimuthCircle::new(all_phi_i.clone()), AzimuthCircle::new(columns.angles));
-        if !isotropic && gap(&stops_circle) > WIDEST_GAP_DEG {
-            return Err(format!("azimuths of the light leave a gap of {:.0} degrees", gap(&stops_circle)));
-        }
-        if grid.kind != GridKind::Hemisphere && gap(&columns_circle) > WIDEST_GAP_DEG {
-            return Err(format!("azimuths of the sensor leave a gap of {:.0} degrees", gap(&columns_circle)));
-        }
-        let (row_count, column_count) = (rows.places.len(), columns.places.len());
-        let mut lookup = Lookup {
-            stops_polar: Polar::new(&theta_i.angles, false),
-            rows: Polar::new(&rows.angles, true),
-            columns: columns_circle,
-            stops_circle,
-            isotropic,
-            relative: grid.phi_r_relative,
-            row_count,
-            column_count,
-            values: Vec::new(),
-            theta_i: theta_i.angles,
-            phi_i: all_phi_i,
-            folds,
-            azimuths: phi_i.angles.len(),
-            guide: Guide::even(),
-            levels: None,
-        };
-        for colour in &table.colours {
-            let mut values = Vec::with_capacity(colour.total.len());
-            for ti in &theta_i.places {
-                for pi in &phi_i.places {
-                    let stop = &colour.total[(ti * phi_i_deg.len() + pi) * row_count * column_count..];
-                    for row in &rows.places {
-                        values.extend(columns.places.iter().map(|column| stop[row * column_count + column]));
-                    }
-                }
-            }
-            lookup.values.push(values);
-        }
-        if grid.kind == GridKind::Hemisphere {
-            let axes = (&lookup.rows, &lookup.columns);
-            keep_means(&mut lookup.values, axes, grid, &columns.places);
-        }
-        lookup.guide = Guide::of(&lookup);
+    /// The interpolant of the totals of a table whose incidences and bins are products of polar angles and azimuths
+    /// that go all the way round, or do with the mirror images that the law of the campaign's surface has.
+    pub fn new(table: &BrdfTable) -> Checked<Self> {
+        let values = IncidenceValues::new(table)?;
+        let guided = Guided { guide: Guide::of(&values), values };
         // Single directions do not say how much light goes elsewhere.
-        if matches!(grid.kind, GridKind::Hemisphere | GridKind::Patches) {
-            lookup.levels = Some(Levels::of(&lookup));
-        }
-        Ok(lookup)
+        let sized = matches!(table.grid.kind, GridKind::Hemisphere | GridKind::Patches);
+        let levels = sized.then(|| Levels::of(&guided));
+        Ok(Lookup { guided, levels })
     }
 
     /// Polar angles of the light, increasing, rad.
     pub fn theta_i(&self) -> &[f64] {
-        &self.theta_i
+        self.guided.values.theta_i()
     }
 
     /// Azimuths of the light, increasing in [0, 2 pi), rad; a single 0 where every azimuth is alike.
     pub fn phi_i(&self) -> &[f64] {
-        &self.phi_i
+        self.guided.values.phi_i()
+    }
+
+    /// The last polar angle of the light, degrees.
+    pub fn last_theta_i_deg(&self) -> f64 {
+        self.theta_i().last().map_or(0.0, |last| last.to_degrees())
     }
 
     /// Whether every azimuth of the light is alike.
     pub fn is_isotropic(&self) -> bool {
-        self.isotropic
+        self.guided.values.is_isotropic()
     }
 
-    /// The colour that stands for all.
-    pub(crate) fn middle(&self) -> usize {
-        self.values.len().min(3) / 2
-    }
-
-    /// The index of the last colour that values have.
-    pub(crate) fn last_colour(&self) -> usize {
-        self.values.len().min(3) - 1
+    /// The values at the table's own incidences.
+    pub(crate) fn values(&self) -> &IncidenceValues {
+        &self.guided.values
     }
 
     pub(crate) fn guide(&self) -> &Guide {
-        &self.guide
-    }
-
-    /// Taps of the cubic over the stops at a direction of the light.
-    pub(crate) fn stop_taps(&self, theta: f64, phi: f64) -> (Taps, Taps) {
-        (self.stops_polar.cubic(theta), self.stops_circle.cubic(phi))
-    }
-
-    /// The value at one of the table's own stops, or its mirror image (indices into [`Self::theta_i`],
-    /// [`Self::phi_i`]), with the light at azimuth `phi_i`, which matters where every azimuth is alike.
-    pub fn at_stop(&self, (ti, pi): (usize, usize), phi_i: f64, wo: DVec3) -> Colour {
-        let fold = &self.folds[pi];
-        let phi_r = fold.azimuth(sphere::phi(wo)) - if self.relative { fold.azimuth(phi_i) } else { 0.0 };
-        let near = self.columns.cubic(phi_r);
-        let far = self.columns.cubic(phi_r + PI);
-        let size = self.row_count * self.column_count;
-        let first = (ti * self.azimuths + fold.place) * size;
-        let mut found = [0.0; 3];
-        for row in self.rows.cubic(sphere::theta(wo)).iter() {
-            for column in if row.reflected { &far } else { &near }.iter() {
-                let at = first + row.node * self.column_count + column.node;
-                for (value, values) in found.iter_mut().zip(&self.values) {
-                    *value += row.weight * column.weight * f64::from(values[at]);
-                }
-            }
-        }
-        found.map(|value| value.max(0.0))
-    }
-
-    /// The sum over stops of the taps of the ratio to the guide, at equal half vector, times the guide; `None` where a stop's mirrored arm is below the horizon
-    /// and `all` are wanted.
-    fn over_stops(&self, wi: DVec3, wo: DVec3, polar: &Taps, circle: &Taps, all: bool) -> Option<Colour> {
-        let h = (wi + wo).normalize();
-        let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        for t in polar.iter() {
-            for p in circle.iter() {
-                let weight = t.weight * p.weight;
-                if weight == 0.0 {
-                    continue;
-                }
-                let phi_i = if self.isotropic { sphere::phi(wi) } else { self.phi_i[p.node] };
-                let from = sphere::direction(self.theta_i[t.node], phi_i);
-                let to = 2.0 * from.dot(h) * h - from;
-                if to.z <= 0.0 {
-                    if all {
-                        return None;
-                    }
-                    continue;
-                }
-                let (value, law) = (self.at_stop((t.node, p.node), phi_i, to), self.guide.brdf(from, to));
-                sum.iter_mut().zip(value.iter().zip(law)).for_each(|(s, (v, law))| *s += weight * v / law);
-                weights += weight;
-            }
-        }
-        let law = self.guide.brdf(wi, wo);
-        (weights > 0.0).then(|| std::array::from_fn(|c| law[c] * sum[c] / weights))
+        &self.guided.guide
     }
 }
 
 impl Brdf for Lookup {
     fn colours(&self) -> usize {
-        self.values.len()
+        self.values().colours()
     }
 
     fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let (value, phi) = (self.guided(wi, wo), sphere::phi(wi));
-        let levels = self.levels.as_ref().map_or([1.0; 3], |levels| levels.at(sphere::theta(wi), phi));
-        std::array::from_fn(|c| value[c] * levels[c])
-    }
-}
-
-impl Lookup {
-    /// The value before its scale.
-    pub(crate) fn guided(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let (theta, phi) = (sphere::theta(wi), sphere::phi(wi));
-        let (polar, circle) = self.stop_taps(theta, phi);
-        let cubic = self.over_stops(wi, wo, &polar, &circle, true);
-        let found = cubic.or_else(|| {
-            let (polar, circle) = (self.stops_polar.linear(theta), self.stops_circle.linear(phi));
-            self.over_stops(wi, wo, &polar, &circle, false)
-        });
-        // Every mirrored arm below the horizon: light and sensor both graze; the nearest stop as it is.
-        found.map_or_else(|| self.nearest(theta, phi, wo), |value| value.map(|v| v.max(0.0)))
-    }
-
-    fn nearest(&self, theta: f64, phi: f64, wo: DVec3) -> Colour {
-        let best =
-            |taps: Taps| taps.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).map_or(0, |tap| tap.node);
-        let (ti, pi) = (best(self.stops_polar.linear(theta)), best(self.stops_circle.linear(phi)));
-        self.at_stop((ti, pi), if self.isotropic { phi } else { self.phi_i[pi] }, wo)
+        let value = self.guided.brdf(wi, wo);
+        let scales = self.levels.as_ref().map(|levels| levels.at(sphere::theta(wi), sphere::phi(wi)));
+        scales.map_or(value, |scales| std::array::from_fn(|c| value[c] * scales[c]))
     }
 }

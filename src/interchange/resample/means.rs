@@ -11,7 +11,7 @@ const ROUNDS: usize = 4;
 const GAUSS: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 18.0), (0.0, 8.0 / 18.0), (0.774_596_669_241_483_4, 5.0 / 18.0)];
 
-/// Moves the node values (rows x columns of every stop) until the interpolant's bin means are what they were;
+/// Moves the node values (rows x columns of every incidence) until the interpolant's bin means are what they were;
 /// `places` are the grid's columns in the order of the circle.
 pub(crate) fn keep_means(
     values: &mut [Vec<f32>],

@@ -1,19 +1,24 @@
-//! A BRDF averaged over the bins of a grid: how a foreign file becomes a table, and how a file is held to its table.
+//! A BRDF averaged over the bins of a grid: how a foreign file becomes a table, and how a file is compared with its
+//! table.
 
 pub(crate) mod angles;
-pub(crate) mod axis;
-pub(crate) mod folds;
+mod axis;
+mod folds;
 pub(crate) mod gaps;
-pub(crate) mod guide;
-pub(crate) mod levels;
+mod guide;
+mod guided;
+pub(crate) mod incidence_values;
+pub(crate) mod interval;
+mod levels;
+pub(crate) mod lobe;
 pub mod lookup;
-pub(crate) mod means;
+mod means;
 pub(crate) mod sampling;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Brdf, Colour, Reason, needed, spectral_table};
+use super::{Brdf, Checked, Colour, needed, spectral_table};
 use crate::files::memory;
 use crate::instrument::{Grid, Region};
 use crate::sphere;
@@ -82,22 +87,21 @@ pub fn mean(brdf: &dyn Brdf, wi: DVec3, region: &Region) -> Colour {
 }
 
 /// The table of a BRDF on a grid, without error bars.
-pub fn resample(brdf: &dyn Brdf, grid: &Grid) -> Reason<BrdfTable> {
+pub fn resample(brdf: &dyn Brdf, grid: &Grid) -> Checked<BrdfTable> {
     resample_spectrum([brdf].into_iter(), &[], grid)
 }
 
 /// The same of functions that have the colours of a table by threes, with the wavelengths of all.
-///
-/// Held by: `a_spectrum_is_resampled_like_its_colours` (tests/it/interchange/interchange_ssdd.rs).
+// Tested by `a_spectrum_is_resampled_like_its_colours` (tests/it/interchange/interchange_ssdd.rs).
 pub fn resample_spectrum<'a>(
     parts: impl Iterator<Item = &'a dyn Brdf>,
     wavelengths_nm: &[f64],
     grid: &Grid,
-) -> Reason<BrdfTable> {
+) -> Checked<BrdfTable> {
     let parts: Vec<&dyn Brdf> = parts.collect();
     let (stops, bins) = (grid.stops(), grid.bins());
     let pairs = stops.checked_mul(bins).filter(|&pairs| pairs <= MOST_VALUES);
-    let pairs = pairs.ok_or_else(|| format!("{stops} stops of {bins} bins are too many"))?;
+    let pairs = pairs.ok_or_else(|| format!("{stops} incidences of {bins} bins are too many"))?;
     // A small file may be a function of many lights, each of which becomes thousands of bins.
     memory::check(needed::table(pairs, parts.iter().map(|part| part.colours()).sum()))?;
     let total = parts.into_iter().flat_map(|part| totals(part, grid)).collect();
@@ -128,7 +132,7 @@ fn totals(brdf: &dyn Brdf, grid: &Grid) -> Vec<Vec<f32>> {
 }
 
 /// The geometry of an imported table where the file has none of its own and no other is asked for: centred bins of
-/// 2.5 x 5 degrees under the given stops; with no azimuths of the light every azimuth is alike.
+/// 2.5 x 5 degrees under the given incidences; with no azimuths of the light every azimuth is alike.
 pub fn default_grid(theta_i_deg: Vec<f64>, phi_i_deg: Vec<f64>) -> Grid {
     let isotropic = phi_i_deg.is_empty();
     let inner = (0..36).map(|k| 2.5 * (f64::from(k) + 0.5));

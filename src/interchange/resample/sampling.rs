@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use super::guide::GuideLobe;
+use super::lobe::GuideLobe;
 use crate::interchange::Colour;
 use crate::sphere;
 

@@ -4,27 +4,58 @@
 //! not free; this is the form that its readers share (libbsdf).
 
 use std::io::{BufRead, ErrorKind, Write};
+use std::path::Path;
 
 use super::named_columns::{Columns, names_of};
 use super::samples;
 use super::samples::MeasuredPair;
+use crate::error::wrong;
+use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
 use crate::interchange::read_back::{ReadBack, middles_deg};
-use crate::interchange::{Fail, Reason};
+use crate::interchange::{Checked, Imported, Options, needed};
 use crate::table::BrdfTable;
 use crate::text_decoding::decode_text_or_latin1;
 
 /// How the values are meant.
-pub const CONVENTION: &str = "one line a pair of directions, angles in radians, absolute azimuths, phi_s = phi_i + pi is the \
+const CONVENTION: &str = "one line a pair of directions, angles in radians, absolute azimuths, phi_s = phi_i + pi is the \
     mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
 
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
-/// The heading line of a table whose azimuths of the light are all alike; other readers pass over keys that they don't know.
+/// The header line of a table whose azimuths of the light are all alike; other readers pass over keys that they don't
+/// know.
 const ISOTROPIC: &str = "ISOTROPIC";
 /// More lines than are worth reading as text.
 const MOST_LINES: usize = 1 << 26;
 
+/// The format.
+pub struct Astm;
+
+impl Codec for Astm {
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { gaps: true, wavelengths: true, ..FormatTraits::totals("astm") }
+    }
+
+    fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
+        needed::list(bytes)
+    }
+
+    fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
+        Ok((read(bytes)?.into(), vec![]))
+    }
+
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
+        Ok(Encoded::stream(CONVENTION, table, write))
+    }
+
+    fn read_back(&self, path: &Path, table: &BrdfTable, _options: &Options) -> Checked<Option<ReadBack>> {
+        let file = codec::open(path)?;
+        // Twelve digits of radians.
+        samples::listed(table, 1e-8, |each| each_sample(file, each).map(|_| ()))?.finish()
+    }
+}
+
 /// Writes the totals; a gap has no line.
-pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
+pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
     let (stops, bins) = (table.grid.stops(), table.grid.bins());
     writeln!(out, "LAB_NAME gonio\nSYSTEM_NAME gonio {}\nMEAS_NAME BRDF", table.version)?;
     writeln!(out, "NUM_POINTS {}", stops * bins - table.gaps())?;
@@ -47,16 +78,15 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
     Ok(())
 }
 
-/// The table of points of a file. What a channel holds follows from its name; a negative polar angle is the far side of its
-/// plane; negative values become 0.
-///
-/// Held by: `astm_comes_back`, `damaged_texts_are_refused` (tests/it/interchange/interchange_text.rs).
-pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+/// The table of points of a file. What a channel holds follows from its name; a negative polar angle is the far side
+/// of its plane; negative values become 0.
+// Tested by `astm_comes_back`, `damaged_texts_are_refused` (tests/it/interchange/interchange_text.rs).
+pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let text = decode_text_or_latin1(bytes)?;
     let mut found = Vec::new();
     let (columns, isotropic) = each_sample(text.as_bytes(), |sample| {
         if found.len() == MOST_LINES {
-            return Err(format!("more than {MOST_LINES} lines"));
+            return Err(wrong!("more than {MOST_LINES} lines"));
         }
         found.push(sample);
         Ok(())
@@ -64,17 +94,11 @@ pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
     samples::table(&found, &columns, isotropic)
 }
 
-/// Holds a file of the table's own bins, in their order, to the table, line by line.
-pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
-    // Twelve digits of radians.
-    samples::held_to(table, 1e-8, |each| each_sample(file, each).map(|_| ()))
-}
-
 /// Visits the samples of a file; returns what its channels are and whether the file says that it is isotropic.
 fn each_sample(
     file: impl BufRead,
-    mut visit: impl FnMut(MeasuredPair) -> Reason<()>,
-) -> Reason<(Columns, bool)> {
+    mut visit: impl FnMut(MeasuredPair) -> Checked<()>,
+) -> Checked<(Columns, bool)> {
     let unread = |e: std::io::Error| match e.kind() {
         ErrorKind::InvalidData => "not a text in UTF-8".to_string(),
         _ => e.to_string(),
@@ -112,7 +136,7 @@ fn each_sample(
             numbers.push(value);
         }
         if numbers.len() != names.len() || numbers.iter().any(|value| !value.is_finite()) {
-            return Err(format!(
+            return Err(wrong!(
                 "line {number}: {} finite numbers needed, one for each name of VARS",
                 names.len()
             ));
@@ -122,7 +146,7 @@ fn each_sample(
             *angle = (angle.to_degrees() * 1e8).round() / 1e8;
         }
         if let Some(why) = columns.fault(&numbers) {
-            return Err(format!("line {number}: {why}"));
+            return Err(wrong!("line {number}: {why}"));
         }
         let mut sample = MeasuredPair::of(number, &numbers, &columns);
         sample.values.iter_mut().for_each(|value| *value = value.max(0.0));
@@ -130,7 +154,7 @@ fn each_sample(
         found += 1;
     }
     if let Some(points) = points.filter(|&points| points > found) {
-        return Err(format!("NUM_POINTS is {points}, the file has {found} samples: it was cut short"));
+        return Err(wrong!("NUM_POINTS is {points}, the file has {found} samples: it was cut short"));
     }
     Ok((columns, isotropic))
 }

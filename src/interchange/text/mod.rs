@@ -1,6 +1,7 @@
 //! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax.
 
 pub mod astm;
+mod azimuths;
 pub mod csv;
 pub mod named_columns;
 pub mod pabopto;

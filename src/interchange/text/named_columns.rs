@@ -2,8 +2,9 @@
 
 use smallvec::SmallVec;
 
+use crate::error::wrong;
 use crate::interchange::radiance::colour;
-use crate::interchange::{Colour, Reason};
+use crate::interchange::{Checked, Colour};
 use crate::table::BrdfTable;
 use crate::table::brdf_table::named_wavelength;
 
@@ -34,8 +35,7 @@ enum Name {
 }
 
 /// The names of a table's colours as columns: `Y`; `R`, `G`, `B`; or wavelengths such as `550nm`.
-///
-/// Held by: `spectral_tables_come_back_from_lists` (tests/it/interchange/interchange_text.rs).
+// Tested by `spectral_tables_come_back_from_lists` (tests/it/interchange/interchange_text.rs).
 pub fn names_of(table: &BrdfTable) -> Vec<String> {
     let nm = table.colours.iter().map(|colour| colour.wavelength_nm);
     nm.zip(table.colour_names()).map(|(nm, name)| nm.map_or(name, |nm| format!("{nm}nm"))).collect()
@@ -59,8 +59,8 @@ impl Columns {
     ///
     /// `R G B` in any order; `X Y Z` alike, which become R, G, B; `Y`, `value`, `brdf`; `550nm`, `w550`; `stderr`,
     /// `stderr.R`, `sigma`, ...; `hits`, `count`. A name that is none of these is refused.
-    /// Held by: `columns_are_told_by_their_names`.
-    pub fn of(names: &[&str], first: usize) -> Reason<Self> {
+    // Tested by `columns_are_told_by_their_names`.
+    pub fn of(names: &[&str], first: usize) -> Checked<Self> {
         let (mut named, mut errors, mut hits) = (Vec::new(), Vec::new(), None);
         let has = |name: &str| names.iter().any(|other| other.trim().eq_ignore_ascii_case(name));
         let is_xyz = has("X") || has("Z");
@@ -73,14 +73,14 @@ impl Columns {
             })?;
             match role {
                 Role::Value(name) if named.iter().any(|&(other, _)| other == name) => {
-                    return Err(format!(
+                    return Err(wrong!(
                         "two columns hold the same values as `{}`",
                         names[column - first].trim()
                     ));
                 }
                 Role::Value(name) => named.push((name, column)),
                 Role::Error(of) if errors.iter().any(|&(other, _)| other == of) => {
-                    return Err(format!("the column `{}` is there twice", names[column - first].trim()));
+                    return Err(wrong!("the column `{}` is there twice", names[column - first].trim()));
                 }
                 Role::Error(of) => errors.push((of, column)),
                 Role::Hits if hits.is_some() => return Err("two columns count arrivals".into()),
@@ -144,7 +144,7 @@ impl Columns {
 }
 
 /// The values' columns in the order of the colours; `named` is put into that order.
-fn in_order(named: &mut [(Name, usize)]) -> Reason<Vec<usize>> {
+fn in_order(named: &mut [(Name, usize)]) -> Checked<Vec<usize>> {
     let rank = |name: Name| match name {
         Name::One => 0.0,
         Name::Rgb(k) | Name::Xyz(k) => k as f64,
@@ -230,7 +230,7 @@ mod tests {
             (&["Y", "550nm"], "neither one"),
         ] {
             let found = Columns::of(names, 4).expect_err("refused");
-            assert!(found.contains(phrase), "{names:?}: {found}");
+            assert!(found.to_string().contains(phrase), "{names:?}: {found}");
         }
     }
 

@@ -3,36 +3,70 @@
 //! Heading lines begin with `#`; then `theta phi value`, degrees, in the frame of the sample. Read by Radiance's
 //! `pabopto2bsdf`.
 
-use std::fmt::Write;
+use std::path::Path;
 
-use crate::interchange::Reason;
-use crate::interchange::read_back::middles_deg;
+use crate::files;
+use crate::interchange::codec::{Codec, Encoded, FileContent, FormatTraits};
+use crate::interchange::read_back::{self, ReadBack, middles_deg};
+use crate::interchange::{Checked, Imported, Options};
 use crate::table::BrdfTable;
 use crate::text_decoding::decode_text_or_latin1;
 
 /// How the values are meant.
-pub const CONVENTION: &str = "one file a stop; degrees, theta from the normal, phi absolute; format BSDF: 1/sr, no cosine; \
+const CONVENTION: &str = "one file for each incidence; degrees, theta from the normal, phi absolute; format BSDF: 1/sr, no cosine; \
     colorimetry CIE-Y; the middle of each bin";
 
-/// The text of one stop of a table with one colour; a gap has no line.
-pub fn write(table: &BrdfTable, stop: usize) -> Reason<String> {
+/// The format.
+pub struct Pabopto;
+
+impl Codec for Pabopto {
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { gaps: true, colours: false, ..FormatTraits::totals("pabopto") }
+    }
+
+    fn decode(&self, _bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
+        Err("a file has one incidence; read its folder with pabopto2bsdf, or export as ssdd".into())
+    }
+
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
+        let files = (0..table.grid.stops()).map(|stop| (file_name(stop), text(table, stop)));
+        let content = FileContent::Folder(Box::new(files));
+        Ok(Encoded { content, convention: CONVENTION.into(), notes: vec![] })
+    }
+
+    fn read_back(&self, path: &Path, table: &BrdfTable, _options: &Options) -> Checked<Option<ReadBack>> {
+        let bins = table.grid.bins();
+        let mut totals = Vec::with_capacity(table.hits.len());
+        for stop in 0..table.grid.stops() {
+            let mut values = read(&files::read(&path.join(file_name(stop)))?)?.1.into_iter();
+            let is_gap = |bin: usize| table.is_gap(stop * bins + bin);
+            totals.extend((0..bins).filter_map(|bin| if is_gap(bin) { Some(0.0) } else { values.next() }));
+        }
+        read_back::listed(table, &[&totals])
+    }
+}
+
+fn file_name(stop: usize) -> String {
+    format!("stop_{stop:04}.txt")
+}
+
+/// The text of one incidence of a table with one colour; a gap has no line.
+pub fn text(table: &BrdfTable, stop: usize) -> String {
     let (theta_i, phi_i) = table.grid.stop_deg(stop);
     let mut text = format!(
         "#sample_name \"gonio\"\n#format: theta phi BSDF\n#incident_angle {theta_i} {phi_i}\n#upphi 0\n#colorimetry: CIE-Y\n"
     );
     let bins = table.grid.bins();
     for (bin, (theta, phi)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
-        if table.is_gap(stop * bins + bin) {
-            continue;
+        if !table.is_gap(stop * bins + bin) {
+            text += &format!("{theta} {phi} {}\n", table.colours[0].total[stop * bins + bin]);
         }
-        let value = table.colours[0].total[stop * bins + bin];
-        writeln!(text, "{theta} {phi} {value}").map_err(|e| e.to_string())?;
     }
-    Ok(text)
+    text
 }
 
 /// The values of one file in their order, and its direction of the light in degrees.
-pub fn read(bytes: &[u8]) -> Reason<([f64; 2], Vec<f32>)> {
+pub fn read(bytes: &[u8]) -> Checked<([f64; 2], Vec<f32>)> {
     let text = decode_text_or_latin1(bytes)?;
     let (mut light, mut values) = (None, Vec::new());
     for (k, line) in text.lines().enumerate() {

@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 
 use super::named_columns::{ColourValues, Columns};
+use crate::error::wrong;
 use crate::files::memory;
 use crate::instrument::{Grid, GridKind};
-use crate::interchange::read_back::{Listing, ReadBack, middles_deg, upper};
-use crate::interchange::{Reason, needed, spectral_table};
+use crate::interchange::read_back::{Listing, middles_deg, upper};
+use crate::interchange::{Checked, needed, spectral_table};
 use crate::sphere;
 use crate::table::{BrdfTable, check_grid};
 
@@ -18,7 +19,7 @@ const MOST_GAPS: usize = 1 << 22;
 /// The values for (theta_i, phi_i, theta_r, phi_r) in degrees, absolute azimuths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPair {
-    /// The stop.
+    /// The incidence.
     pub light: [f64; 2],
     /// The sensor.
     pub sensor: [f64; 2],
@@ -73,17 +74,17 @@ impl MeasuredPair {
     }
 }
 
-/// The table of points. Stops come in the order of their first sample, and so do directions, in any order at each stop.
-/// A pair that is there twice, as a seam at 0 and 360 degrees, must agree. Where only azimuths from the light are the
-/// same at all stops, the table has those. Pairs that the list does not have are gaps ([`BrdfTable::is_gap`]).
-///
-/// Held by: tests/it/interchange/interchange_angles.rs, tests/it/interchange/ragged_scans.rs.
-pub fn table(samples: &[MeasuredPair], columns: &Columns, isotropic: bool) -> Reason<BrdfTable> {
+/// The table of points. Incidences come in the order of their first sample, and so do directions, in any order at
+/// each incidence. A pair that is there twice, as a seam at 0 and 360 degrees, must agree. Where only azimuths from
+/// the light are the same at all incidences, the table has those. Pairs that the list does not have are gaps
+/// ([`BrdfTable::is_gap`]).
+// Tested by tests/it/interchange/interchange_angles.rs, tests/it/interchange/ragged_scans.rs.
+pub fn table(samples: &[MeasuredPair], columns: &Columns, isotropic: bool) -> Checked<BrdfTable> {
     if samples.is_empty() {
         return Err("no samples".into());
     }
     if let Some(fault) = samples.iter().find_map(MeasuredPair::fault) {
-        return Err(fault);
+        return Err(fault.into());
     }
     let from_light = || samples.iter().cloned().map(MeasuredPair::seen_from_light).collect::<Vec<_>>();
     if isotropic {
@@ -103,12 +104,12 @@ pub fn table(samples: &[MeasuredPair], columns: &Columns, isotropic: bool) -> Re
     }
 }
 
-/// Samples over all pairs of their stops and directions.
+/// Samples over all pairs of their incidences and directions.
 struct SampleLayout<'a> {
     samples: &'a [MeasuredPair],
     stops: Directions,
     points: Directions,
-    /// Stop and direction of each sample.
+    /// Incidence and direction of each sample.
     places: Vec<(usize, usize)>,
 }
 
@@ -125,10 +126,10 @@ impl<'a> SampleLayout<'a> {
         self.stops.list.len().saturating_mul(self.points.list.len()).saturating_sub(self.samples.len())
     }
 
-    fn table(self, columns: &Columns, phi_r_relative: bool) -> Reason<BrdfTable> {
+    fn table(self, columns: &Columns, phi_r_relative: bool) -> Checked<BrdfTable> {
         let (stop_count, bins) = (self.stops.list.len(), self.points.list.len());
         if self.gaps() > MOST_GAPS {
-            return Err(format!(
+            return Err(wrong!(
                 "{} samples of {stop_count} lights and {bins} directions of the sensor: most directions belong to one \
                  light alone, and a table of all pairs would be nearly empty; at most {MOST_GAPS} gaps are kept",
                 self.samples.len()
@@ -185,7 +186,7 @@ impl Directions {
 }
 
 /// A direction to 1e-8 degrees, what twelve digits of radians are worth; azimuths a turn apart are one, those at the
-/// pole are told apart, as an arm's are.
+/// pole are distinguished, as an arm's are.
 pub fn key([theta, phi]: [f64; 2]) -> [i64; 2] {
     let whole = |angle: f64| (angle * 1e8).round() as i64;
     [whole(theta), whole(sphere::reduced_deg(phi)) % whole(360.0)]
@@ -196,20 +197,24 @@ pub fn alike(a: f64, b: f64) -> bool {
     (a - b).abs() <= 4.0 * f64::from(f32::EPSILON) * a.abs().max(b.abs())
 }
 
-fn agree(a: &MeasuredPair, b: &MeasuredPair) -> Reason<()> {
+fn agree(a: &MeasuredPair, b: &MeasuredPair) -> Checked<()> {
     match (0..a.values.len()).find(|&c| !alike(f64::from(a.values[c]), f64::from(b.values[c]))) {
-        Some(c) => Err(format!(
+        Some(c) => Err(wrong!(
             "lines {} and {}: the same light {:?} and sensor {:?} (degrees) with {} and {}",
-            a.line, b.line, b.light, b.sensor, a.values[c], b.values[c]
+            a.line,
+            b.line,
+            b.light,
+            b.sensor,
+            a.values[c],
+            b.values[c]
         )),
         None => Ok(()),
     }
 }
 
 /// The table with its single azimuth of the light standing for all.
-///
-/// Held by: `the_users_word_makes_a_single_azimuth_isotropic` (tests/it/interchange/interchange_angles.rs).
-pub fn one_azimuth(mut table: BrdfTable) -> Reason<BrdfTable> {
+// Tested by `the_users_word_makes_a_single_azimuth_isotropic` (tests/it/interchange/interchange_angles.rs).
+pub fn one_azimuth(mut table: BrdfTable) -> Checked<BrdfTable> {
     let grid = &mut table.grid;
     if grid.is_isotropic() {
         return Ok(table);
@@ -230,21 +235,13 @@ pub fn one_azimuth(mut table: BrdfTable) -> Reason<BrdfTable> {
     Ok(table)
 }
 
-/// Holds samples of the table's own bins, in their order, to the table; their angles may be off by `digits` degrees.
-pub fn held_to(
-    table: &BrdfTable,
-    digits: f64,
-    visit: impl FnOnce(&mut dyn FnMut(MeasuredPair) -> Reason<()>) -> Reason<()>,
-) -> Reason<Option<ReadBack>> {
-    listed(table, digits, visit)?.finish()
-}
-
-/// The same as a listing, for tables of which this is a band.
+/// Compares samples of the table's own bins, in their order, with the table; their angles may be off by `digits`
+/// degrees.
 pub fn listed<'a>(
     table: &'a BrdfTable,
     digits: f64,
-    visit: impl FnOnce(&mut dyn FnMut(MeasuredPair) -> Reason<()>) -> Reason<()>,
-) -> Reason<Listing<'a>> {
+    visit: impl FnOnce(&mut dyn FnMut(MeasuredPair) -> Checked<()>) -> Checked<()>,
+) -> Checked<Listing<'a>> {
     let (grid, bins) = (&table.grid, table.grid.bins());
     let (mut listing, mut entry, mut middles) = (Listing::new(table), 0, Vec::new());
     let mut middles_of = None;
@@ -268,7 +265,7 @@ pub fn listed<'a>(
             turn.min(360.0 - turn) > digits
         });
         if off {
-            return Err(format!("entry {entry} is at {found:?} degrees, the bin at {wanted:?}"));
+            return Err(wrong!("entry {entry} is at {found:?} degrees, the bin at {wanted:?}"));
         }
         for colour in 0..table.colours.len() {
             listing.add(stop, bin, colour, sample.values[colour]);
@@ -280,9 +277,9 @@ pub fn listed<'a>(
     Ok(listing)
 }
 
-/// The stops as axes where they are a product.
+/// The incidences as axes where they are a product.
 pub(crate) fn with_axes(grid: Grid) -> Grid {
-    match crate::interchange::resample::lookup::stop_axes(&grid) {
+    match crate::interchange::resample::angles::stop_axes(&grid) {
         Ok((theta_i_deg, phi_i_deg)) => Grid { theta_i_deg, phi_i_deg, stops_deg: vec![], ..grid },
         Err(_) => grid,
     }

@@ -1,20 +1,20 @@
 //! Azimuths that a file lists twice, 0 and 360 or -180 and 180: one direction, which may have one value.
 //!
-//! Enters: a table as a file lists it. Leaves: the same without what is there twice. Also finds the angles of one grid
-//! in another, so that a file is held to its table by angles and not by the order of its values.
+//! Input: a table as a file lists it. Output: the same without what is there twice. Also finds the angles of one grid
+//! in another, so that a file is compared with its table by angles and not by the order of its values.
 
 use std::collections::HashMap;
 
 use super::samples::{alike, key, with_axes};
+use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
-use crate::interchange::Reason;
+use crate::interchange::Checked;
 use crate::interchange::read_back::middles_deg;
 use crate::table::BrdfTable;
 
-/// The table with each stop and each single direction once. Values of one direction that differ are a reason.
-///
-/// Held by: `an_equal_seam_is_dropped_and_an_unequal_one_refused` (tests/it/interchange/interchange_angles.rs).
-pub fn dropped(table: BrdfTable) -> Reason<BrdfTable> {
+/// The table with each incidence and each single direction once. Values of one direction that differ are a reason.
+// Tested by `an_equal_seam_is_dropped_and_an_unequal_one_refused` (tests/it/interchange/interchange_angles.rs).
+pub fn dropped(table: BrdfTable) -> Checked<BrdfTable> {
     let grid = &table.grid;
     if grid.kind == GridKind::HalfDifference {
         return Ok(table);
@@ -64,13 +64,13 @@ fn one_value(
     table: &BrdfTable,
     mut pairs: impl Iterator<Item = (usize, usize)>,
     [first, second]: [[f64; 2]; 2],
-) -> Reason<()> {
+) -> Checked<()> {
     let differ =
         |&(a, b): &(usize, usize)| table.colours.iter().any(|c| !alike(c.total[a].into(), c.total[b].into()));
     let Some((a, b)) = pairs.find(differ) else { return Ok(()) };
     let values =
         |at: usize| table.colours.iter().map(|c| c.total[at].to_string()).collect::<Vec<_>>().join(" ");
-    Err(format!(
+    Err(wrong!(
         "{first:?} and {second:?} degrees are one direction, with {} and {}: one value needed",
         values(b),
         values(a)
@@ -96,10 +96,10 @@ fn of_pixels(mut table: BrdfTable, grid: Grid, pixels: &[usize]) -> BrdfTable {
     BrdfTable { grid, schlick: None, ..table }
 }
 
-/// Where `found` has its stops and bins in `wanted`. Both must be isotropic, or neither.
-pub fn places(found: &Grid, wanted: &Grid) -> Reason<(Vec<usize>, Vec<usize>)> {
+/// Where `found` has its incidences and bins in `wanted`. Both must be isotropic, or neither.
+pub fn places(found: &Grid, wanted: &Grid) -> Checked<(Vec<usize>, Vec<usize>)> {
     if found.is_isotropic() != wanted.is_isotropic() {
-        return Err(format!("isotropic: {} instead of {}", found.is_isotropic(), wanted.is_isotropic()));
+        return Err(wrong!("isotropic: {} instead of {}", found.is_isotropic(), wanted.is_isotropic()));
     }
     let lights = |grid: &Grid| -> Vec<[f64; 2]> {
         let light = |stop| <[f64; 2]>::from(grid.stop_deg(stop));
@@ -114,7 +114,7 @@ pub fn places(found: &Grid, wanted: &Grid) -> Reason<(Vec<usize>, Vec<usize>)> {
     Ok((matched(&lights(found), &lights(wanted))?, matched(&sensors(found), &sensors(wanted))?))
 }
 
-fn matched(found: &[[f64; 2]], wanted: &[[f64; 2]]) -> Reason<Vec<usize>> {
+fn matched(found: &[[f64; 2]], wanted: &[[f64; 2]]) -> Checked<Vec<usize>> {
     let known: HashMap<_, _> = wanted.iter().map(|&direction| key(direction)).zip(0..).collect();
     let place = |direction: &[f64; 2]| {
         known
@@ -122,5 +122,5 @@ fn matched(found: &[[f64; 2]], wanted: &[[f64; 2]]) -> Reason<Vec<usize>> {
             .copied()
             .ok_or_else(|| format!("{direction:?} degrees is no direction of the table"))
     };
-    found.iter().map(place).collect()
+    Ok(found.iter().map(place).collect::<Result<_, String>>()?)
 }

@@ -9,7 +9,7 @@ use std::path::Path;
 use glam::DVec2;
 
 use crate::campaign::{Detrend, HeightMap};
-use crate::error::{Error, Result};
+use crate::error::{Checked, Error, Result};
 use crate::files;
 use crate::files::memory;
 
@@ -81,12 +81,12 @@ pub fn load_patch(path: &Path) -> Result<PatchFile> {
 
 fn read(path: &Path) -> Result<MapSamples> {
     let bytes = files::read(path)?;
-    let wrong = |why: String| Error::format(path, why);
+    let wrong = |why| Error::format(path, why);
     memory::check_file(path, map_file::needed(&bytes).map_err(wrong)?)?;
     map_file::read(&bytes).map_err(wrong)
 }
 
-fn import(map: &HeightMap, mut file: MapSamples) -> std::result::Result<ImportedMap, String> {
+fn import(map: &HeightMap, mut file: MapSamples) -> Checked<ImportedMap> {
     let [own_x, own_y] = file.pitch;
     let no_pitch = |name: &str| match &file.no_pitch {
         Some(why) => format!("{why}; give surface.file.pitch_x_um, pitch_y_um and height_unit_um"),
@@ -97,7 +97,7 @@ fn import(map: &HeightMap, mut file: MapSamples) -> std::result::Result<Imported
     let alpha_y = alpha("pitch_y", map.pitch_y_um, own_y)?;
     let (cells_x, cells_y) = check_size(&file, map.periodic)?;
     if let Some(why) = outliers::refused(&file.heights, file.columns) {
-        return Err(why);
+        return Err(why.into());
     }
     check_precision(&file)?;
     let mut notes = vec![format!("{} x {} samples, {cells_x} x {cells_y} cells", file.columns, file.rows)];
@@ -276,20 +276,27 @@ mod tests {
         let imported = import(&map(), file(9, 9, |_, _| 0.1)).expect("sound");
         assert!(imported.notes.iter().any(|note| note.contains("mirror")));
         assert_eq!((imported.field.cells_x(), imported.field.cells_y()), (8, 8));
-        assert!(import(&map(), file(8, 9, |_, _| 0.1)).expect_err("7 cells").contains("7 x 8 cells"));
+        assert!(
+            import(&map(), file(8, 9, |_, _| 0.1)).expect_err("7 cells").to_string().contains("7 x 8 cells")
+        );
     }
 
     #[test]
     fn pitches_come_from_the_campaign_or_the_file_or_are_asked_for() {
         let own = HeightMap { pitch_x_um: None, pitch_y_um: None, height_unit_um: None, ..map() };
         let mut with_pitch = file(9, 9, |x, _| x);
-        assert!(import(&own, with_pitch.clone()).expect_err("none").contains("surface.file.pitch_x_um"));
+        assert!(
+            import(&own, with_pitch.clone())
+                .expect_err("none")
+                .to_string()
+                .contains("surface.file.pitch_x_um")
+        );
         with_pitch.pitch = [Some(4.0), Some(8.0)];
         let imported = import(&own, with_pitch.clone()).expect("sound");
         assert_eq!((imported.alpha_x, imported.alpha_y), (0.25, 0.125));
         with_pitch.pitch = [Some(f64::NAN), Some(8.0)];
-        assert!(import(&own, with_pitch.clone()).expect_err("NaN").contains("pitch_x = NaN"));
+        assert!(import(&own, with_pitch.clone()).expect_err("NaN").to_string().contains("pitch_x = NaN"));
         let unitless = HeightMap { height_unit_um: None, ..map() };
-        assert!(import(&unitless, with_pitch).expect_err("no unit").contains("height_unit_um"));
+        assert!(import(&unitless, with_pitch).expect_err("no unit").to_string().contains("height_unit_um"));
     }
 }

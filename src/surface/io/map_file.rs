@@ -4,6 +4,7 @@ use std::io::Cursor;
 
 use npyz::{DType, Deserialize, NpyFile, NpyHeader, Order, TypeChar};
 
+use crate::error::Checked;
 use crate::files::image;
 use crate::files::image::Samples;
 use crate::files::image_blocks::BlockReader;
@@ -18,7 +19,7 @@ const NPY_MAGIC: &[u8] = b"\x93NUMPY";
 /// The most bytes of memory that reading these bytes may take, besides themselves: heights in f64, and a copy of them that
 /// is sorted for outliers.
 // Tested by tests/process/bombs.rs.
-pub fn needed(bytes: &[u8]) -> Result<u64, String> {
+pub fn needed(bytes: &[u8]) -> Checked<u64> {
     let length = bytes.len() as u64;
     Ok(if exr_header::is_exr(bytes) {
         // Heights in f64 are four times as long as halves.
@@ -36,7 +37,7 @@ pub fn needed(bytes: &[u8]) -> Result<u64, String> {
 }
 
 /// Reads a map from the bytes of its file; the error is a reason, to be completed with the path.
-pub fn read(bytes: &[u8]) -> Result<MapSamples, String> {
+pub fn read(bytes: &[u8]) -> Checked<MapSamples> {
     let map = if exr_header::is_exr(bytes) {
         read_exr(bytes)?
     } else if bytes.starts_with(NPY_MAGIC) {
@@ -54,13 +55,14 @@ pub fn read(bytes: &[u8]) -> Result<MapSamples, String> {
     match map.heights.iter().position(|height| !height.is_finite()) {
         Some(at) => {
             let (row, column, height) = (at / map.columns, at % map.columns, map.heights[at]);
-            Err(format!("height at row {row}, column {column} is {height}; fill the gaps of the scan first"))
+            Err(format!("height at row {row}, column {column} is {height}; fill the gaps of the scan first")
+                .into())
         }
         None => Ok(map),
     }
 }
 
-fn read_exr(bytes: &[u8]) -> Result<MapSamples, String> {
+fn read_exr(bytes: &[u8]) -> Checked<MapSamples> {
     let mut parts = image::decode(bytes)?;
     let (Some(mut part), true) = (parts.pop(), parts.is_empty()) else {
         return Err("several parts; a height map has one".into());
@@ -69,7 +71,7 @@ fn read_exr(bytes: &[u8]) -> Result<MapSamples, String> {
     let samples = match (part.channels.remove("height"), names.as_slice()) {
         (Some(samples), _) => samples,
         (None, [only]) => part.channels.remove(only).ok_or("no channels")?,
-        (None, _) => return Err(format!("no channel `height` among {}", names.join(", "))),
+        (None, _) => return Err(format!("no channel `height` among {}", names.join(", ")).into()),
     };
     let (heights, stored) = match samples {
         Samples::F32(values) => (values.into_iter().map(f64::from).collect(), Stored::Single),
@@ -175,14 +177,20 @@ mod tests {
     #[test]
     fn arrays_that_are_no_height_map_are_refused_with_a_reason() {
         let reason = |header: String, data: &[u8]| read(&npy(&header, data)).expect_err("must be refused");
-        assert!(reason(header("<f4", "False", "(2, 3, 4)"), &[0; 96]).contains("3 dimensions"));
-        assert!(reason(header("<f4", "False", "(2, 3)"), &[0; 23]).contains("do not make 2 x 3"));
-        assert!(reason(header("<f4", "False", "(999999, 999999)"), &[0; 8]).contains("do not make"));
-        assert!(reason(header("<f4", "False", "(99999999999999, 9)"), &[0; 8]).contains("999999 a side"));
-        assert!(reason(header("<f2", "False", "(2, 2)"), &[0; 8]).contains("not read"));
-        assert!(reason("(".repeat(4000), &[]).contains("2-D"));
-        assert!(reason(header("<f4", "False", "(0, 0)"), &[]).contains("0 x 0"));
-        assert!(read(b"").expect_err("empty").contains("empty"));
-        assert!(read(b"GIF89a").expect_err("foreign").contains("neither"));
+        assert!(reason(header("<f4", "False", "(2, 3, 4)"), &[0; 96]).to_string().contains("3 dimensions"));
+        assert!(reason(header("<f4", "False", "(2, 3)"), &[0; 23]).to_string().contains("do not make 2 x 3"));
+        assert!(
+            reason(header("<f4", "False", "(999999, 999999)"), &[0; 8]).to_string().contains("do not make")
+        );
+        assert!(
+            reason(header("<f4", "False", "(99999999999999, 9)"), &[0; 8])
+                .to_string()
+                .contains("999999 a side")
+        );
+        assert!(reason(header("<f2", "False", "(2, 2)"), &[0; 8]).to_string().contains("not read"));
+        assert!(reason("(".repeat(4000), &[]).to_string().contains("2-D"));
+        assert!(reason(header("<f4", "False", "(0, 0)"), &[]).to_string().contains("0 x 0"));
+        assert!(read(b"").expect_err("empty").to_string().contains("empty"));
+        assert!(read(b"GIF89a").expect_err("foreign").to_string().contains("neither"));
     }
 }

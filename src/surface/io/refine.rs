@@ -10,6 +10,7 @@
 use glam::DVec2;
 
 use super::spline::refined;
+use crate::error::Checked;
 use crate::files::memory;
 use crate::surface::Heightfield;
 
@@ -101,7 +102,7 @@ pub struct Refined {
 
 /// Refines by `steps`, a power of two, or as far as the cuts ask for and `AUTO_CELLS` allows.
 // Tested by `a_map_and_its_mirror_image_have_mirrored_slopes`, `refinement_goes_as_far_as_the_cuts_ask`.
-pub fn refine(field: Heightfield, alpha: DVec2, steps: Option<u32>) -> Result<Refined, String> {
+pub fn refine(field: Heightfield, alpha: DVec2, steps: Option<u32>) -> Checked<Refined> {
     let before = Cuts::of(&field, alpha);
     let cells = |steps: usize| (field.cells_x() * field.cells_y()).saturating_mul(steps * steps);
     if let Some(steps) = steps.map(|steps| steps as usize) {
@@ -110,7 +111,8 @@ pub fn refine(field: Heightfield, alpha: DVec2, steps: Option<u32>) -> Result<Re
             return Err(format!(
                 "surface.file.refine = {steps} makes {} cells; at most {most} Mi are allowed: refine less",
                 cells(steps)
-            ));
+            )
+            .into());
         }
         memory::check(REFINING * cells(steps) as u64)?;
         let fine = refined(&field, steps);
@@ -220,6 +222,7 @@ mod tests {
         assert!(
             refine(field(1000, true, |_, _| 0.0), DVec2::ONE, Some(32))
                 .expect_err("2^30")
+                .to_string()
                 .contains("refine less")
         );
     }

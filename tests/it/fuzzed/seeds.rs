@@ -43,7 +43,7 @@ fn sound_seed(target: &str, name: &str, bytes: &[u8]) -> Answer {
 }
 
 /// A few stops of a few bins, every value different.
-fn table(colours: usize, azimuths: usize) -> Result<BrdfTable, String> {
+fn table(colours: usize, azimuths: usize) -> interchange::Checked<BrdfTable> {
     let phi_i_deg: Vec<f64> = (0..azimuths).map(|k| 360.0 * k as f64 / azimuths as f64).collect();
     let grid = Grid {
         kind: GridKind::Hemisphere,
@@ -81,7 +81,7 @@ fn tables() -> Answer {
 fn formats() -> Answer {
     let folder = tempfile::tempdir()?;
     let large = ["merl", "utia", "klems", "tensor_tree"];
-    for (name, format) in Format::ALL {
+    for (name, format) in Format::ALL.map(|format| (format.name(), format)) {
         if format == Format::Pabopto || format == Format::Npy {
             continue;
         }

@@ -58,21 +58,22 @@ fn off_at_alpha_a_tenth(found: &dyn Brdf) -> f64 {
     l1(found, &Ggx::new(0.1, 0.1), &light, 80.0)
 }
 
+fn function(table: &BrdfTable) -> HalfDifference {
+    HalfDifference::new(table).expect("cells")
+}
+
 #[test]
 fn a_reader_that_interpolates_is_within_five_thousandths() {
     let (lookup, bytes) = tenth();
     let found = merl::read(bytes, Sampling::Node).expect("sound");
-    assert!(
-        (0.2..0.3).contains(&found.invalid),
-        "a quarter of the cells is below the horizon: {}",
-        found.invalid
-    );
-    let off = off_at_alpha_a_tenth(&found);
+    let invalid = found.gaps() as f64 / found.hits.len() as f64;
+    assert!((0.2..0.3).contains(&invalid), "a quarter of the cells is below the horizon: {invalid}");
+    let off = off_at_alpha_a_tenth(&function(&found));
     // Bins of 2 degrees of azimuth are the limit, not the file: at theta_i 73 degrees the lobe's azimuth has a half-width
     // of 2 alpha/tan(73) = 3.5 degrees, and the interpolated table alone is off by 0.0033. See the next test.
     assert!(off <= 0.005, "{off}");
     let centre = merl::read(&merl::write(lookup, Sampling::Centre), Sampling::Centre);
-    let off = off_at_alpha_a_tenth(&centre.expect("sound"));
+    let off = off_at_alpha_a_tenth(&function(&centre.expect("sound")));
     // As dense as the nodes, but theta_d and phi_d hold their value over the first half cell.
     assert!(off <= 0.006, "{off}");
 }
@@ -82,7 +83,7 @@ fn of_a_table_that_holds_the_lobe_it_is_within_three_thousandths() {
     let lookup = Lookup::new(&table(&Ggx::new(0.1, 0.1), &hemisphere(steps(3.0, 30), None, 90, 360)));
     let lookup = lookup.expect("a product");
     let found = merl::read(&merl::write(&lookup, Sampling::Node), Sampling::Node).expect("sound");
-    let (off, of_table) = (off_at_alpha_a_tenth(&found), off_at_alpha_a_tenth(&lookup));
+    let (off, of_table) = (off_at_alpha_a_tenth(&function(&found)), off_at_alpha_a_tenth(&lookup));
     // The bar of the issue. Straight lines between values of the formula alone are off by 0.0024 here, on one side; with
     // values that keep the means, by 0.0009 (both by NumPy, without this program). The rest is the table between its bins.
     assert!(off <= 0.003, "{off}; of the interpolated table alone {of_table}");
@@ -131,7 +132,7 @@ fn the_cells_of_a_file_are_a_table() {
     // Written again, every cell has its value to f32, and the same cells are marked.
     let export = interchange::export(&stored, Format::Merl, &Options::default(), &again).expect("written");
     assert_eq!(export.read_back.expect("not zero").l1, 0.0);
-    let back = merl::read_table(&std::fs::read(&again).expect("there"), Sampling::Node).expect("sound");
+    let back = merl::read(&std::fs::read(&again).expect("there"), Sampling::Node).expect("sound");
     assert!(back == table);
     // As stops and bins it is the function that the file is.
     let arms = half_difference::as_arms(&stored, None).expect("a function").expect("not yet arms");
@@ -205,33 +206,33 @@ fn every_verb_takes_half_difference_angles() {
 #[test]
 fn grids_of_half_and_difference_angles_are_checked() {
     let grid = merl::grid(Sampling::Node);
-    assert_eq!(gonio::table::check_grid(&grid), Ok((90, 16_200)));
+    assert_eq!(gonio::table::check_grid(&grid).expect("sound"), (90, 16_200));
     let reason = |change: fn(&mut Grid)| {
         let mut grid = grid.clone();
         change(&mut grid);
-        gonio::table::check_grid(&grid).expect_err("refused")
+        gonio::table::check_grid(&grid).expect_err("refused").to_string()
     };
     assert!(reason(|g| g.theta_h_deg[3] = f64::NAN).contains("theta_h_deg = NaN"));
     assert!(reason(|g| g.phi_d_deg.clear()).contains("phi_d_deg has 0 values"));
     assert!(reason(|g| g.theta_d_deg.swap(0, 1)).contains("does not increase"));
     assert!(reason(|g| g.theta_i_deg.push(1.0)).contains("only one is allowed"));
-    assert!(reason(|g| g.phi_h_deg = vec![0.0, 360.0]).contains("there already"));
+    assert!(reason(|g| g.phi_h_deg = vec![0.0, 360.0]).contains("already exists"));
 }
 
 #[test]
 fn damaged_files_are_refused() {
-    let reason = |bytes: &[u8]| merl::read(bytes, Sampling::Node).err().expect("must be refused");
+    let reason = |bytes: &[u8]| merl::read(bytes, Sampling::Node).expect_err("must be refused");
     let header: Vec<u8> = [90i32, 90, 180].iter().flat_map(|side| side.to_le_bytes()).collect();
-    assert!(reason(b"").contains("too few"));
-    assert!(reason(&[0; 12]).contains("0 x 0 x 0"));
-    assert!(reason(&header).contains("34992012"));
+    assert!(reason(b"").to_string().contains("too few"));
+    assert!(reason(&[0; 12]).to_string().contains("0 x 0 x 0"));
+    assert!(reason(&header).to_string().contains("34992012"));
     let mut whole = [header.clone(), vec![0; 34_992_000]].concat();
     whole[12 + 8 * 7..12 + 8 * 8].copy_from_slice(&f64::NAN.to_le_bytes());
-    assert!(reason(&whole).contains("value 7 is NaN"));
+    assert!(reason(&whole).to_string().contains("value 7 is NaN"));
     whole.push(0);
-    assert!(reason(&whole).contains("34992013 bytes"));
+    assert!(reason(&whole).to_string().contains("34992013 bytes"));
     let negative: Vec<u8> = std::iter::repeat_n((-1.0f64).to_le_bytes(), 4_374_000).flatten().collect();
-    assert!(reason(&[header.clone(), negative].concat()).contains("every value"));
+    assert!(reason(&[header.clone(), negative].concat()).to_string().contains("every value"));
     let short = [header, vec![0x3f; 500]].concat();
     assert_eq!(mutations::survives(&short, 100_000, |bytes| merl::read(bytes, Sampling::Node)), 100_000);
 }

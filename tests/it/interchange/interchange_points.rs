@@ -60,7 +60,7 @@ fn other_images_are_not_taken_for_utia() {
             part.channels.insert(name.into(), Samples::F32(vec![0.5; 288 * 288]));
         }
         change(&mut part);
-        utia::read(&image::encode(vec![part]).expect("encoded")).expect_err("refused")
+        utia::read(&image::encode(vec![part]).expect("encoded")).expect_err("refused").to_string()
     };
     assert!(reason(|part| drop(part.channels.remove("G"))).contains("no channel `G`"));
     let narrow = |part: &mut ImagePart| {
@@ -73,7 +73,7 @@ fn other_images_are_not_taken_for_utia() {
         values[300] = f32::NAN;
         part.channels.insert("R".into(), Samples::F32(values));
     };
-    assert!(reason(nan).contains("stop 1, bin 12: NaN"));
+    assert!(reason(nan).contains("incidence 1, bin 12: NaN"));
 }
 
 #[test]
@@ -94,11 +94,11 @@ fn other_tables_are_sampled_at_the_directions_of_utia() {
 
 #[test]
 fn damaged_utia_files_are_refused() {
-    let reason = |bytes: &[u8]| utia::read(bytes).expect_err("must be refused");
+    let reason = |bytes: &[u8]| utia::read(bytes).expect_err("must be refused").to_string();
     assert!(reason(b"").contains("0 bytes"));
     let mut bytes = vec![0; 1_990_656];
     bytes[80..88].copy_from_slice(&f64::NAN.to_le_bytes());
-    assert!(reason(&bytes).contains("stop 0, bin 10: NaN"));
+    assert!(reason(&bytes).contains("incidence 0, bin 10: NaN"));
     bytes.push(0);
     assert!(reason(&bytes).contains("1990657 bytes"));
     assert_eq!(mutations::survives(&[7; 600], 100_000, utia::read), 100_000);
@@ -151,7 +151,7 @@ fn damaged_parts_are_refused() {
     let grid = points(vec![10.0, 20.0], vec![0.0], &[30.0], &[0.0, 90.0]);
     let good = exr_parts::write(&table(&Ggx::new(0.4, 0.4), &grid)).expect("written");
     assert!(exr_parts::read(&good).is_ok());
-    assert!(exr_parts::read(b"MERL").expect_err("mislabelled").contains("not an EXR"));
+    assert!(exr_parts::read(b"MERL").expect_err("mislabelled").to_string().contains("not an EXR"));
     // Each round decodes a compressed image: fewer bytes flipped than whole files cut.
     let refused = mutations::survives(&good, 100_000, exr_parts::read);
     assert!(refused > 30_000, "{refused}");

@@ -39,14 +39,14 @@ fn read(text: &str) -> (Imported, Vec<String>) {
 
 fn function(text: &str) -> Box<dyn Brdf> {
     match read(text).0 {
-        Imported::Function(brdf, _) => brdf,
+        Imported::Function { mut parts, wavelengths_nm, .. } if wavelengths_nm.is_empty() => parts.remove(0),
+        Imported::Function { .. } => panic!("a spectrum"),
         Imported::Table(table) => panic!("a table: {:?}", table.grid),
-        Imported::Spectrum { .. } => panic!("a spectrum"),
     }
 }
 
 fn refusal(text: &str) -> String {
-    ssdd::read_with_notes(text.as_bytes()).err().expect("refused")
+    ssdd::read_with_notes(text.as_bytes()).err().expect("refused").to_string()
 }
 
 /// A vector turned about y (z towards x) and then about z, degrees.
@@ -235,7 +235,7 @@ fn ssdd_says_what_it_does_not_read() {
         ssdd::read_with_notes(&binary("\n# more\nDATA_TYPE specular_reflectance\nCOLOR_MODEL rgb\n"));
     assert!(further.expect("read").1[0].contains("`specular_reflectance`"));
     let junk = ssdd::read_with_notes(&binary("\u{7}\u{7}\u{7}\u{7}")).err().expect("refused");
-    assert!(junk.contains("bytes after the 24 values"), "{junk}");
+    assert!(junk.to_string().contains("bytes after the 24 values"), "{junk}");
 }
 
 #[test]

@@ -97,7 +97,7 @@ fn every_kind_of_table_in_every_format() {
     // Klems patches are wider than these lobes, and four dimensions of cells many: what they lose is in their L1.
     let options = Options { albedo_error: Some(0.05), ..Options::default() };
     for (index, (kind, table)) in kinds().into_iter().enumerate() {
-        for (name, format) in Format::ALL {
+        for (name, format) in Format::ALL.map(|format| (format.name(), format)) {
             let path = folder.path().join(format!("{kind}.{name}"));
             let written = interchange::export(&table, format, &options, &path);
             let case = format!("{kind} as {name}");

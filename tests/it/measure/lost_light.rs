@@ -116,5 +116,5 @@ fn a_spiked_map_cannot_be_recoloured_and_says_why() {
     let campaign = spiked.table.campaign.clone();
     let refused =
         gonio::table::recolour::recolour(&spiked.table, None, [0.5; 3], campaign).expect_err("refused");
-    assert!(refused.contains("left the map"), "{refused}");
+    assert!(refused.to_string().contains("left the map"), "{refused}");
 }

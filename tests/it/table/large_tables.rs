@@ -79,7 +79,7 @@ fn a_table_that_is_not_whole_takes_no_name() {
     let mut writer = TableWriter::create(&path, &table, &table.grid).expect("begun");
     writer.append(&band(&table, 0, 20)).expect("taken");
     let why = writer.append(&bad).expect_err("NaN").to_string();
-    assert!(why.contains("channel `Y`, stop 21, bin 6: NaN"), "{why}");
+    assert!(why.contains("channel `Y`, incidence 21, bin 6: NaN"), "{why}");
     drop(writer);
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
 }
@@ -254,5 +254,5 @@ fn a_campaign_measured_in_bands_gives_the_same_bytes() {
     }
     let file = realisations::load(&here.join("bands/rows_gold.realisations.exr")).expect("sound");
     let table = store::load(&here.join("bands/rows_gold.exr")).expect("sound").table;
-    assert!(file.belongs_to(&table).expect("a digest"));
+    assert!(file.is_of(&store::digest(&table).expect("a digest")));
 }

@@ -1,40 +1,32 @@
 //! SSDD over half/difference angles: a table of them where f(wi, wo) = f(wo, wi), else a function.
 
-use super::azimuths::{Azimuths, merged, seam_note};
+use super::azimuths::{check_round, check_whole, merged};
 use super::header::SsddHeader;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::half_difference::{HalfDifference, default_arms};
-use crate::interchange::import::Imported;
+use crate::interchange::text::azimuths::Azimuths;
 use crate::interchange::text::samples::alike;
-use crate::interchange::{Brdf, Reason, spectral_table};
+use crate::interchange::{Brdf, Checked, Imported, spectral_table};
 use crate::table::{BrdfTable, check_grid};
 
 /// Cosines below this are those of arms on the horizon.
 const HORIZON: f64 = 1e-9;
 
-/// What a file holds, and what is to be said of it.
-pub fn imported(header: &SsddHeader, total: Vec<Vec<f32>>) -> Reason<(Imported, Vec<String>)> {
+/// What a file holds, and notes on it.
+pub fn imported(header: &SsddHeader, total: &[Vec<f32>]) -> Checked<(Imported, Vec<String>)> {
     let turn = if header.reciprocal { 180.0 } else { 360.0 };
     let round = Azimuths::of(header.list(1, [0.0, 360.0])?, 360.0, false);
-    round.go_round()?;
+    check_round(&round)?;
     let most = if header.bilateral { 0.5 * turn } else { turn };
     let about = Azimuths::of(header.list(3, [0.0, most])?, turn, header.bilateral);
-    about.is_whole(turn)?;
+    check_whole(&about, turn)?;
     let mut notes = vec![];
     let alone = round.angles.len() == 1;
     if alone && header.anisotropic {
         notes.push("PARAM1_LIST has one azimuth, which stands for all: read as isotropic".to_string());
     }
-    let mut off = 0.0f64;
-    let values: Vec<Vec<f32>> = total
-        .iter()
-        .map(|values| {
-            let (values, apart) = merged(values, header.sizes(), &round, &about);
-            off = off.max(apart);
-            values
-        })
-        .collect();
-    notes.extend(seam_note(off));
+    let (values, seam) = merged(total, header.sizes(), &round, &about);
+    notes.extend(seam);
     let grid = Grid {
         kind: GridKind::HalfDifference,
         theta_h_deg: header.list(0, [0.0, 90.0])?.to_vec(),
@@ -73,13 +65,14 @@ fn halved(grid: &Grid, values: &[Vec<f32>]) -> Option<(Grid, Vec<Vec<f32>>)> {
 }
 
 /// The function of values that are not reciprocal.
-fn function(header: &SsddHeader, grid: Grid, values: &[Vec<f32>]) -> Reason<Imported> {
+fn function(header: &SsddHeader, grid: Grid, values: &[Vec<f32>]) -> Checked<Imported> {
     let table = with_gaps(spectral_table(grid, values.to_vec(), &header.wavelengths_nm)?);
     let arms = default_arms(table.grid.is_isotropic());
     let part = |values: &[Vec<f32>]| -> Box<dyn Brdf> {
         Box::new(HalfDifference::directed(&table.grid, values.to_vec(), &table.hits))
     };
-    Ok(Imported::function(values, &header.wavelengths_nm, arms, part))
+    let wavelengths_nm = header.wavelengths_nm.clone();
+    Ok(Imported::Function { parts: values.chunks(3).map(part).collect(), wavelengths_nm, grid: arms })
 }
 
 /// A zero of an arm on or below the horizon is a gap.

@@ -3,7 +3,8 @@
 use std::io::BufRead;
 
 use super::lines::NumberLines;
-use crate::interchange::Reason;
+use crate::error::wrong;
+use crate::interchange::Checked;
 
 /// What the four lists of angles are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -41,7 +42,7 @@ pub struct SsddHeader {
 
 impl SsddHeader {
     /// Everything up to the values.
-    pub fn read(lines: &mut NumberLines<impl BufRead>) -> Reason<Self> {
+    pub fn read(lines: &mut NumberLines<impl BufRead>) -> Checked<Self> {
         if lines.next()?.is_none_or(|(_, line)| !line.starts_with("VERSION ")) {
             return Err("no VERSION line: not an SSDD file".into());
         }
@@ -57,8 +58,8 @@ impl SsddHeader {
     }
 
     /// Takes one line; whether it was the last before the values.
-    fn set(&mut self, number: usize, key: &str, value: &str) -> Reason<bool> {
-        let needs = |wanted: &str| Err(format!("line {number}: {key} {value}: {wanted} needed"));
+    fn set(&mut self, number: usize, key: &str, value: &str) -> Checked<bool> {
+        let needs = |wanted: &str| Err(wrong!("line {number}: {key} {value}: {wanted} needed"));
         let numbers = || {
             let numbers = value.split_whitespace().map(str::parse).collect::<Result<Vec<f64>, _>>();
             numbers.map_err(|_| format!("line {number}: {key}: numbers needed"))
@@ -107,7 +108,7 @@ impl SsddHeader {
     }
 
     /// Checks what its lines say together.
-    fn finish(mut self) -> Reason<Self> {
+    fn finish(mut self) -> Checked<Self> {
         let nm = &self.wavelengths_nm;
         if !nm.windows(2).all(|pair| pair[0] < pair[1]) || !nm.iter().all(|nm| *nm > 0.0 && nm.is_finite()) {
             return Err("WAVELENGTH_LIST: increasing positive numbers needed".into());
@@ -138,11 +139,11 @@ impl SsddHeader {
     }
 
     /// One of the lists, if its angles increase within [least, most].
-    pub fn list(&self, k: usize, [least, most]: [f64; 2]) -> Reason<&[f64]> {
+    pub fn list(&self, k: usize, [least, most]: [f64; 2]) -> Checked<&[f64]> {
         let list = &self.lists[k];
         let within = list.iter().all(|angle| (least..=most).contains(angle));
         if list.is_empty() || !within || list.windows(2).any(|pair| pair[0] >= pair[1]) {
-            return Err(format!("PARAM{k}_LIST: increasing angles in [{least}, {most}] needed"));
+            return Err(wrong!("PARAM{k}_LIST: increasing angles in [{least}, {most}] needed"));
         }
         Ok(list)
     }

@@ -2,7 +2,7 @@
 
 use std::io::BufRead;
 
-use crate::interchange::Reason;
+use crate::interchange::Checked;
 use crate::text_decoding::decode_text_or_latin1;
 
 /// The lines of a file that are not empty, without comments and the space round them, and their numbers.
@@ -18,7 +18,7 @@ impl<R: BufRead> NumberLines<R> {
     }
 
     /// The next of them; comments may be of any characters.
-    pub fn next(&mut self) -> Reason<Option<(usize, String)>> {
+    pub fn next(&mut self) -> Checked<Option<(usize, String)>> {
         let mut bytes = Vec::new();
         while self.file.read_until(b'\n', &mut bytes).map_err(|e| e.to_string())? > 0 {
             self.number += 1;

@@ -1,8 +1,9 @@
 //! SSDD 0.2: an open text form of a 3-D or 4-D table over four lists of angles in degrees.
 //!
-//! `KEY value` lines, `PARAM0_LIST` .. `PARAM3_LIST`, `DATA ascii` or `binary`, then one colour a line, the first angle
-//! fastest, the last slowest. Written are spherical coordinates (theta_i, phi_i, theta_o, phi_o); read are these, angles
-//! about the mirror direction and half/difference angles. Source: the SSDD 0.2 specification (libbsdf's repository).
+//! `KEY value` lines, `PARAM0_LIST` .. `PARAM3_LIST`, `DATA ascii` or `binary`, then one colour a line, the first
+//! angle fastest, the last slowest. Written are spherical coordinates (theta_i, phi_i, theta_o, phi_o); read are
+//! these, angles about the mirror direction and half/difference angles. Source: the SSDD 0.2 specification (libbsdf's
+//! repository).
 
 mod azimuths;
 mod half_difference;
@@ -13,13 +14,15 @@ mod spherical;
 mod values;
 
 use std::io::{BufRead, Write};
+use std::path::Path;
 
 use super::seam;
-use crate::interchange::import::Imported;
+use crate::error::wrong;
+use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
 use crate::interchange::radiance::colour;
 use crate::interchange::read_back::{Listing, ReadBack};
-use crate::interchange::resample::lookup::{bin_axes, stop_axes};
-use crate::interchange::{Fail, Reason};
+use crate::interchange::resample::angles::{bin_axes, stop_axes};
+use crate::interchange::{Checked, Imported, Options, needed};
 use crate::sphere;
 use crate::table::BrdfTable;
 use crate::text_decoding::without_mark;
@@ -27,21 +30,53 @@ use header::{AngleKind, SsddHeader};
 use lines::NumberLines;
 
 /// How the values are meant.
-pub const CONVENTION: &str = "spherical coordinates in degrees (theta_i, phi_i, theta_o, phi_o), phi_o = phi_i + 180 is the \
+const CONVENTION: &str = "spherical coordinates in degrees (theta_i, phi_i, theta_o, phi_o), phi_o = phi_i + 180 is the \
     mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
 
-/// Writes the totals of a table whose stops and bins are products of angles. Azimuths are put into [0, 360) in increasing
-/// order, as the format wants them; of an isotropic table the light has none.
-pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Result<(), Fail> {
+/// The format.
+pub struct Ssdd;
+
+impl Codec for Ssdd {
+    fn traits(&self) -> FormatTraits {
+        FormatTraits { wavelengths: true, ..FormatTraits::totals("ssdd") }
+    }
+
+    fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
+        if is_binary(bytes) { Ok(12 * bytes.len() as u64) } else { needed::list(bytes) }
+    }
+
+    fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
+        read_with_notes(bytes)
+    }
+
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
+        Ok(Encoded::stream(CONVENTION, table, write))
+    }
+
+    fn read_back(&self, path: &Path, table: &BrdfTable, _options: &Options) -> Checked<Option<ReadBack>> {
+        read_back(codec::open(path)?, table)
+    }
+}
+
+/// Whether a file goes on in binary: no line of a text has anything else behind this.
+fn is_binary(bytes: &[u8]) -> bool {
+    let begins = |line: &[u8]| {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        words.next() == Some(b"DATA") && words.next() == Some(b"binary")
+    };
+    bytes.split(|&byte| byte == b'\n').any(begins)
+}
+
+/// Writes the totals of a table whose incidences and bins are products of angles. Azimuths are put into [0, 360) in
+/// increasing order, as the format wants them; of an isotropic table the light has none.
+pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
     let grid = &table.grid;
     if grid.phi_r_relative && !grid.is_isotropic() {
-        return Err("phi_r counts from the light at several azimuths; SSDD has absolute ones"
-            .to_string()
-            .into());
+        return Err("phi_r counts from the light at several azimuths; SSDD has absolute ones".into());
     }
     let ((theta_i, phi_i), (theta_r, phi_r)) = (stop_axes(grid)?, bin_axes(grid)?);
     if theta_r.iter().any(|&theta| theta < 0.0) {
-        return Err("an arm with negative polar angles has no list of spherical angles".to_string().into());
+        return Err("an arm with negative polar angles has no list of spherical angles".into());
     }
     let lists = [
         increasing(&theta_i, false),
@@ -87,34 +122,33 @@ fn increasing(angles: &[f64], azimuths: bool) -> Vec<(f64, usize)> {
     list
 }
 
-/// The table of a file that has stops and directions, or half vectors and differences, of its own.
-///
-/// Held by: `ssdd_comes_back`, `damaged_texts_are_refused`, tests/it/interchange/interchange_angles.rs.
-pub fn read(bytes: &[u8]) -> Reason<BrdfTable> {
+/// The table of a file that has incidences and directions, or half vectors and differences, of its own.
+// Tested by `ssdd_comes_back`, `damaged_texts_are_refused`, tests/it/interchange/interchange_angles.rs.
+pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     match read_with_notes(bytes)?.0 {
         Imported::Table(table) => Ok(table),
-        Imported::Function(..) | Imported::Spectrum { .. } => {
-            Err("the file's directions are no list of stops and bins; give a grid with --like".into())
+        Imported::Function { .. } => {
+            Err("the file's directions are no list of incidences and bins; give a grid with --like".into())
         }
     }
 }
 
-/// What a file holds, and what is to be said of it; negative values become 0, X, Y, Z linear R, G, B.
+/// What a file holds, and notes on it; negative values become 0, X, Y, Z linear R, G, B.
 ///
 /// In spherical coordinates it is a table of points: without `PARAM1_LIST` isotropic, azimuths a turn apart one where
 /// their values agree. About the mirror direction it is a function. Half/difference angles are a table of them where
 /// the values are reciprocal, and else a function.
-/// Held by: tests/it/interchange/interchange_ssdd.rs.
-pub fn read_with_notes(bytes: &[u8]) -> Reason<(Imported, Vec<String>)> {
+// Tested by tests/it/interchange/interchange_ssdd.rs.
+pub fn read_with_notes(bytes: &[u8]) -> Checked<(Imported, Vec<String>)> {
     let bytes = without_mark(bytes)?;
     let mut lines = NumberLines::of(&*bytes);
     let header = SsddHeader::read(&mut lines)?;
     let (values, mut notes) = values::all(&mut lines, &header, bytes.len())?;
     let values = if header.xyz { to_rgb(values) } else { values };
     let (imported, more) = match header.parameters {
-        AngleKind::Spherical => (Imported::Table(seam::dropped(spherical::table(&header, values)?)?), vec![]),
-        AngleKind::Specular => specular::function(&header, values)?,
-        AngleKind::HalfDifference => half_difference::imported(&header, values)?,
+        AngleKind::Spherical => (seam::dropped(spherical::table(&header, values)?)?.into(), vec![]),
+        AngleKind::Specular => specular::function(&header, &values)?,
+        AngleKind::HalfDifference => half_difference::imported(&header, &values)?,
     };
     notes.extend(more);
     Ok((imported, notes))
@@ -130,14 +164,14 @@ fn to_rgb(mut total: Vec<Vec<f32>>) -> Vec<Vec<f32>> {
     total
 }
 
-/// Holds a file of the table's own angles to the table, line by line, each value at its angles.
-pub fn read_back(file: impl BufRead, table: &BrdfTable) -> Reason<Option<ReadBack>> {
+/// Compares a file of the table's own angles with the table, line by line, each value at its angles.
+fn read_back(file: impl BufRead, table: &BrdfTable) -> Checked<Option<ReadBack>> {
     let mut lines = NumberLines::of(file);
     let header = SsddHeader::read(&mut lines)?;
     let grid = spherical::grid(&header)?;
     let sizes = (grid.stops(), grid.bins(), header.colours);
     if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {
-        return Err(format!("{} stops of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
+        return Err(wrong!("{} incidences of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
     }
     let (stops, bins) = seam::places(&grid, &table.grid)?;
     let mut listing = Listing::new(table);

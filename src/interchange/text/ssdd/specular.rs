@@ -7,12 +7,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::azimuths::{Azimuths, merged, seam_note};
+use super::azimuths::{check_round, check_whole, merged};
 use super::header::SsddHeader;
-use crate::interchange::import::Imported;
 use crate::interchange::resample::default_grid;
+use crate::interchange::text::azimuths::Azimuths;
 use crate::interchange::text::zemax::{Zemax, rotation_deg};
-use crate::interchange::{Brdf, Colour, Reason};
+use crate::interchange::{Brdf, Checked, Colour, Imported};
 
 /// A file as a function of at most three of its colours.
 struct Specular {
@@ -30,8 +30,8 @@ impl Brdf for Specular {
     }
 }
 
-/// The function that a file's values are, and what is to be said of them.
-pub fn function(header: &SsddHeader, total: Vec<Vec<f32>>) -> Reason<(Imported, Vec<String>)> {
+/// The function that a file's values are, and notes on them.
+pub fn function(header: &SsddHeader, total: &[Vec<f32>]) -> Checked<(Imported, Vec<String>)> {
     if header.reciprocal {
         return Err("REDUCTION_TYPE reciprocity: half_difference_coordinate_system needed".into());
     }
@@ -43,17 +43,16 @@ pub fn function(header: &SsddHeader, total: Vec<Vec<f32>>) -> Reason<(Imported, 
     let most = if header.bilateral { 180.0 } else { 360.0 };
     let about = header.list(3, [most - 360.0, most])?;
     let turns = Azimuths::of(header.list(1, [-360.0, 360.0])?, 360.0, false);
-    turns.go_round()?;
+    check_round(&turns)?;
     let about = match header.bilateral {
         true if about[0] < 0.0 => return Err("bilateral_symmetry: PARAM3_LIST in [0, 180] needed".into()),
         true => Azimuths { angles: about.to_vec(), places: (0..about.len()).map(|at| vec![at]).collect() },
         false => Azimuths::of(about, 360.0, false),
     };
     if !header.bilateral {
-        about.is_whole(360.0)?;
+        check_whole(&about, 360.0)?;
     }
     let mut notes = vec![];
-    let mut off = 0.0f64;
     // The sample's turns that bring the light to azimuth 0, increasing, as the tables have them.
     let mut order: Vec<(f64, usize)> = turns.angles.iter().map(|&phi| rotation_deg(phi)).zip(0..).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -62,15 +61,9 @@ pub fn function(header: &SsddHeader, total: Vec<Vec<f32>>) -> Reason<(Imported, 
         notes.push("PARAM1_LIST has one azimuth, which stands for all: read as isotropic".to_string());
     }
     let sizes = [light.len(), turns.angles.len(), radials.len(), about.angles.len()];
-    let values: Vec<Vec<f32>> = total
-        .iter()
-        .map(|values| {
-            let (values, apart) = merged(values, header.sizes(), &turns, &about);
-            off = off.max(apart);
-            turned(&values, sizes, &order)
-        })
-        .collect();
-    notes.extend(seam_note(off));
+    let (values, seam) = merged(total, header.sizes(), &turns, &about);
+    notes.extend(seam);
+    let values: Vec<Vec<f32>> = values.iter().map(|values| turned(values, sizes, &order)).collect();
     let tables = Arc::new(Zemax {
         symmetric: header.bilateral,
         rotations: if alone { vec![0.0] } else { order.iter().map(|turn| turn.0).collect() },
@@ -80,11 +73,12 @@ pub fn function(header: &SsddHeader, total: Vec<Vec<f32>>) -> Reason<(Imported, 
         radials: radials.to_vec(),
         ..Zemax::default()
     });
-    let grid = default_grid(tables.theta_i_deg(), tables.phi_i_deg());
+    let grid = default_grid(tables.light.clone(), tables.phi_i_deg());
     let part = |values: &[Vec<f32>]| -> Box<dyn Brdf> {
         Box::new(Specular { tables: Arc::clone(&tables), values: values.to_vec() })
     };
-    Ok((Imported::function(&values, &header.wavelengths_nm, grid, part), notes))
+    let (parts, wavelengths_nm) = (values.chunks(3).map(part).collect(), header.wavelengths_nm.clone());
+    Ok((Imported::Function { parts, wavelengths_nm, grid }, notes))
 }
 
 /// Values over [light][turn][radial][azimuth] as [turn][light][azimuth][radial], the turns in another order.

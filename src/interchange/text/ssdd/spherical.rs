@@ -1,23 +1,24 @@
 //! SSDD in spherical coordinates as a table of points.
 
 use super::header::SsddHeader;
+use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
-use crate::interchange::{Reason, spectral_table};
+use crate::interchange::{Checked, spectral_table};
 use crate::table::{BrdfTable, check_grid};
 
 /// The table of a file's values, the other half of symmetric ones filled in.
-pub fn table(header: &SsddHeader, mut total: Vec<Vec<f32>>) -> Reason<BrdfTable> {
+pub fn table(header: &SsddHeader, mut total: Vec<Vec<f32>>) -> Checked<BrdfTable> {
     let grid = grid(header)?;
     let grid = if header.bilateral { mirrored(grid, &mut total) } else { grid };
     spectral_table(grid, total, &header.wavelengths_nm)
 }
 
-/// The stops and directions that a file lists.
-pub fn grid(header: &SsddHeader) -> Reason<Grid> {
+/// The incidences and directions that a file lists.
+pub fn grid(header: &SsddHeader) -> Checked<Grid> {
     let [theta_i, phi_i, theta_r, phi_r] = &header.lists;
     for (list, angles) in [(0, theta_i), (2, theta_r)] {
         if let Some(angle) = angles.iter().find(|angle| !(0.0..=90.0).contains(*angle)) {
-            return Err(format!("PARAM{list}_LIST: polar angle {angle} lies outside [0, 90]"));
+            return Err(wrong!("PARAM{list}_LIST: polar angle {angle} lies outside [0, 90]"));
         }
     }
     // Azimuths of the light are needed of anisotropic data: without them there is one kind of azimuth, from the light.

@@ -4,14 +4,15 @@ use std::io::BufRead;
 
 use super::header::SsddHeader;
 use super::lines::NumberLines;
-use crate::interchange::Reason;
+use crate::error::wrong;
+use crate::interchange::Checked;
 
-/// The values of each colour by the four angles, the first slowest; and what is to be said of what follows them.
+/// The values of each colour by the four angles, the first slowest; and notes on what follows them.
 pub fn all(
     lines: &mut NumberLines<impl BufRead>,
     header: &SsddHeader,
     bytes: usize,
-) -> Reason<(Vec<Vec<f32>>, Vec<String>)> {
+) -> Checked<(Vec<Vec<f32>>, Vec<String>)> {
     let (sizes, colours) = (header.sizes(), header.colours);
     let pixels = sizes.iter().try_fold(1, |product: usize, &size| product.checked_mul(size));
     let pixels = pixels.filter(|pixels| pixels.checked_mul(colours).is_some_and(|values| values <= bytes));
@@ -29,14 +30,14 @@ pub fn all(
     Ok((total, more.map(note).into_iter().collect()))
 }
 
-/// Visits the values: row (the first two angles), column (the others), colour. Returns the kind of a further data block.
-///
-/// Held by: `ssdd_says_what_it_does_not_read` (tests/it/interchange/interchange_ssdd.rs).
+/// Visits the values: row (the first two angles), column (the others), colour. Returns the kind of a further data
+/// block.
+// Tested by `ssdd_says_what_it_does_not_read` (tests/it/interchange/interchange_ssdd.rs).
 pub fn each(
     lines: &mut NumberLines<impl BufRead>,
     header: &SsddHeader,
     mut visit: impl FnMut(usize, usize, usize, f32),
-) -> Reason<Option<String>> {
+) -> Checked<Option<String>> {
     let ([n0, n1, n2, n3], colours) = (header.sizes(), header.colours);
     let pixels = n0 * n1 * n2 * n3;
     let place = |count: usize| {
@@ -54,9 +55,9 @@ pub fn each(
         }
         return match lines.next()? {
             None => Ok(None),
-            Some((_, line)) => further(&line).map(Some).ok_or_else(|| {
+            Some((_, line)) => Ok(Some(further(&line).ok_or_else(|| {
                 format!("bytes after the {} values of 4 bytes after `DATA binary`", pixels * colours)
-            }),
+            })?)),
         };
     }
     let mut count = 0;
@@ -71,18 +72,18 @@ pub fn each(
         for cell in line.split_whitespace() {
             let value: f32 = cell.parse().map_err(|_| format!("line {number}: no number"))?;
             if found == colours || count == pixels {
-                return Err(wrong());
+                return Err(wrong().into());
             }
             let (row, column) = place(count);
             visit(row, column, found, positive(value));
             found += 1;
         }
         if found != colours {
-            return Err(wrong());
+            return Err(wrong().into());
         }
         count += 1;
     }
-    if count == pixels { Ok(None) } else { Err(format!("{count} lines of values, {pixels} needed")) }
+    if count == pixels { Ok(None) } else { Err(wrong!("{count} lines of values, {pixels} needed")) }
 }
 
 /// What a data block that begins with this line holds.

@@ -1,8 +1,8 @@
-//! What the tables of a Zemax file integrate to, beside the TIS that they name.
+//! What the tables of a Zemax file integrate to, next to the TIS that they name.
 
 use rayon::prelude::*;
 
-use super::{Zemax, about, frame};
+use super::tables::{Zemax, about, frame};
 use crate::instrument::GridKind;
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -16,7 +16,8 @@ const TIS_TOLERANCE: f64 = 0.02;
 /// Values that are scaled by more than this are said to be.
 const SAID_ABOVE: f64 = 0.01;
 
-/// Sum of a table over its bins by projected solid angle at the stop of these angles; `None` where bins have no size.
+/// Sum of a table over its bins by projected solid angle at the incidence of these angles; `None` where bins have no
+/// size.
 pub fn albedo(table: &BrdfTable, theta: f64, phi: f64) -> Option<f64> {
     if !matches!(table.grid.kind, GridKind::Hemisphere | GridKind::Patches) {
         return None;
@@ -30,8 +31,8 @@ pub fn albedo(table: &BrdfTable, theta: f64, phi: f64) -> Option<f64> {
 }
 
 impl Zemax {
-    /// Integral of a channel times the cosine over the hemisphere at each incidence of each rotation: two Gauss points in
-    /// each interval of the file's angles and of `FINE` steps.
+    /// Integral of a channel times the cosine over the hemisphere at each incidence of each rotation: two Gauss
+    /// points in each interval of the file's angles and of `FINE` steps.
     pub fn integrals(&self, channel: usize) -> Vec<f64> {
         let (half, times) = if self.symmetric { (180.0, 2.0) } else { (360.0, 1.0) };
         let (azimuths, radials) =
@@ -53,10 +54,9 @@ impl Zemax {
         (0..self.rotations.len() * self.light.len()).into_par_iter().map(integral).collect()
     }
 
-    /// Scales the values of each incidence such that they integrate to its albedo: bins that are wide beside the lobe leave
-    /// the interpolant between them, not its integral, open. Says by how much at most, where that is much.
-    ///
-    /// Held by: `the_values_of_a_file_integrate_to_its_tis` (tests/it/interchange/interchange_zemax.rs).
+    /// Scales the values of each incidence such that they integrate to its albedo: bins that are wide next to the
+    /// lobe leave the interpolant between them, not its integral, open. Says by how much at most, where that is much.
+    // Tested by `the_values_of_a_file_integrate_to_its_tis` (tests/it/interchange/interchange_zemax.rs).
     pub fn hold_energy(&mut self, albedos: &[f64], integrals: &[f64]) -> Option<String> {
         let size = self.azimuths.len() * self.radials.len();
         let (mut count, mut most) = (0, 0.0f64);
@@ -80,7 +80,7 @@ impl Zemax {
         })
     }
 
-    /// What is to be said where TIS and integrals are apart, or light is made.
+    /// The note where TIS and integrals are apart, or light is made.
     pub fn disagreement(&self, channel: usize, integrals: &[f64]) -> Option<String> {
         let share = |&(tis, sum): &(f64, f64)| (tis - sum).abs() / tis.max(sum).max(f64::MIN_POSITIVE);
         let pairs: Vec<(f64, f64)> =
@@ -107,7 +107,8 @@ impl Zemax {
     }
 }
 
-/// Two Gauss points, in degrees, and their weights in radians, in each piece of [0, end] between nodes and at most `step`.
+/// Two Gauss points, in degrees, and their weights in radians, in each piece of [0, end] between nodes and at most
+/// `step`.
 fn pieces(nodes: &[f64], end: f64, step: f64) -> Vec<(f64, f64)> {
     let inner = nodes.iter().copied().filter(|&node| node > 0.0 && node < end);
     let cuts: Vec<f64> = std::iter::once(0.0).chain(inner).chain([end]).collect();

@@ -1,73 +1,64 @@
 //! Zemax tabular BSDF: angles about the mirror direction; isotropic, or a table for each rotation of the sample.
 //!
-//! For each rotation and incidence a table over (azimuth, radial): radial is the angle from the mirror direction, azimuth 0 points
-//! from it towards the normal. Before each, TIS, the directional albedo. Source: Zemax's pages on the tabular format. Here
-//! the tables as a function; out of a table's they come in zemax_write.rs, their text is zemax_text.rs, what they
-//! integrate to zemax_energy.rs.
+//! For each rotation and incidence a table over (azimuth, radial): radial is the angle from the mirror direction,
+//! azimuth 0 points from it towards the normal. Before each, TIS, the directional albedo. Source: Zemax's pages on
+//! the tabular format.
 
 pub(crate) mod energy;
+mod tables;
 pub(crate) mod text;
 pub(crate) mod write;
 
-use glam::DVec3;
-
-use crate::interchange::radiance::colour;
-use crate::interchange::{Brdf, Colour, Reason};
-use crate::sphere;
+use crate::interchange::codec::{Codec, Encoded, FormatTraits, resampling_notes};
+use crate::interchange::resample::default_grid;
+use crate::interchange::{Checked, Imported, Lookup, Options, needed};
+use crate::table::BrdfTable;
+pub use tables::Zemax;
+pub(crate) use tables::rotation_deg;
 pub use write::write;
 
 /// How the values are meant.
-pub const CONVENTION: &str = "degrees about the mirror direction (radial the angle from it, azimuth 0 towards the normal, \
+const CONVENTION: &str = "degrees about the mirror direction (radial the angle from it, azimuth 0 towards the normal, \
     counter-clockwise); BRDF in 1/sr, no cosine; TIS the directional albedo; values at directions, no aperture; \
     isotropic: PlaneSymmetrical; else ASymmetrical4D, SampleRotation the sample's turn counter-clockwise under a lamp at \
     azimuth 0 (light at phi_i is the rotation 360 - phi_i)";
 
-/// The mirror direction of light at `theta` in the plane of x and z, the direction towards the normal, and across.
-pub(crate) fn frame(theta: f64) -> [DVec3; 3] {
-    let (sin, cos) = theta.sin_cos();
-    [DVec3::new(-sin, 0.0, cos), DVec3::new(cos, 0.0, sin), DVec3::Y]
-}
+/// The format.
+pub struct ZemaxFile;
 
-/// The direction at these angles, degrees, about a frame.
-pub(crate) fn about([mirror, up, across]: [DVec3; 3], azimuth: f64, radial: f64) -> DVec3 {
-    let ((sin_a, cos_a), (sin_r, cos_r)) = (sphere::sin_cos_deg(azimuth), sphere::sin_cos_deg(radial));
-    cos_r * mirror + sin_r * (cos_a * up + sin_a * across)
-}
+impl Codec for ZemaxFile {
+    fn traits(&self) -> FormatTraits {
+        FormatTraits {
+            reach_deg: |last_deg| [last_deg, 90.0],
+            colours: false,
+            ..FormatTraits::resampled("zemax")
+        }
+    }
 
-/// The rotation of the sample that brings light at this azimuth to 0, and the other way round.
-pub(crate) fn rotation_deg(phi_deg: f64) -> f64 {
-    sphere::reduced_deg(-phi_deg)
-}
+    fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
+        Ok(needed::numbers(bytes))
+    }
 
-/// The tables of a file.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Zemax {
-    /// The plane of incidence is a mirror: azimuths from 0 to 180, beyond as before.
-    pub symmetric: bool,
-    /// Increasing in [0, 360), as all that follow.
-    pub rotations: Vec<f64>,
-    /// Polar angles of the light.
-    pub light: Vec<f64>,
-    /// What is added at each of them to the polar angle of the mirror direction; empty for nothing. SSDD's, in Zemax files
-    /// there is none.
-    pub offsets: Vec<f64>,
-    /// Angles about the mirror direction; where they are no mirror's, they go round.
-    pub azimuths: Vec<f64>,
-    /// Angles from the mirror direction.
-    pub radials: Vec<f64>,
-    /// Luminance, or X, Y and Z: \[rotation\]\[incidence\]\[azimuth\]\[radial\].
-    pub values: Vec<Vec<f32>>,
-    /// TIS by channel, \[rotation\]\[incidence\].
-    pub tis: Vec<Vec<f64>>,
+    fn decode(&self, bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
+        let (zemax, notes) = read_with_notes(bytes)?;
+        let grid = default_grid(zemax.light.clone(), zemax.phi_i_deg());
+        Ok((Imported::of(zemax, grid), notes))
+    }
+
+    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
+        let lookup = Lookup::new(table)?;
+        let (text, notes) = write(table, &lookup)?;
+        Ok(Encoded::bytes(text, CONVENTION, [resampling_notes(&lookup), notes].concat()))
+    }
 }
 
 /// The tables of a file; nothing is integrated.
-pub fn read(bytes: &[u8]) -> Reason<Zemax> {
+pub fn read(bytes: &[u8]) -> Checked<Zemax> {
     text::parse(bytes).map(|(file, _)| file)
 }
 
-/// The tables of a file, and what is to be said of them.
-pub fn read_with_notes(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
+/// The tables of a file, and notes on them.
+pub fn read_with_notes(bytes: &[u8]) -> Checked<(Zemax, Vec<String>)> {
     let (file, mut notes) = text::parse(bytes)?;
     let last = |list: &[f64]| list[list.len() - 1];
     if last(&file.radials) < 90.0 + last(&file.light) && last(&file.radials) < 180.0 {
@@ -83,129 +74,4 @@ pub fn read_with_notes(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
         }));
     }
     Ok((file, notes))
-}
-
-/// The interval that holds x and the place in it; outside, the end.
-fn interval(nodes: &[f64], x: f64) -> ([usize; 2], f64) {
-    if nodes.len() < 2 {
-        return ([0, 0], 0.0);
-    }
-    let k = nodes.partition_point(|&node| node <= x).clamp(1, nodes.len() - 1) - 1;
-    ([k, k + 1], ((x - nodes[k]) / (nodes[k + 1] - nodes[k])).clamp(0.0, 1.0))
-}
-
-/// The nodes on both sides of an angle where they go round, and the share of the second.
-fn around(nodes: &[f64], at: f64) -> ([usize; 2], f64) {
-    let above = nodes.partition_point(|&node| node <= at);
-    let (low, high) = ((above + nodes.len() - 1) % nodes.len(), above % nodes.len());
-    let gap = (nodes[high] - nodes[low]).rem_euclid(360.0);
-    ([low, high], if gap == 0.0 { 0.0 } else { (at - nodes[low]).rem_euclid(360.0) / gap })
-}
-
-impl Zemax {
-    /// Incidences, degrees.
-    pub fn theta_i_deg(&self) -> Vec<f64> {
-        self.light.clone()
-    }
-
-    /// Azimuths of the light, degrees; none where the file has one rotation.
-    pub fn phi_i_deg(&self) -> Vec<f64> {
-        if self.rotations.len() == 1 {
-            return vec![];
-        }
-        let mut phi: Vec<f64> = self.rotations.iter().map(|&rotation| rotation_deg(rotation)).collect();
-        phi.sort_by(f64::total_cmp);
-        phi
-    }
-
-    /// R, G, B of a channel's values, and whether a part was negative.
-    fn colour_of(&self, value: impl Fn(usize) -> f64) -> (Colour, bool) {
-        if self.values.len() == 1 {
-            return ([value(0); 3], false);
-        }
-        let xyz = [value(0), value(1), value(2)];
-        (colour::rgb(xyz), colour::is_outside(xyz))
-    }
-
-    /// The value of a channel, linear between the file's angles, at a direction about the mirror direction.
-    ///
-    /// A zero at a node on or below the horizon is no value: a straight line towards it would darken what is above. Along
-    /// the radial the last value above is held.
-    /// Held by: `a_lambertian_file_of_few_radials_is_lambertian` (tests/it/interchange/interchange_zemax.rs).
-    pub(crate) fn value(
-        &self,
-        channels: &[Vec<f32>],
-        light: ([usize; 2], f64),
-        turn: ([usize; 2], f64),
-        azimuth: f64,
-        radial: f64,
-    ) -> Colour {
-        // Where the plane of incidence is a mirror, azimuths beyond half a turn are those before it.
-        let azimuth = match self.symmetric {
-            true => interval(&self.azimuths, if azimuth > 180.0 { 360.0 - azimuth } else { azimuth }),
-            false => around(&self.azimuths, azimuth),
-        };
-        let (axes, ([inner, outer], share)) = ([light, azimuth, turn], interval(&self.radials, radial));
-        let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        for corner in 0..8 {
-            let side = |axis: usize| corner >> axis & 1;
-            let part = |axis: usize| if side(axis) == 1 { axes[axis].1 } else { 1.0 - axes[axis].1 };
-            let weight = part(0) * part(1) * part(2);
-            if weight == 0.0 {
-                continue;
-            }
-            let [l, a, t] = [0, 1, 2].map(|axis: usize| axes[axis].0[side(axis)]);
-            let row = ((t * self.light.len() + l) * self.azimuths.len() + a) * self.radials.len();
-            let none =
-                |r: usize| channels.iter().all(|values| values[row + r] == 0.0) && !self.is_above(l, a, r);
-            let share = match [none(inner), none(outer)] {
-                [true, true] => continue,
-                [false, true] => 0.0,
-                [true, false] => 1.0,
-                [false, false] => share,
-            };
-            for (s, values) in sum.iter_mut().zip(channels) {
-                let [low, high] = [inner, outer].map(|r| f64::from(values[row + r]));
-                *s += weight * ((1.0 - share) * low + share * high);
-            }
-            weights += weight;
-        }
-        if weights > 0.0 { sum.map(|s| s / weights) } else { sum }
-    }
-
-    /// The channels at a pair of directions.
-    pub(crate) fn at(&self, channels: &[Vec<f32>], wi: DVec3, wo: DVec3) -> Colour {
-        let (theta, phi) = (sphere::theta(wi), sphere::phi(wi));
-        let light = interval(&self.light, theta.to_degrees());
-        let [mirror, up, across] = frame(theta + self.offset(light).to_radians());
-        let out = sphere::turned(wo, (-phi.sin(), phi.cos()));
-        let local = DVec3::new(out.dot(up), out.dot(across), out.dot(mirror));
-        let turn = around(&self.rotations, rotation_deg(phi.to_degrees()));
-        let (azimuth, radial) = (sphere::phi(local).to_degrees(), sphere::theta(local).to_degrees());
-        self.value(channels, light, turn, azimuth, radial)
-    }
-
-    /// What is added to the polar angle of the mirror direction, degrees.
-    fn offset(&self, ([low, high], share): ([usize; 2], f64)) -> f64 {
-        let of = |light: usize| self.offsets.get(light).copied().unwrap_or(0.0);
-        (1.0 - share) * of(low) + share * of(high)
-    }
-
-    /// Whether a node lies above the horizon, by more than rounding.
-    fn is_above(&self, light: usize, azimuth: usize, radial: usize) -> bool {
-        let (sin_i, cos_i) = sphere::sin_cos_deg(self.light[light] + self.offset(([light; 2], 0.0)));
-        let (sin_r, cos_r) = sphere::sin_cos_deg(self.radials[radial]);
-        cos_r * cos_i + sin_r * sphere::sin_cos_deg(self.azimuths[azimuth]).1 * sin_i > 1e-9
-    }
-}
-
-impl Brdf for Zemax {
-    fn colours(&self) -> usize {
-        self.values.len()
-    }
-
-    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let found = self.at(&self.values, wi, wo);
-        self.colour_of(|channel| found[channel]).0
-    }
 }

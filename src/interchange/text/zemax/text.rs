@@ -5,18 +5,17 @@
 use std::fmt::Write;
 use std::iter::Peekable;
 
-use super::Zemax;
-use crate::interchange::Reason;
+use super::tables::Zemax;
+use crate::error::wrong;
+use crate::interchange::Checked;
 use crate::interchange::radiance::xml::{negative_note, short};
-use crate::sphere;
+use crate::interchange::text::azimuths::{Azimuths, SAME, widest_gap};
 use crate::text_decoding::decode_text_or_latin1;
 
 /// More numbers in a list than any file has.
 const LONGEST: usize = 10_000;
 /// The widest step between rotations that is interpolated over, degrees.
 const WIDEST_GAP: f64 = 46.0;
-/// Angles nearer than this are one, degrees.
-const SAME: f64 = 1e-6;
 const KEYS: [&str; 4] = ["SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial"];
 
 /// The text of a file of one channel; azimuths that go round end where they began, as other readers do not wrap them.
@@ -54,11 +53,10 @@ struct ZemaxHeader {
     lists: [Vec<f64>; 4],
 }
 
-/// Reads a file; several rotations must go round. Returns what is to be said of its values, too.
-///
-/// Held by: `keywords_are_read_in_any_case_and_a_closed_seam_is_dropped`, `azimuths_go_round` and others in
-/// tests/it/interchange/interchange_zemax.rs.
-pub fn parse(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
+/// Reads a file; several rotations must go round. Returns notes on its values, too.
+// Tested by `keywords_are_read_in_any_case_and_a_closed_seam_is_dropped`, `azimuths_go_round` and others in
+// tests/it/interchange/interchange_zemax.rs.
+pub fn parse(bytes: &[u8]) -> Checked<(Zemax, Vec<String>)> {
     let text = decode_text_or_latin1(bytes)?;
     let uncommented = text.lines().map(|line| line.split('#').next().unwrap_or_default());
     let mut words = uncommented.flat_map(str::split_whitespace).peekable();
@@ -80,7 +78,7 @@ pub fn parse(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
     for _ in header.channels {
         let channel = channel(&mut words, header.channels)?;
         if !tis[channel].is_empty() {
-            return Err(format!("{} is there twice", header.channels[channel]));
+            return Err(wrong!("{} is there twice", header.channels[channel]));
         }
         for _ in 0..rotations.len() * light.len() {
             tis[channel].push(block(
@@ -97,15 +95,17 @@ pub fn parse(bytes: &[u8]) -> Reason<(Zemax, Vec<String>)> {
         }
     }
     if words.any(|word| is(word, "DataBegin") || is(word, "TIS")) {
-        return Err(format!("more data than {} need", header.channels.join(", ")));
+        return Err(wrong!("more data than {} need", header.channels.join(", ")));
     }
-    file.tis = tis.iter().map(|tis| merged(tis, [1, sizes[0], sizes[1]], &turns.places).0).collect();
+    let equal = |a, b| a == b;
+    file.tis = tis.iter().map(|tis| turns.merged(tis, [1, sizes[0], sizes[1]], equal).0).collect();
     let mut seam = 0.0f64;
     for raw in &values {
-        let (by_turn, off_turn) = merged(raw, [1, sizes[0], sizes[1] * sizes[2] * sizes[3]], &turns.places);
+        let largest = raw.iter().fold(f64::MIN_POSITIVE, |most, &value| most.max(value));
+        let (by_turn, off_turn) = turns.merged(raw, [1, sizes[0], sizes[1] * sizes[2] * sizes[3]], equal);
         let blocks = turns.angles.len() * sizes[1];
-        let (all, off) = merged(&by_turn, [blocks, sizes[2], sizes[3]], &directions.places);
-        seam = seam.max(off_turn).max(off);
+        let (all, off) = directions.merged(&by_turn, [blocks, sizes[2], sizes[3]], equal);
+        seam = seam.max(off_turn.max(off) / largest);
         file.values.push(all.iter().map(|&value| value as f32).collect());
     }
     let mut notes = vec![];
@@ -124,7 +124,7 @@ fn is(word: &str, key: &str) -> bool {
 }
 
 /// Everything up to the name of the first channel, or its data.
-fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Reason<ZemaxHeader> {
+fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Checked<ZemaxHeader> {
     let mut header = ZemaxHeader { symmetric: true, channels: &["Monochrome"], lists: Default::default() };
     loop {
         let word = *words.peek().ok_or("no DataBegin: not a Zemax BSDF")?;
@@ -157,34 +157,34 @@ fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Reason<Zem
         header.lists[0].push(0.0);
     }
     match KEYS.iter().zip(&header.lists).find(|(_, list)| list.is_empty()) {
-        Some((key, _)) => Err(format!("no {key}")),
+        Some((key, _)) => Err(wrong!("no {key}")),
         None => Ok(header),
     }
 }
 
 /// A number of angles, and the angles.
-fn list<'a>(key: &str, words: &mut impl Iterator<Item = &'a str>) -> Reason<Vec<f64>> {
+fn list<'a>(key: &str, words: &mut impl Iterator<Item = &'a str>) -> Checked<Vec<f64>> {
     let count =
         words.next().and_then(|word| word.parse::<usize>().ok()).filter(|n| (1..=LONGEST).contains(n));
     let count = count.ok_or_else(|| format!("{key}: a number of angles from 1 to {LONGEST} needed"))?;
-    let list = (0..count).map(|_| number(words.next())).collect::<Reason<Vec<f64>>>()?;
+    let list = (0..count).map(|_| number(words.next())).collect::<Checked<Vec<f64>>>()?;
     match list.windows(2).all(|pair| pair[0] < pair[1]) {
         true => Ok(list),
-        false => Err(format!("{key}: the angles do not increase")),
+        false => Err(wrong!("{key}: the angles do not increase")),
     }
 }
 
 /// The name of a channel, by which its place is known, and DataBegin.
-fn channel<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>, channels: &[&str]) -> Reason<usize> {
+fn channel<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>, channels: &[&str]) -> Checked<usize> {
     let word = *words.peek().ok_or_else(|| format!("cut off before {}", channels[channels.len() - 1]))?;
     let found = channels.iter().position(|channel| is(word, channel));
     if found.is_none() && (channels.len() > 1 || !is(word, "DataBegin")) {
-        return Err(format!("{:?} where {} is needed", short(word), channels.join(", ")));
+        return Err(wrong!("{:?} where {} is needed", short(word), channels.join(", ")));
     }
     words.next_if(|word| !is(word, "DataBegin"));
     match words.next_if(|word| is(word, "DataBegin")) {
         Some(_) => Ok(found.unwrap_or(0)),
-        None => Err(format!("no DataBegin behind {}", channels[found.unwrap_or(0)])),
+        None => Err(wrong!("no DataBegin behind {}", channels[found.unwrap_or(0)])),
     }
 }
 
@@ -202,7 +202,7 @@ fn block<'a>(
     count: usize,
     values: &mut Vec<f64>,
     seen: &mut ValueCheck,
-) -> Reason<f64> {
+) -> Checked<f64> {
     if !words.next().is_some_and(|word| is(word, "TIS")) {
         return Err("TIS needed before the values of each incidence".into());
     }
@@ -210,7 +210,7 @@ fn block<'a>(
     for _ in 0..count {
         let value = number(words.next())?;
         if !(value as f32).is_finite() {
-            return Err(format!("{value:e} is no BRDF value"));
+            return Err(wrong!("{value:e} is no BRDF value"));
         }
         seen.values += 1;
         seen.negative += usize::from(value < 0.0);
@@ -220,57 +220,24 @@ fn block<'a>(
     Ok(tis)
 }
 
-fn number(word: Option<&str>) -> Reason<f64> {
+fn number(word: Option<&str>) -> Checked<f64> {
     let value = word.and_then(|word| word.parse::<f64>().ok()).filter(|value| value.is_finite());
-    value.ok_or_else(|| format!("{:?} where a finite number is needed", short(word.unwrap_or_default())))
+    value.ok_or_else(|| wrong!("{:?} where a finite number is needed", short(word.unwrap_or_default())))
 }
 
-/// Angles that go round: reduced to [0, 360), increasing; and for each where the list has it. Two places for an angle
-/// that is there at both ends.
-struct AngleCircle {
-    angles: Vec<f64>,
-    places: Vec<Vec<usize>>,
-}
-
-fn circle(key: &str, list: &[f64]) -> Reason<AngleCircle> {
+/// The angles of a list that goes round.
+fn circle(key: &str, list: &[f64]) -> Checked<Azimuths> {
     let (first, last) = (list[0], list[list.len() - 1]);
     if first < -360.0 || last > 360.0 || last - first > 360.0 + SAME {
-        return Err(format!(
+        return Err(wrong!(
             "{key}: the angles from {first} to {last} are more than a turn, or outside [-360, 360]"
         ));
     }
-    let closed = list.len() > 1 && last - first > 360.0 - SAME;
-    let open = if closed { list.len() - 1 } else { list.len() };
-    let mut nodes: Vec<(f64, usize)> =
-        list[..open].iter().map(|&angle| sphere::reduced_deg(angle)).zip(0..).collect();
-    nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let places = |&(_, place): &(f64, usize)| if closed && place == 0 { vec![0, open] } else { vec![place] };
-    Ok(AngleCircle {
-        angles: nodes.iter().map(|node| node.0).collect(),
-        places: nodes.iter().map(places).collect(),
-    })
-}
-
-/// `raw[outer][node][inner]` with the nodes in another order, the mean where a node has several places; and the largest
-/// difference of such, as a share of the largest value.
-fn merged(raw: &[f64], [outer, nodes, inner]: [usize; 3], places: &[Vec<usize>]) -> (Vec<f64>, f64) {
-    let (mut all, mut off) = (Vec::with_capacity(raw.len()), 0.0f64);
-    for o in 0..outer {
-        for place in places {
-            let (first, last) = (place[0], place[place.len() - 1]);
-            for k in 0..inner {
-                let [a, b] = [first, last].map(|node| raw[(o * nodes + node) * inner + k]);
-                off = off.max((a - b).abs());
-                all.push(if a == b { a } else { 0.5 * (a + b) });
-            }
-        }
-    }
-    let largest = raw.iter().fold(f64::MIN_POSITIVE, |most, &value| most.max(value));
-    (all, off / largest)
+    Ok(Azimuths::of(list, 360.0, false))
 }
 
 /// Whether the angles make tables that can be read; `listed` are the azimuths as the file has them.
-fn check(file: &Zemax, listed: &[f64]) -> Reason<()> {
+fn check(file: &Zemax, listed: &[f64]) -> Checked<()> {
     let within = |list: &[f64], most: f64| list.iter().all(|angle| (0.0..=most).contains(angle));
     if !within(&file.light, 90.0) || !within(&file.radials, 180.0) {
         return Err("an angle lies outside [0, 90] (incidence) or [0, 180] (radial)".into());
@@ -281,19 +248,15 @@ fn check(file: &Zemax, listed: &[f64]) -> Reason<()> {
     if file.symmetric && !within(listed, 180.0) {
         return Err("PlaneSymmetrical: an azimuth lies outside [0, 180]".into());
     }
-    let gap = |list: &[f64]| {
-        let inner = list.windows(2).map(|pair| pair[1] - pair[0]);
-        inner.fold(360.0 - list[list.len() - 1] + list[0], f64::max)
-    };
     // Two opposite azimuths are a scan in a plane; of more, half a turn without any is a forgotten symmetry.
-    let (widest, count) = (gap(&file.azimuths), file.azimuths.len());
+    let (widest, count) = (widest_gap(&file.azimuths, 360.0), file.azimuths.len());
     if !file.symmetric && count > 1 && widest > if count == 2 { 180.0 } else { 180.0 - SAME } {
-        return Err(format!(
+        return Err(wrong!(
             "ScatterAzimuth: {widest} degrees without any azimuth; half a turn is what PlaneSymmetrical has"
         ));
     }
-    if file.rotations.len() > 1 && (file.symmetric || gap(&file.rotations) > WIDEST_GAP) {
-        return Err(format!(
+    if file.rotations.len() > 1 && (file.symmetric || widest_gap(&file.rotations, 360.0) > WIDEST_GAP) {
+        return Err(wrong!(
             "several rotations must be asymmetrical and go round in steps of at most {WIDEST_GAP}"
         ));
     }

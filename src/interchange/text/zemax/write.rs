@@ -1,16 +1,16 @@
 //! A Zemax file out of a table: which incidences it has, and what their blocks hold.
 //!
-//! Between incidences a reader goes straight from block to block at equal angles about the mirror direction, where a lobe
-//! grows towards grazing light faster than that. Incidences are therefore added half-way between two others until the
-//! albedo of the file is the table's there.
+//! Between incidences a reader goes straight from block to block at equal angles about the mirror direction, where a
+//! lobe grows towards grazing light faster than that. Incidences are therefore added half-way between two others
+//! until the albedo of the file is the table's there.
 
 use rayon::prelude::*;
 
 use super::energy::albedo;
+use super::tables::{Zemax, about, frame, rotation_deg};
 use super::text;
-use super::{Zemax, about, frame, rotation_deg};
 use crate::interchange::resample::sampling::{integral, samples};
-use crate::interchange::{Brdf, Lookup, Reason};
+use crate::interchange::{Brdf, Checked, Lookup};
 use crate::sphere;
 use crate::table::BrdfTable;
 
@@ -21,7 +21,7 @@ const RADIALS: usize = 91;
 const NEAR: f64 = 0.005;
 /// No gap is halved that is narrower than this, degrees.
 const NARROWEST: f64 = 1.0;
-/// Values of a file at most (40 MB of text), unless the stops alone are more.
+/// Values of a file at most (40 MB of text), unless the incidences alone are more.
 const MOST_VALUES: usize = 1 << 22;
 /// Directions of each kind in an integral: file and table have the same ones, and only their ratio counts.
 const SAMPLES: usize = 512;
@@ -29,7 +29,7 @@ const SAMPLES: usize = 512;
 const AZIMUTHS: usize = 4;
 
 /// An incidence of a file.
-struct Incidence {
+struct FileIncidence {
     theta_deg: f64,
     /// By rotation.
     blocks: Vec<IncidenceBlock>,
@@ -44,14 +44,13 @@ struct IncidenceBlock {
     albedo: Option<f64>,
 }
 
-/// The text of a file of a table with one colour, and what is to be said of it.
+/// The text of a file of a table with one colour, and notes on it.
 ///
-/// TIS is the table's own albedo where its bins have sizes, interpolated between stops, and else what the file's values
-/// integrate to.
-///
-/// Held by: `tis_is_the_albedo_of_the_table`, `the_albedo_holds_between_incidences`,
-/// `zemax_tables_stand_about_the_mirror_direction` (tests/it/interchange/interchange_text.rs).
-pub fn write(table: &BrdfTable, lookup: &Lookup) -> Reason<(String, Vec<String>)> {
+/// TIS is the table's own albedo where its bins have sizes, interpolated between incidences, and else what the file's
+/// values integrate to.
+// Tested by `tis_is_the_albedo_of_the_table`, `the_albedo_holds_between_incidences`,
+// `zemax_tables_stand_about_the_mirror_direction` (tests/it/interchange/interchange_text.rs).
+pub fn write(table: &BrdfTable, lookup: &Lookup) -> Checked<(String, Vec<String>)> {
     let isotropic = lookup.is_isotropic();
     // Rotations increase: azimuths fall, but for 0.
     let mut turns: Vec<(f64, usize)> =
@@ -71,16 +70,17 @@ pub fn write(table: &BrdfTable, lookup: &Lookup) -> Reason<(String, Vec<String>)
             values: stop_values(&file, lookup, (ti, pi)),
             albedo: albedo(table, lookup.theta_i()[ti], lookup.phi_i()[pi]),
         });
-        Incidence { theta_deg: deg(lookup.theta_i()[ti]), blocks: blocks.collect(), is_settled: false }
+        FileIncidence { theta_deg: deg(lookup.theta_i()[ti]), blocks: blocks.collect(), is_settled: false }
     };
-    let mut incidences: Vec<Incidence> = (0..lookup.theta_i().len()).map(at_stop).collect();
+    let mut incidences: Vec<FileIncidence> = (0..lookup.theta_i().len()).map(at_stop).collect();
     loop {
         let notes = fill(&mut file, &incidences);
         let added = missing(&file, lookup, &mut incidences);
         if added.is_empty() {
             return Ok((text::text(&file), notes));
         }
-        // Of lobes narrower than the bins the integral of the interpolant is uncertain: it makes no light where stops do not.
+        // Of lobes narrower than the bins the integral of the interpolant is uncertain: it makes no light where the
+        // table does not.
         let most = incidences.iter().flat_map(|incidence| &incidence.blocks).map(|block| block.albedo);
         let most = most.collect::<Option<Vec<f64>>>().map(|all| all.into_iter().fold(1.0, f64::max));
         incidences.extend(added.into_iter().map(|theta_deg| between(&file, lookup, &turns, theta_deg, most)));
@@ -92,8 +92,8 @@ fn deg(angle: f64) -> f64 {
     (angle.to_degrees() * 1e9).round() / 1e9
 }
 
-/// Puts incidences into a file, their values scaled to their albedos; what is to be said of that.
-fn fill(file: &mut Zemax, incidences: &[Incidence]) -> Vec<String> {
+/// Puts incidences into a file, their values scaled to their albedos; notes on that.
+fn fill(file: &mut Zemax, incidences: &[FileIncidence]) -> Vec<String> {
     file.light = incidences.iter().map(|incidence| incidence.theta_deg).collect();
     let by_turn = |turn: usize| incidences.iter().map(move |incidence| &incidence.blocks[turn]);
     let blocks: Vec<&IncidenceBlock> = (0..file.rotations.len()).flat_map(by_turn).collect();
@@ -107,7 +107,7 @@ fn fill(file: &mut Zemax, incidences: &[Incidence]) -> Vec<String> {
 }
 
 /// The middles of gaps in which the file's albedo is not the table's, the worst first, as many as there is room for.
-fn missing(file: &Zemax, lookup: &Lookup, incidences: &mut [Incidence]) -> Vec<f64> {
+fn missing(file: &Zemax, lookup: &Lookup, incidences: &mut [FileIncidence]) -> Vec<f64> {
     let gap = |k: usize| (incidences[k].theta_deg, incidences[k + 1].theta_deg);
     let open: Vec<usize> = (0..incidences.len() - 1)
         .filter(|&k| !incidences[k].is_settled && gap(k).1 - gap(k).0 >= NARROWEST)
@@ -139,14 +139,20 @@ fn off(file: &Zemax, lookup: &Lookup, theta_deg: f64) -> f64 {
     phis.iter().step_by(phis.len().div_ceil(AZIMUTHS)).map(at).fold(0.0, f64::max)
 }
 
-/// The values at a stop.
+/// The values at an incidence.
 fn stop_values(file: &Zemax, lookup: &Lookup, stop: (usize, usize)) -> Vec<f32> {
     let (theta, phi) = (lookup.theta_i()[stop.0], lookup.phi_i()[stop.1]);
-    values(file, theta, |out| lookup.at_stop(stop, phi, sphere::turned(out, phi.sin_cos()))[0])
+    values(file, theta, |out| lookup.values().at_stop(stop, phi, sphere::turned(out, phi.sin_cos()))[0])
 }
 
-/// An incidence between stops, of no larger albedo than `most`; `None` where bins have no sizes.
-fn between(file: &Zemax, lookup: &Lookup, turns: &[usize], theta_deg: f64, most: Option<f64>) -> Incidence {
+/// An incidence between those of the table, of no larger albedo than `most`; `None` where bins have no sizes.
+fn between(
+    file: &Zemax,
+    lookup: &Lookup,
+    turns: &[usize],
+    theta_deg: f64,
+    most: Option<f64>,
+) -> FileIncidence {
     let theta = theta_deg.to_radians();
     let block = |&pi: &usize| {
         let phi = lookup.phi_i()[pi];
@@ -156,7 +162,7 @@ fn between(file: &Zemax, lookup: &Lookup, turns: &[usize], theta_deg: f64, most:
         let albedo = most.map(|most| integral(&to, |wo| lookup.brdf(wi, wo))[0].min(most));
         IncidenceBlock { values, albedo }
     };
-    Incidence { theta_deg, blocks: turns.par_iter().map(block).collect(), is_settled: false }
+    FileIncidence { theta_deg, blocks: turns.par_iter().map(block).collect(), is_settled: false }
 }
 
 /// The values of a block; `value` is that of a direction seen with the light at azimuth 0.

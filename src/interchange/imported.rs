@@ -1,0 +1,54 @@
+//! What a foreign file holds: a table, or a function of two directions.
+
+use super::half_difference::HalfDifference;
+use super::radiance::klems::Patchwise;
+use super::{Brdf, Lookup};
+use crate::error::Checked;
+use crate::instrument::{Grid, GridKind};
+use crate::table::BrdfTable;
+
+/// What a foreign file holds.
+pub enum Imported {
+    /// Incidences and bins of its own.
+    Table(BrdfTable),
+    /// A function of two directions.
+    Function {
+        /// Three colours each, the last what is left.
+        parts: Vec<Box<dyn Brdf>>,
+        /// One for each colour, nm; none of Y and R, G, B.
+        wavelengths_nm: Vec<f64>,
+        /// A grid that suits it.
+        grid: Grid,
+    },
+}
+
+impl From<BrdfTable> for Imported {
+    fn from(table: BrdfTable) -> Self {
+        Imported::Table(table)
+    }
+}
+
+impl Imported {
+    /// A function of Y, or of R, G and B.
+    pub(super) fn of(brdf: impl Brdf + 'static, grid: Grid) -> Self {
+        Imported::Function { parts: vec![Box::new(brdf)], wavelengths_nm: vec![], grid }
+    }
+
+    /// A file without wavelengths as a function.
+    pub(super) fn into_function(self) -> Checked<Box<dyn Brdf>> {
+        match self {
+            Imported::Function { mut parts, .. } if parts.len() == 1 => Ok(parts.remove(0)),
+            Imported::Function { .. } => Err("the file has wavelengths".into()),
+            Imported::Table(table) => function_of(table),
+        }
+    }
+}
+
+/// A table of at most three colours as a function.
+pub(super) fn function_of(table: BrdfTable) -> Checked<Box<dyn Brdf>> {
+    Ok(match table.grid.kind {
+        GridKind::HalfDifference => Box::new(HalfDifference::new(&table)?),
+        GridKind::Patches => Box::new(Patchwise::new(table)?),
+        _ => Box::new(Lookup::new(&table)?),
+    })
+}

@@ -1,0 +1,68 @@
+//! A table between its incidences: the ratio to a law that it nearly follows ([`Guide`]), cubic at equal half vector.
+//!
+//! There the mirrored light is alike (f(wi, wo) = D(h) times what varies slowly), where at equal `wo` two lobes would
+//! show; and masking and the two cosines, by which the values at one half vector grow many times over towards grazing
+//! light, are the law's. Beyond the incidences the ratio of the nearest holds.
+
+use glam::DVec3;
+
+use super::axis::Taps;
+use super::guide::Guide;
+use super::incidence_values::IncidenceValues;
+use crate::interchange::Colour;
+use crate::sphere;
+
+/// The values of a table, and the law between them.
+pub struct Guided {
+    pub values: IncidenceValues,
+    pub guide: Guide,
+}
+
+impl Guided {
+    /// The value at any pair of directions.
+    pub fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
+        let (theta, phi) = (sphere::theta(wi), sphere::phi(wi));
+        let cubic = self.over_incidences(wi, wo, self.values.stop_taps(theta, phi), true);
+        let found =
+            cubic.or_else(|| self.over_incidences(wi, wo, self.values.linear_taps(theta, phi), false));
+        // Every mirrored arm below the horizon: light and sensor both graze; the nearest incidence as it is.
+        found.map_or_else(|| self.values.nearest(theta, phi, wo), |value| value.map(|v| v.max(0.0)))
+    }
+
+    /// The sum over the incidences of the taps of the ratio to the guide, at equal half vector, times the guide; `None`
+    /// where a mirrored arm is below the horizon and `all` are wanted.
+    fn over_incidences(
+        &self,
+        wi: DVec3,
+        wo: DVec3,
+        (polar, circle): (Taps, Taps),
+        all: bool,
+    ) -> Option<Colour> {
+        let h = (wi + wo).normalize();
+        let (mut sum, mut weights) = ([0.0; 3], 0.0);
+        for t in polar.iter() {
+            for p in circle.iter() {
+                let weight = t.weight * p.weight;
+                if weight == 0.0 {
+                    continue;
+                }
+                let phi_i =
+                    if self.values.is_isotropic() { sphere::phi(wi) } else { self.values.phi_i()[p.node] };
+                let from = sphere::direction(self.values.theta_i()[t.node], phi_i);
+                let to = 2.0 * from.dot(h) * h - from;
+                if to.z <= 0.0 {
+                    if all {
+                        return None;
+                    }
+                    continue;
+                }
+                let (value, law) =
+                    (self.values.at_stop((t.node, p.node), phi_i, to), self.guide.brdf(from, to));
+                sum.iter_mut().zip(value.iter().zip(law)).for_each(|(s, (v, law))| *s += weight * v / law);
+                weights += weight;
+            }
+        }
+        let law = self.guide.brdf(wi, wo);
+        (weights > 0.0).then(|| std::array::from_fn(|c| law[c] * sum[c] / weights))
+    }
+}
