@@ -1,5 +1,6 @@
 //! Damage to files: bytes changed, cut off, doubled. The same from every run.
 
+use std::env;
 use std::path::Path;
 
 use gonio::error::{ContentError, Error};
@@ -24,6 +25,17 @@ impl Bits {
     pub fn unit(&mut self) -> f32 {
         (self.next() >> 40) as f32 / (1u32 << 24) as f32
     }
+}
+
+/// Damaged copies that a reader of files is tried with: ten thousand, or as many as GONIO_DAMAGED says (`.ci/nightly`: a
+/// hundred thousand, of which these are the first).
+pub fn rounds() -> usize {
+    env::var("GONIO_DAMAGED").map_or(10_000, |count| count.parse().expect("a number"))
+}
+
+/// The share of damaged copies of `good` that `read` refuses, as [`survives`] has it.
+pub fn refused<T, E: Into<ContentError>>(good: &[u8], read: impl Fn(&[u8]) -> Result<T, E>) -> f64 {
+    survives(good, rounds(), read) as f64 / rounds() as f64
 }
 
 /// Feeds `rounds` damaged copies of `good` to `read`, which must return (not panic) and whose reasons must be one line

@@ -186,8 +186,8 @@ fn damaged_lines_are_refused() {
     let mut good = Vec::new();
     csv::write(&table(&Ggx::new(0.3, 0.3), &hemisphere(vec![0.0, 40.0], None, 2, 2)), &mut good)
         .expect("written");
-    let refused = mutations::survives(&good, 100_000, csv::read);
-    assert!(refused > 20_000, "{refused}");
+    let refused = mutations::refused(&good, csv::read);
+    assert!(refused > 0.2, "{refused}");
 }
 
 fn damaged_archives(rounds: usize) {

@@ -38,7 +38,9 @@ fn rgl_reads_back() {
     let off = l1(&file, &Ggx::new(alpha, alpha), &LIGHT, 75.0);
     // The bar of the issue for Mitsuba; this reader follows the same scheme.
     assert!(off <= 1e-3, "{off}");
-    let grid = hemisphere(steps(5.5, 16), Some(steps(15.0, 24)), 90, 120);
+    // Bins of 1.5 x 4 degrees: less than half of the lobe's half-widths, 2 alpha = 23 degrees and, in azimuth under light
+    // from 68 degrees, 2 alpha/tan(68) = 9.
+    let grid = hemisphere(steps(7.5, 12), Some(steps(15.0, 24)), 60, 90);
     let aniso = Lookup::new(&table(&Ggx::new(0.2, 0.5), &grid)).expect("a product");
     let file = rgl::read(&rgl::write(&aniso, None, "").expect("written")).expect("sound");
     let off = l1(&file, &Ggx::new(0.2, 0.5), &LIGHT, 75.0);
@@ -72,8 +74,8 @@ fn damaged_tensor_files_are_refused() {
     // A small file of the same fields: 2 x 2 slices.
     let small = small_file();
     assert!(rgl::read(&small).is_ok());
-    let refused = mutations::survives(&small, 100_000, rgl::read);
-    assert!(refused > 20_000, "{refused}");
+    let refused = mutations::refused(&small, rgl::read);
+    assert!(refused > 0.2, "{refused}");
 }
 
 /// A file with the least that a reader needs.
