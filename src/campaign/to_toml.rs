@@ -8,7 +8,7 @@ use super::schema::{
     Surface, SurfaceKind,
 };
 
-/// The campaign as resolved, in the schema that [`parse`](super::parse) reads: parsing it gives the campaign again.
+/// The campaign as resolved, in the schema that [`parse`](super::parse()) reads: parsing it gives the campaign again.
 ///
 /// Stored in every table. Keys that would have no effect are left out. Seeds above 2^63 - 1 are written as plain
 /// integers, which this reader takes and other TOML readers may not. A random surface has either roughnesses that

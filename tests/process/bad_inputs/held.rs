@@ -13,11 +13,7 @@ pub const ROWS: &[(&str, &str, &str)] = &[
         "tests/it/measure/grazing_stability.rs",
         "a_ray_crosses_as_many_cells_as_its_rise_over_the_patch_says",
     ),
-    (
-        "phi the same modulo 360",
-        "src/campaign/parse/angles.rs",
-        "azimuths_that_are_the_same_reduce_to_the_same_bits",
-    ),
+    ("phi the same modulo 360", "src/sphere.rs", "azimuths_that_are_the_same_reduce_to_the_same_bits"),
     (
         "range with an inexact step",
         "tests/it/campaign/config_faults.rs",
