@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::ending;
-use super::terminal::Terminal;
+use super::process::ending;
 use super::text::measured::cost_lines;
 use super::text::output::{self, Output, bytes, warn};
 use super::text::quoted;
+use super::text::terminal::Terminal;
 use crate::campaign::{self, Parsed};
 use crate::error::{Error, Result};
 use crate::job::{Measurement, TablePaths, Written};

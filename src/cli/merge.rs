@@ -6,8 +6,8 @@ use clap::Args;
 use serde_json::json;
 
 use super::measure::summaries;
-use super::terminal::Terminal;
 use super::text::output::{say, warn};
+use super::text::terminal::Terminal;
 use crate::campaign;
 use crate::error::{Error, Result};
 use crate::files::lock::Lock;

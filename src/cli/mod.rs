@@ -15,19 +15,17 @@ use text::output::warn;
 mod bench;
 mod check;
 mod compare;
-mod ending;
 mod export;
 mod fit;
 mod import;
 mod measure;
 mod merge;
+pub mod process;
 mod recolour;
 mod report;
-mod signals;
 mod study;
 mod surface;
 mod table_file;
-mod terminal;
 pub mod text;
 mod validate;
 
@@ -98,7 +96,7 @@ impl Verb {
 /// A panic, also one inside a worker, is returned as [`Error::Internal`]; the process's panic hook is replaced.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
     panic::set_hook(Box::new(|panic| remember(&panic.to_string())));
-    ending::survive_limits();
+    process::ending::survive_limits();
     let ended = guarded(|| {
         let arguments = match Arguments::try_parse_from(words) {
             Ok(arguments) => arguments,
@@ -108,10 +106,10 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
                 return Ok(answer.exit_code().try_into().unwrap_or(2));
             }
         };
-        ending::listen()?;
+        process::ending::listen()?;
         pool(arguments.verb.threads())?.install(|| arguments.verb.run())
     });
-    ending::done();
+    process::ending::done();
     ended
 }
 

@@ -6,7 +6,7 @@ use super::text::output::{say, warn};
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind};
-use crate::interchange::half_difference;
+use crate::interchange::content::half_difference;
 use crate::measure::memory_limit;
 use crate::table::{BrdfTable, Realisations, TableRows, realisations, store};
 

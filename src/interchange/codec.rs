@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::Path;
 
-use super::bands::Bands;
-use super::half_difference::as_arms;
+use super::content::bands::Bands;
+use super::content::half_difference::as_arms;
 use super::read_back::{self, ReadBack};
 use super::{Imported, Lookup, Options};
 use crate::error::Checked;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::bands::RowBands;
 use super::codec::{self, Codec, Encoded, FileContent, Fill};
-use super::half_difference::as_arms;
+use super::content::bands::RowBands;
+use super::content::half_difference::as_arms;
 use super::resample::gaps::not_measured;
 use super::{AlbedoCurve, Format, Lookup, Options, ReadBack, albedo, luminance};
 use crate::error::{Checked, ContentError, Error, Result};

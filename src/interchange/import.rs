@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::imported::function_of;
+use super::content::imported::function_of;
 use super::resample::{gaps, resample_spectrum, thirds};
 use super::text::samples::one_azimuth;
 use super::{Format, Imported, Options};

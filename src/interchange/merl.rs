@@ -10,9 +10,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::codec::{Codec, Encoded, FormatTraits, resampling_notes};
-use super::half_difference::HalfDifference;
+use super::content::half_difference::HalfDifference;
+use super::foreign_table;
 pub use super::options::Sampling;
-use super::{Brdf, Checked, Colour, Imported, Lookup, Options, foreign_table};
+use super::{Brdf, Checked, Colour, Imported, Lookup, Options};
 use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
 use crate::sphere;

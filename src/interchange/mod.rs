@@ -6,16 +6,12 @@
 //! incidences and bins is a [`Brdf`] and is averaged over bins by [`resample()`].
 
 pub mod albedo;
-mod bands;
-mod brdf;
 pub mod codec;
+pub mod content;
 pub mod export;
 pub mod exr_parts;
-pub mod foreign_table;
 pub mod format;
-pub mod half_difference;
 pub mod import;
-mod imported;
 pub mod maps;
 pub mod merl;
 pub mod mitsuba;
@@ -30,13 +26,13 @@ pub mod utia;
 
 pub use crate::error::Checked;
 pub use albedo::AlbedoCurve;
-pub use bands::Bands;
-pub use brdf::{Brdf, Colour};
+pub use content::bands::Bands;
+pub use content::brdf::{Brdf, Colour};
+pub use content::foreign_table::{foreign_table, luminance, spectral_table};
+pub use content::imported::Imported;
 pub use export::{Export, export, export_rows};
-pub use foreign_table::{foreign_table, luminance, spectral_table};
 pub use format::Format;
 pub use import::{decode, import};
-pub use imported::Imported;
 pub use options::{Options, Sampling};
 pub use read_back::{ReadBack, read_back};
 pub use resample::lookup::Lookup;

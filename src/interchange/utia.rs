@@ -8,8 +8,9 @@
 use rayon::prelude::*;
 
 use super::codec::{Codec, Encoded, FormatTraits};
+use super::foreign_table;
 use super::resample::angles::{bin_axes, stop_axes};
-use super::{Brdf, Checked, Imported, Lookup, Options, foreign_table, needed};
+use super::{Brdf, Checked, Imported, Lookup, Options, needed};
 use crate::error::wrong;
 use crate::files::exr_header;
 use crate::files::image::{self, ImagePart, Samples};

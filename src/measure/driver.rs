@@ -49,7 +49,7 @@ pub fn measure_missing(
     let context = Context::new(campaign, plan, session, run_state);
     let cost = || context.cost();
     let keeper = Keeper { session, campaign, plan, run_state: &context.run_state, cost: &cost };
-    let mut run = Run { context: &context, patches, mounted: BTreeMap::new() };
+    let mut run = RunRounds { context: &context, patches, mounted: BTreeMap::new() };
     let (measured, kept) = thread::scope(|scope| {
         let (others, end) = mpsc::channel();
         let keeper = match thread::Builder::new().spawn_scoped(scope, move || keeper.run(end)) {
@@ -90,14 +90,14 @@ pub fn tables(campaign: &Campaign, plan: &Plan, run_state: RunState) -> (Vec<Mea
 }
 
 /// A measurement under way.
-struct Run<'a> {
+struct RunRounds<'a> {
     context: &'a Context<'a>,
     patches: &'a Patches,
     /// Patches that are looked at again in a further round, by realisation.
     mounted: BTreeMap<u64, PreparedPatch>,
 }
 
-impl Run<'_> {
+impl RunRounds<'_> {
     /// All rounds that are not over yet.
     fn rounds(&mut self) -> Result<()> {
         let Context { campaign, plan, session, run_state, .. } = self.context;

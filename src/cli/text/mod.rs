@@ -9,6 +9,7 @@ pub(crate) mod plan;
 pub(crate) mod progress;
 pub(crate) mod resolution;
 pub(crate) mod study;
+pub(crate) mod terminal;
 pub(crate) mod verdict;
 
 use std::ffi::OsStr;

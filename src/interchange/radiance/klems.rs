@@ -17,8 +17,9 @@ use crate::error::wrong;
 use crate::instrument::klems::{Basis, Ring, patches};
 use crate::instrument::{GridKind, Region};
 use crate::interchange::codec::{Codec, Encoded, FormatTraits};
+use crate::interchange::foreign_table;
 use crate::interchange::resample::nodes;
-use crate::interchange::{Brdf, Checked, Colour, Imported, Lookup, Options, foreign_table, needed};
+use crate::interchange::{Brdf, Checked, Colour, Imported, Lookup, Options, needed};
 use crate::table::BrdfTable;
 
 /// How the values are meant.

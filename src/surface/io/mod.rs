@@ -2,15 +2,12 @@
 
 pub(crate) mod checks;
 pub mod export;
-pub(crate) mod fields;
 pub(crate) mod gsf;
 pub mod import;
 pub mod map_file;
-pub(crate) mod matrix;
 pub mod outliers;
 pub mod refine;
 pub mod samples;
 pub(crate) mod spline;
 pub(crate) mod text;
 pub(crate) mod units;
-pub(crate) mod xyz;

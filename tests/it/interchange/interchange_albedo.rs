@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use gonio::interchange::albedo::AlbedoPoint;
-use gonio::interchange::half_difference::HalfDifference;
+use gonio::interchange::content::half_difference::HalfDifference;
 use gonio::interchange::mitsuba::rgl;
 use gonio::interchange::radiance::tensor_tree;
 use gonio::interchange::text::zemax;

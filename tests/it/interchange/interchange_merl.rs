@@ -3,7 +3,8 @@
 use std::sync::OnceLock;
 
 use gonio::instrument::{Grid, GridKind};
-use gonio::interchange::half_difference::{self, HalfDifference};
+use gonio::interchange::content::half_difference;
+use gonio::interchange::content::half_difference::HalfDifference;
 use gonio::interchange::merl::{self, Sampling};
 use gonio::interchange::{self, Brdf, Format, Lookup, Options};
 use gonio::sphere;

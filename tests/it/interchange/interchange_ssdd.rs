@@ -4,7 +4,7 @@
 use glam::DVec3;
 use gonio::instrument::GridKind;
 use gonio::interchange;
-use gonio::interchange::half_difference::HalfDifference;
+use gonio::interchange::content::half_difference::HalfDifference;
 use gonio::interchange::text::ssdd;
 use gonio::interchange::{Brdf, Format, Imported, Options};
 use gonio::table::BrdfTable;

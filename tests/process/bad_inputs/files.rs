@@ -5,8 +5,9 @@ use std::path::Path;
 
 use gonio::files::image::{self, Attribute, ImagePart, Samples};
 use gonio::instrument::{Grid, GridKind};
+use gonio::interchange::foreign_table;
+use gonio::interchange::merl;
 use gonio::interchange::text::csv;
-use gonio::interchange::{foreign_table, merl};
 use gonio::table::{BrdfTable, store};
 
 use super::row::{Row, command};

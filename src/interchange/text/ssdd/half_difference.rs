@@ -3,7 +3,7 @@
 use super::azimuths::{check_round, check_whole, merged};
 use super::header::SsddHeader;
 use crate::instrument::{Grid, GridKind};
-use crate::interchange::half_difference::{HalfDifference, default_arms};
+use crate::interchange::content::half_difference::{HalfDifference, default_arms};
 use crate::interchange::text::azimuths::Azimuths;
 use crate::interchange::text::samples::alike;
 use crate::interchange::{Brdf, Checked, Imported, spectral_table};

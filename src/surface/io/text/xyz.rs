@@ -6,7 +6,7 @@
 //! `XYZ Data File` have a head and count pixels in x and y.
 
 use super::fields::{fields, is_passed_over};
-use super::samples::{MapSamples, Stored};
+use crate::surface::io::samples::{MapSamples, Stored};
 
 /// How far, in pitches, a point may lie from its place on the grid.
 const OFF_GRID: f64 = 0.01;

@@ -4,9 +4,12 @@
 //! Text that has no byte order mark and is not UTF-8 is read as Latin-1, which is what older instruments write their
 //! `µm` in.
 
-use super::fields::{fields, is_passed_over};
+pub(crate) mod fields;
+pub(crate) mod matrix;
+pub(crate) mod xyz;
+
 use super::samples::MapSamples;
-use super::{matrix, xyz};
+use fields::{fields, is_passed_over};
 
 /// Lines looked at for the first numbers.
 const LONGEST_HEADING: usize = 64;

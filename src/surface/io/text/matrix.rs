@@ -5,8 +5,8 @@
 //! its first row is the one of largest y, and its cell size is in the unit of its heights.
 
 use super::fields::{fields, is_passed_over};
-use super::samples::{MapSamples, Stored};
-use super::units;
+use crate::surface::io::samples::{MapSamples, Stored};
+use crate::surface::io::units;
 
 /// Fewest columns of a matrix: fewer are no map.
 pub const FEWEST_COLUMNS: usize = 8;

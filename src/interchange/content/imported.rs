@@ -1,10 +1,10 @@
 //! What a foreign file holds: a table, or a function of two directions.
 
 use super::half_difference::HalfDifference;
-use super::radiance::klems::Patchwise;
-use super::{Brdf, Lookup};
 use crate::error::Checked;
 use crate::instrument::{Grid, GridKind};
+use crate::interchange::radiance::klems::Patchwise;
+use crate::interchange::{Brdf, Lookup};
 use crate::table::BrdfTable;
 
 /// What a foreign file holds.
@@ -30,12 +30,12 @@ impl From<BrdfTable> for Imported {
 
 impl Imported {
     /// A function of Y, or of R, G and B.
-    pub(super) fn of(brdf: impl Brdf + 'static, grid: Grid) -> Self {
+    pub(crate) fn of(brdf: impl Brdf + 'static, grid: Grid) -> Self {
         Imported::Function { parts: vec![Box::new(brdf)], wavelengths_nm: vec![], grid }
     }
 
     /// A file without wavelengths as a function.
-    pub(super) fn into_function(self) -> Checked<Box<dyn Brdf>> {
+    pub(crate) fn into_function(self) -> Checked<Box<dyn Brdf>> {
         match self {
             Imported::Function { mut parts, .. } if parts.len() == 1 => Ok(parts.remove(0)),
             Imported::Function { .. } => Err("the file has wavelengths".into()),
@@ -45,7 +45,7 @@ impl Imported {
 }
 
 /// A table of at most three colours as a function.
-pub(super) fn function_of(table: BrdfTable) -> Checked<Box<dyn Brdf>> {
+pub(crate) fn function_of(table: BrdfTable) -> Checked<Box<dyn Brdf>> {
     Ok(match table.grid.kind {
         GridKind::HalfDifference => Box::new(HalfDifference::new(&table)?),
         GridKind::Patches => Box::new(Patchwise::new(table)?),

@@ -12,7 +12,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::signals;
-use super::text::output;
+use crate::cli::text::output;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::measure::ProcessEnd;

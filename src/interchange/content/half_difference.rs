@@ -6,10 +6,10 @@
 
 use glam::DVec3;
 
-use super::resample::interval::{around, interval};
-use super::resample::{default_grid, resample_spectrum, thirds};
-use super::{Brdf, Checked, Colour};
 use crate::instrument::{Grid, GridKind};
+use crate::interchange::resample::interval::{around, interval};
+use crate::interchange::resample::{default_grid, resample_spectrum, thirds};
+use crate::interchange::{Brdf, Checked, Colour};
 use crate::sphere;
 use crate::table::BrdfTable;
 

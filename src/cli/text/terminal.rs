@@ -4,11 +4,12 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use super::ending::{self, Leaving};
-use super::text::output::{Output, bytes, grouped, say, warn};
-use super::text::progress::RunProgress;
-use super::text::{measured, plan};
+use super::output::{Output, bytes, grouped, say, warn};
+use super::progress::RunProgress;
+use super::{measured, plan};
 use crate::campaign::Campaign;
+use crate::cli::process::ending;
+use crate::cli::process::ending::Leaving;
 use crate::error::{Error, Result};
 use crate::job::{Watcher, WrittenTable};
 use crate::measure::{Cost, Disk, Plan, ProcessEnd};
