@@ -16,7 +16,9 @@ mod foreign_words;
 mod formula_values;
 mod fuzzed;
 mod layering;
+mod layout;
 mod mentions;
+mod properties;
 mod report;
 mod study;
 
