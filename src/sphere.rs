@@ -29,6 +29,11 @@ pub fn sin_cos_deg(deg: f64) -> (f64, f64) {
 }
 
 /// The unit vector at polar angle `theta_deg` from +z and azimuth `phi_deg` from +x.
+///
+/// ```
+/// let along_y = gonio::sphere::direction_deg(90.0, 90.0);
+/// assert_eq!((along_y.x, along_y.y, along_y.z), (0.0, 1.0, 0.0));
+/// ```
 pub fn direction_deg(theta_deg: f64, phi_deg: f64) -> DVec3 {
     let (sin_theta, cos_theta) = sin_cos_deg(theta_deg);
     let (sin_phi, cos_phi) = sin_cos_deg(phi_deg);

@@ -64,6 +64,14 @@ pub fn read(path: &Path) -> Result<Parsed> {
 ///
 /// Every fault of the text is in the [`Error::Campaign`], in the order of the text; those of keys in tables that
 /// are not there come last, without a line. Nothing is opened.
+///
+/// ```
+/// use gonio::campaign;
+///
+/// let text = "name = \"a\"\n[surface.ggx]\nalpha = 3000\n[light]\ntheta_i_deg = [0]\n[sensor.hemisphere]\n";
+/// let faults = campaign::parse(text, "a.toml", ".".as_ref()).unwrap_err().to_string();
+/// assert!(faults.contains("surface.ggx.alpha = 3000"), "{faults}");
+/// ```
 pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> Result<Parsed> {
     let bytes = text.as_ref();
     if bytes.len() as u64 > LARGEST_FILE {

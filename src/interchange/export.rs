@@ -28,6 +28,15 @@ pub struct Export {
 /// Writes `table` to `path`, whole or not at all, and reads it back.
 ///
 /// Errors: [`Error::Refused`] with the reason where the format cannot hold the table; [`Error::Io`].
+///
+/// ```no_run
+/// use gonio::interchange::{Format, Options, export};
+///
+/// let table = gonio::table::store::load("out/quickstart/quickstart.exr".as_ref())?.table;
+/// let written = export(&table, Format::Merl, &Options::default(), "quickstart.binary".as_ref())?;
+/// println!("{}", written.convention);
+/// # Ok::<(), gonio::error::Error>(())
+/// ```
 pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Result<Export> {
     let (codec, refused) = (format.codec(), refusal(format, path));
     let holds = codec.traits();

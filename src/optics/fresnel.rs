@@ -99,6 +99,16 @@ pub enum Fresnel {
 
 impl Fresnel {
     /// Reflectance of unpolarised light, [0, 1].
+    ///
+    /// ```
+    /// use gonio::optics::{FacetAngle, Fresnel};
+    /// use gonio::sphere::direction_deg;
+    ///
+    /// // Glass at normal incidence: ((1.5 - 1)/(1.5 + 1))^2.
+    /// let up = direction_deg(0.0, 0.0);
+    /// let r = Fresnel::Dielectric { eta: 1.5 }.reflectance(FacetAngle::of_pair(up, up));
+    /// assert!((r - 0.04).abs() < 1e-16);
+    /// ```
     pub fn reflectance(&self, angle: FacetAngle) -> f64 {
         match *self {
             Fresnel::Perfect => 1.0,

@@ -78,6 +78,12 @@ pub fn digest(table: &BrdfTable) -> Result<String> {
 }
 
 /// Reads a table's file, block by block.
+///
+/// ```no_run
+/// let table = gonio::table::store::load("out/quickstart/quickstart.exr".as_ref())?.table;
+/// println!("{} incidences of {} bins", table.grid.stops(), table.grid.bins());
+/// # Ok::<(), gonio::error::Error>(())
+/// ```
 pub fn load(path: &Path) -> Result<Loaded> {
     from_parts(path, image::load(path)?)
 }

@@ -55,6 +55,18 @@ impl Microfacet {
     /// - Returns 1/sr, >= 0. Swapping the arms gives the same bits.
     /// - Numerics: D from wi + wo, V and c in forms without cancellation; relative error 2^-52 (16 + 4 cond).
     /// - Source: Walter et al. 2007; Heitz 2014.
+    ///
+    /// ```
+    /// use gonio::optics::Fresnel;
+    /// use gonio::sphere::direction_deg;
+    /// use gonio::theory::{Masking, Microfacet, Ndf};
+    ///
+    /// let model = Microfacet::isotropic(Ndf::Ggx, 0.5);
+    /// let up = direction_deg(0.0, 0.0);
+    /// // D(0) = 1/(pi alpha^2), no masking: f = 1/(4 pi alpha^2).
+    /// let f = model.brdf(up, up, Masking::HeightCorrelated, &Fresnel::Perfect);
+    /// assert!((f * std::f64::consts::PI - 1.0).abs() < 1e-15);
+    /// ```
     // Tested by `every_reference_value_is_met` (tests/it/formula_values.rs), `swapped_arms_give_the_same_bits`.
     pub fn brdf(&self, wi: DVec3, wo: DVec3, masking: Masking, fresnel: &Fresnel) -> f64 {
         if wi.z < 0.0 || wo.z < 0.0 {

@@ -77,6 +77,12 @@ impl Ndf {
 /// - Returns 1/sr, >= 0, finite. The integral of D(h) h.z over the hemisphere is 1.
 /// - Numerics: a sum of squares, no division by the cosine, no tan.
 /// - Source: Walter et al. 2007, eq. 33 (isotropic); Heitz 2014, section on anisotropic distributions.
+///
+/// ```
+/// // At the pole D = 1/(pi ax ay).
+/// let d = gonio::theory::ndf::ggx_d(glam::DVec3::Z, 0.1, 0.4);
+/// assert!((d * std::f64::consts::PI * 0.1 * 0.4 - 1.0).abs() < 1e-15);
+/// ```
 // Tested by `all_laws_are_normalised`, `every_reference_value_is_met` (tests/it/formula_values.rs).
 pub fn ggx_d(h: DVec3, alpha_x: f64, alpha_y: f64) -> f64 {
     debug_assert!(alpha_x > 0.0 && alpha_y > 0.0);

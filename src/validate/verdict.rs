@@ -64,6 +64,13 @@ impl Prediction {
 }
 
 /// Tests a table against the laws, and against the models of its campaign; an imported one has no campaign.
+///
+/// ```no_run
+/// let table = gonio::table::store::load("out/quickstart/quickstart.exr".as_ref())?.table;
+/// // Without its campaign and realisations: energy and reciprocity alone, as far as they can be judged.
+/// println!("{}", gonio::validate::examine(&table, None, None).verdict);
+/// # Ok::<(), gonio::error::Error>(())
+/// ```
 // Tested by `an_imported_table_is_held_to_the_laws` (tests/it/cli.rs).
 pub fn examine<'a>(
     table: &BrdfTable,

@@ -22,6 +22,16 @@ const LONGEST_S: f64 = 31.0 * 86_400.0;
 pub(crate) const KEPT_FRACTION: u64 = 4;
 
 /// Decides how a campaign is measured. Errors: `Refused` where it would not fit the memory, or take too long.
+///
+/// ```
+/// use gonio::{campaign, measure};
+///
+/// let text = "name = \"a\"\n[surface.ggx]\nalpha = 0.3\n[light]\ntheta_i_deg = [0, 45]\n[sensor.hemisphere]\n\
+///             theta_r_bins = 9\nphi_r_bins = 18\n[stop]\nsamples = 65_536\n";
+/// let plan = measure::plan(&campaign::parse(text, "a.toml", ".".as_ref())?.campaign)?;
+/// assert_eq!((plan.stops, plan.samples), (2, 65_536));
+/// # Ok::<(), gonio::error::Error>(())
+/// ```
 pub fn plan(campaign: &Campaign) -> Result<Plan> {
     plan_of(campaign, None, memory_limit())
 }
