@@ -40,7 +40,7 @@ pub struct Arguments {
     /// MiB that may be used; larger tables go in bands [default: half the free]
     #[arg(long, value_name = "N")]
     memory_mb: Option<u64>,
-    /// Measure one of N shards, whole incidences; `gonio merge` puts them together
+    /// Measure one of N shards; `gonio merge` puts them together
     #[arg(long, value_name = "K/N")]
     shard: Option<Part>,
     /// Keep all realisations, however large: for fit, compare and validate
