@@ -4,6 +4,7 @@ pub mod batch;
 pub(crate) mod cell;
 pub mod dispatch;
 pub mod hit_buffer;
+#[cfg(target_arch = "x86_64")]
 pub(crate) mod interleaved;
 pub(crate) mod kernel;
 pub mod max_pyramid;
