@@ -1,8 +1,8 @@
 //! A table as a function of any two directions.
 //!
-//! Along the sensor's angles [`IncidenceValues`], between the incidences [`Guided`]. Last, the values of every
+//! Along the sensor's angles `IncidenceValues`, between the incidences `Guided`. Last, the values of every
 //! direction of the light are scaled such that their integral is the table's albedo, interpolated as the values are
-//! ([`Levels`]).
+//! (`Levels`).
 
 use glam::DVec3;
 
