@@ -21,7 +21,7 @@ use crate::table::realisations;
 /// use gonio::job::Measurement;
 ///
 /// let text = "name = \"mirror\"\n\
-///             [surface]\nkind = \"mirror\"\nrealisations = 2\n\
+///             [surface]\nrealisations = 2\n[surface.mirror]\n\
 ///             [light]\ntheta_i_deg = [30]\n[sensor.hemisphere]\n[optics]\nf0 = 1.0\n[stop]\nsamples = 4096\n";
 /// let campaign = campaign::parse(text, "mirror.toml", ".".as_ref())?.campaign;
 /// let tables = Measurement::new(campaign).threads(2).run()?;

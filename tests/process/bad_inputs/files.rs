@@ -78,8 +78,8 @@ fn tables() -> Vec<Row> {
         row(flipped, ""),
         row(with_header("dataWindow", "box2i", 8, &i32::MAX.to_le_bytes()), ""),
         row(with_header("dataWindow", "box2i", 8, &(-5i32).to_le_bytes()), ""),
-        row(with_value(f32::NAN), "channel `Y`, stop 0, bin 1"),
-        row(with_value(f32::INFINITY), "channel `Y`, stop 0, bin 1"),
+        row(with_value(f32::NAN), "channel `Y`, incidence 0, bin 1"),
+        row(with_value(f32::INFINITY), "channel `Y`, incidence 0, bin 1"),
         row(changed(|part| drop(part.channels.remove("single.Y"))), "channel `single.Y` is missing"),
         row(
             changed(|part| drop(part.channels.insert("Y".into(), Samples::F16(vec![half; 4])))),
