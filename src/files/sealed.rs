@@ -71,7 +71,12 @@ fn promised<'a>(kind: &str, bytes: &'a [u8]) -> Result<(u64, &'a [u8; CHECKSUM],
     let cut = || format!("cut off: {} bytes", bytes.len());
     let (line, rest) = bytes.split_at_checked(head).ok_or_else(cut)?;
     if line[..kind.len()] != *kind.as_bytes() || line[kind.len()] != b'\n' {
-        return Err(format!("does not begin with `{kind}`"));
+        let what = if line.starts_with(b"gonio ") {
+            "is of another version or kind"
+        } else {
+            "is none of this program"
+        };
+        return Err(format!("{what}: it does not begin with `{kind}`"));
     }
     let parts = rest.split_first_chunk().and_then(|(length, rest)| Some((length, rest.split_first_chunk()?)));
     let (length, (checksum, content)) = parts.ok_or_else(cut)?;

@@ -103,6 +103,19 @@ fn the_second_signal_ends_at_once() {
 }
 
 #[test]
+fn a_checkpoint_of_an_earlier_format_is_refused_by_a_line() {
+    let folder = folder(&small(LONG, 3, ""));
+    let out = folder.path().join("out");
+    fs::create_dir(&out).expect("made");
+    let checkpoint = out.join("small.checkpoint_1");
+    fs::write(&checkpoint, "gonio checkpoint 3\nand its sums, longer than the head of today's")
+        .expect("written");
+    let said = exits(&run(folder.path(), &["--resume"]), 3);
+    assert!(said.contains("out/small.checkpoint_1: is of another version or kind"), "{said}");
+    assert!(said.contains("--force") && said.lines().count() == 1 && checkpoint.exists(), "{said}");
+}
+
+#[test]
 fn a_damaged_checkpoint_gives_way_to_the_one_before() {
     let text = small(LONG, 3, "");
     let whole = whole();
