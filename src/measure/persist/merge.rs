@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::run_files::{PartFile, RunFiles, load_part};
+use super::run_files::{FinishedBands, PartFile, load_part};
 use super::run_state::RunState;
 use super::shards::Shards;
 use crate::campaign::Campaign;
@@ -44,10 +44,9 @@ impl Merge {
     }
 
     /// The bands of a run under this plan, each of which has its file.
-    pub(crate) fn of_bands(files: &RunFiles, plan: &Plan) -> Result<Self> {
-        let finished = files.finished()?.into_values().collect();
-        let stops = (0..plan.stops).collect();
-        Ok(Merge { files: with_stops(finished, plan), whole: plan.clone(), stops, plan: plan.clone() })
+    pub(crate) fn of_bands(finished: FinishedBands, plan: &Plan) -> Self {
+        let files = with_stops(finished.into_values().collect(), plan);
+        Merge { files, whole: plan.clone(), stops: (0..plan.stops).collect(), plan: plan.clone() }
     }
 
     /// The plan of the incidences that are there.

@@ -83,7 +83,8 @@ impl<'a> PartsRun<'a> {
                 measure_missing(self.campaign, &plan, patches, before, session)?
             };
             if !part.is_whole() && !is_finished {
-                self.files.save(&after, self.campaign, &plan)?;
+                let file = self.files.save(&after, self.campaign, &plan)?;
+                self.finished.insert(part.number, file);
                 // Until now the checkpoint was all that there was of the part.
                 self.files.checkpoint.remove()?;
             }
@@ -92,7 +93,7 @@ impl<'a> PartsRun<'a> {
         }
         match only {
             Some(run_state) => Ok(MeasuredRun::AtOnce(run_state)),
-            None => Merge::of_bands(self.files, self.plan).map(|merge| MeasuredRun::InBands(Box::new(merge))),
+            None => Ok(MeasuredRun::InBands(Box::new(Merge::of_bands(self.finished, self.plan)))),
         }
     }
 

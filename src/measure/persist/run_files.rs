@@ -65,8 +65,10 @@ impl RunFiles {
     }
 
     /// Writes the file of the part that `plan` is of.
-    pub fn save(&self, run_state: &RunState, campaign: &Campaign, plan: &Plan) -> Result<()> {
-        files::write_atomically(&self.part(plan.part), &run_state.to_bytes(0, campaign, plan)?)
+    pub fn save(&self, run_state: &RunState, campaign: &Campaign, plan: &Plan) -> Result<PartFile> {
+        let path = self.part(plan.part);
+        files::write_atomically(&path, &run_state.to_bytes(0, campaign, plan)?)?;
+        Ok(PartFile { path, header: run_state.header(0, campaign, plan) })
     }
 
     /// What there is to be resumed.
@@ -87,7 +89,7 @@ impl RunFiles {
     }
 
     /// The bands that have a file.
-    pub(crate) fn finished(&self) -> Result<FinishedBands> {
+    fn finished(&self) -> Result<FinishedBands> {
         let mut found = FinishedBands::new();
         for path in self.bands()? {
             let header = RunHeader::read(&path).map_err(with_advice)?;

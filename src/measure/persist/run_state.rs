@@ -74,9 +74,9 @@ impl RunState {
         Ok(())
     }
 
-    /// The bytes of its file: of the checkpoint of this `number`, or of a finished part (0).
-    pub fn to_bytes(&self, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>, Error> {
-        let header = RunHeader {
+    /// What its file says of it: the checkpoint of this `number`, or a finished part (0).
+    pub(crate) fn header(&self, number: u64, campaign: &Campaign, plan: &Plan) -> RunHeader {
+        RunHeader {
             version: env!("CARGO_PKG_VERSION").into(),
             campaign: campaign::to_toml(campaign),
             number,
@@ -87,7 +87,12 @@ impl RunState {
             by_slope: plan.start_sampler == StartSampler::BySlope,
             digests: self.digests.clone(),
             cost: self.cost.clone(),
-        };
+        }
+    }
+
+    /// The bytes of its file, as [`Self::header`] has it.
+    pub fn to_bytes(&self, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>, Error> {
+        let header = self.header(number, campaign, plan);
         sealed::seal(KIND, self.tables.bytes(), |out| postcard::to_extend(&(header, &self.tables), out))
             .map_err(|e| Error::Internal(format!("encoding finished blocks: {e}")))
     }
