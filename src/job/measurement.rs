@@ -166,14 +166,15 @@ impl<'a> Measurement<'a> {
     /// campaign; `Interrupted`, after which [`Self::resume`] goes on to the same bytes; as [`measure::measure_missing`].
     pub fn write(self) -> Result<Written> {
         self.on_threads(|job| {
-            job.plan(&job.campaign)?;
+            // Refused before a folder is made.
+            let plan = job.plan(&job.campaign)?;
             let folder = paths::folder_of(job.folder.as_deref(), &job.campaign);
             let _claim = files::create_folder(&folder)?;
             let kept = job.files();
             let _lock = Lock::take(&folder, kept.stem())?;
             match job.shard {
-                Some(shard) => job.write_shard(shard, &kept),
-                None => job.write_tables(&kept),
+                Some(shard) => job.write_shard(shard, plan, &kept),
+                None => job.write_tables(plan, &kept),
             }
         })
     }
@@ -203,7 +204,7 @@ impl<'a> Measurement<'a> {
     }
 
     /// Measures and writes the tables that are not there yet.
-    fn write_tables(&self, kept: &RunFiles) -> Result<Written> {
+    fn write_tables(&self, plan: Plan, kept: &RunFiles) -> Result<Written> {
         let all = TablePaths::of(&self.campaign, &kept.folder);
         let mut open = Vec::new();
         for paths in &all {
@@ -226,6 +227,8 @@ impl<'a> Measurement<'a> {
         let plan = if found.headers().next().is_some() {
             // Whatever memory is free by now.
             measure::resumed(&campaign, found.band_stops(), self.memory)?
+        } else if campaign == self.campaign {
+            plan
         } else {
             self.plan(&campaign)?
         };
@@ -235,7 +238,7 @@ impl<'a> Measurement<'a> {
     }
 
     /// Measures the incidences of one shard, and keeps their sums.
-    fn write_shard(&self, shard: Part, kept: &RunFiles) -> Result<Written> {
+    fn write_shard(&self, shard: Part, plan: Plan, kept: &RunFiles) -> Result<Written> {
         let file = kept.part(shard);
         paths::spare_inputs(&[&file], &self.source, &self.campaign)?;
         if !self.force && files::is_there(&file) {
@@ -256,10 +259,9 @@ impl<'a> Measurement<'a> {
         }
         let found = resume::find(kept, self.resume, self.force, self.watcher)?;
         found.check(&self.campaign, Some(shard), &self.source)?;
-        let plan = self.plan(&self.campaign)?;
-        self.of(&self.campaign, &plan, kept).measure(found)?;
+        let (measured, _) = self.of(&self.campaign, &plan, kept).measure(found)?;
         kept.remove()?;
-        let cost = shards::open(&file)?.header.cost();
+        let cost = measured.cost(&plan);
         Ok(Written::Shard { file, plan: Some(Box::new(plan)), cost })
     }
 }

@@ -88,7 +88,7 @@ impl Merge {
     }
 
     /// What the parts have cost together.
-    fn cost(&self) -> Cost {
+    pub(crate) fn cost(&self) -> Cost {
         self.files.iter().map(|(file, _)| file.header.cost()).fold(Cost::default(), Cost::plus)
     }
 }

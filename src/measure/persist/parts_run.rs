@@ -122,6 +122,14 @@ impl<'a> PartsRun<'a> {
 }
 
 impl MeasuredRun {
+    /// What the run has cost under the plan that it was measured by.
+    pub fn cost(&self, plan: &Plan) -> Cost {
+        match self {
+            MeasuredRun::AtOnce(run_state) => run_state.cost(plan),
+            MeasuredRun::InBands(merge) => merge.cost(),
+        }
+    }
+
     /// The tables of a band of incidences, and at the first of them what the run has cost.
     ///
     /// Errors: as [`Merge::tables`].
