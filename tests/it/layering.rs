@@ -54,7 +54,7 @@ fn sources(module: &str) -> Vec<PathBuf> {
 }
 
 /// The text without comments.
-fn code(path: &Path) -> String {
+pub fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).expect("a readable source");
     text.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }

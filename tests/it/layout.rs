@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::layering::code;
+
 const MOST_FILES: usize = 14;
 
 /// Rust files of `src` by their module path; `main.rs` and `lib.rs` are none.
@@ -31,9 +33,7 @@ fn modules() -> BTreeMap<Vec<String>, PathBuf> {
 
 /// The program of a file: without comments and its tests.
 fn program(path: &Path) -> String {
-    let text = fs::read_to_string(path).expect("readable");
-    let program = text.split("#[cfg(test)]").next().unwrap_or_default();
-    program.lines().map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join(" ")
+    code(path).split("#[cfg(test)]").next().unwrap_or_default().to_string()
 }
 
 /// What a tree of imports names, each with its whole path: `a::{b, c::d}` names a::b and a::c::d.
