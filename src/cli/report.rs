@@ -16,7 +16,7 @@ use crate::job::paths;
 use crate::report;
 use crate::report::html::specimen;
 use crate::report::summary::SCHEMA;
-use crate::report::{Facts, Page, Scene, StopSummary, Summary};
+use crate::report::{Facts, Page, StopSummary, Summary};
 use crate::table::{BrdfTable, TableRows, store};
 use crate::validate::{self, Prediction, Verdict, verdict};
 
@@ -88,8 +88,7 @@ fn whole(path: &Path, table: &BrdfTable, is_card: bool, bench: Option<&BenchAnsw
     if is_card {
         return Ok(report::card(table, &store::digest(table)?, Facts::of(table), &summary));
     }
-    let sources = Sources::remade(table, campaign.as_ref(), prediction.as_ref())?;
-    Ok(page_of(sources, &summary, bench))
+    page_of(table, (campaign.as_ref(), prediction.as_ref()), &summary, bench)
 }
 
 /// The card or the page of a table that does not fit the memory.
@@ -130,8 +129,7 @@ fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&BenchAnswer>) -> 
     }
     let (table, kept) = report::thinned(rows, table_file::band_bytes())?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
-    let sources = Sources::remade(&table, campaign.as_ref(), prediction.as_ref())?;
-    Ok(page_of(sources, &summary.thinned(&kept), bench))
+    page_of(&table, (campaign.as_ref(), prediction.as_ref()), &summary.thinned(&kept), bench)
 }
 
 /// A summary from the table alone.
@@ -147,37 +145,15 @@ fn summary_of(
     Summary::of_table(name, header, campaign.map(|campaign| &campaign.surface), verdict, stops)
 }
 
-/// Where a page comes from besides its summary.
-pub struct Sources<'a> {
-    /// The table.
-    pub table: &'a BrdfTable,
-    /// What it was measured by.
-    pub campaign: Option<&'a Campaign>,
-    /// What theory says of it.
-    pub prediction: Option<&'a Prediction>,
-    /// Its first patch.
-    pub specimen: specimen::ShownSpecimen,
-}
-
-impl<'a> Sources<'a> {
-    /// Of a table from its file: its first patch is made anew.
-    fn remade(
-        table: &'a BrdfTable,
-        campaign: Option<&'a Campaign>,
-        prediction: Option<&'a Prediction>,
-    ) -> Result<Self> {
-        let specimen = campaign.map_or(Ok(Err(NO_CAMPAIGN.into())), specimen::remade)?;
-        Ok(Sources { table, campaign, prediction, specimen })
-    }
-}
-
-/// The page, alike for a table just measured and for one from its file.
-pub fn page_of(sources: Sources, summary: &Summary, bench: Option<&BenchAnswer>) -> String {
-    let Sources { table, campaign, prediction, specimen } = sources;
-    let realisations = campaign.map_or(0, |campaign| campaign.surface.realisations as usize);
-    let masking = campaign.map(validate::expect::masking);
-    let scene = Scene { table, prediction, realisations };
-    report::page(&Page { scene, campaign, masking, summary, specimen, bench })
+/// The page of a table from its file: its first patch is made anew.
+fn page_of(
+    table: &BrdfTable,
+    (campaign, prediction): (Option<&Campaign>, Option<&Prediction>),
+    summary: &Summary,
+    bench: Option<&BenchAnswer>,
+) -> Result<String> {
+    let specimen = campaign.map_or(Ok(Err(NO_CAMPAIGN.into())), specimen::remade)?;
+    Ok(report::page(&Page { bench, ..Page::of(table, campaign, prediction, summary, specimen) }))
 }
 
 /// The answer of `gonio bench` in a file. Errors: of a file that is none, or of another version.

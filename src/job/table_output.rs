@@ -5,11 +5,11 @@ use crate::error::{Error, Result};
 use crate::files::{self, NewFile};
 use crate::measure::{Cost, Measured, Plan};
 use crate::report::html::specimen::ShownSpecimen;
-use crate::report::{self as pages, Facts, Page, Scene, Summary};
+use crate::report::{self as pages, Facts, Page, Summary};
 use crate::table::realisations::{self, GROUPS, StoredRealisations};
 use crate::table::{BrdfTable, Realisations, TableRows, TableWriter};
 use crate::validate::prediction::schlick_error::SchlickError;
-use crate::validate::{Examination, Parts, Prediction, Verdict, expect};
+use crate::validate::{Examination, Parts, Prediction, Verdict};
 
 /// A table under way.
 pub struct TableOutput<'a> {
@@ -97,7 +97,9 @@ impl<'a> TableOutput<'a> {
             Some((table, prediction)) => ShownTable { table, prediction, summary: summary.clone() },
             None => ShownTable::of_rows(&file, &measured, summary.clone(), memory)?,
         };
-        let page = shown.page(&measured, specimen(&measured)?);
+        let (campaign, prediction) = (Some(&measured.campaign), shown.prediction.as_ref());
+        let page = Page::of(&shown.table, campaign, prediction, &shown.summary, specimen(&measured)?);
+        let page = pages::page(&page);
         let card = pages::card(&measured.table, &digest, facts, &summary);
         let staged = Staged {
             table: file,
@@ -147,19 +149,6 @@ impl ShownTable {
         let (table, stops) = pages::thinned(&mut TableRows::open(file.under_way())?, memory)?;
         let prediction = Prediction::of(&measured.campaign, &table.grid);
         Ok(ShownTable { table, prediction, summary: summary.thinned(&stops) })
-    }
-
-    fn page(&self, measured: &Measured, specimen: ShownSpecimen) -> String {
-        let campaign = &measured.campaign;
-        let (prediction, realisations) = (self.prediction.as_ref(), campaign.surface.realisations as usize);
-        pages::page(&Page {
-            scene: Scene { table: &self.table, prediction, realisations },
-            campaign: Some(campaign),
-            masking: Some(expect::masking(campaign)),
-            summary: &self.summary,
-            specimen,
-            bench: None,
-        })
     }
 }
 

@@ -5,6 +5,8 @@ use crate::bench::BenchAnswer;
 use crate::campaign::Campaign;
 use crate::report::slices::Scene;
 use crate::report::summary::Summary;
+use crate::table::BrdfTable;
+use crate::validate::{Prediction, expect};
 
 /// What a page is made of.
 pub struct Page<'a> {
@@ -22,7 +24,20 @@ pub struct Page<'a> {
     pub bench: Option<&'a BenchAnswer>,
 }
 
-impl Page<'_> {
+impl<'a> Page<'a> {
+    /// The page of a table, alike for one just measured and for one from its file; without an answer of `gonio bench`.
+    pub fn of(
+        table: &'a BrdfTable,
+        campaign: Option<&'a Campaign>,
+        prediction: Option<&'a Prediction>,
+        summary: &'a Summary,
+        specimen: ShownSpecimen,
+    ) -> Self {
+        let realisations = campaign.map_or(0, |campaign| campaign.surface.realisations as usize);
+        let scene = Scene { table, prediction, realisations };
+        Page { scene, campaign, masking: campaign.map(expect::masking), summary, specimen, bench: None }
+    }
+
     /// Place of the masking that the surface is tested against, 0 where there is none.
     pub fn masking_index(&self) -> usize {
         let prediction = self.scene.prediction;
