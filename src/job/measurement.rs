@@ -163,7 +163,7 @@ impl<'a> Measurement<'a> {
     /// Measures what is not there yet, and writes tables, realisations, summaries, pages and cards, or a shard's sums.
     ///
     /// Errors: `Campaign`, `Refused` before anything is measured; `Format` where a file already exists that is not of this
-    /// campaign; `Interrupted`, after which [`Self::resume`] goes on to the same bytes; as [`measure::measure_missing`].
+    /// campaign; `Interrupted`, after which [`Self::resume`] ends with the same bytes; as [`measure::measure_missing`].
     pub fn write(self) -> Result<Written> {
         self.on_threads(|job| {
             // Refused before a folder is made.

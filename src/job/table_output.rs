@@ -1,4 +1,4 @@
-//! A table from its first band of incidences to its files in their places: taken band by band, or all at once.
+//! The files of a table: taken band by band or all at once, staged, and put in their places together.
 
 use super::paths::TablePaths;
 use crate::error::{Error, Result};
