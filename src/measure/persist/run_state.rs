@@ -90,7 +90,7 @@ impl RunState {
         }
     }
 
-    /// The bytes of its file, as [`Self::header`] has it.
+    /// The bytes of its file, as `header` has it.
     pub fn to_bytes(&self, number: u64, campaign: &Campaign, plan: &Plan) -> Result<Vec<u8>, Error> {
         let header = self.header(number, campaign, plan);
         sealed::seal(KIND, self.tables.bytes(), |out| postcard::to_extend(&(header, &self.tables), out))
