@@ -13,6 +13,8 @@ const LEGEND_ROW: f64 = 22.0;
 /// Room of a letter in the legend and of a sample of a line.
 const LETTER: f64 = 7.6;
 const SAMPLE: f64 = 34.0;
+/// Letters beside the frame: a longer label would lie upon the title.
+const LETTERS_UPWARDS: usize = 42;
 /// Steps of a curve.
 const CURVE: u32 = 60;
 
@@ -92,6 +94,7 @@ impl Chart {
 
     fn axes(&self, out: &mut Drawing) {
         let [width, height] = FRAME;
+        debug_assert!(self.y.label.chars().count() <= LETTERS_UPWARDS, "too long: {}", self.y.label);
         for (value, label) in self.x.ticks() {
             let x = width * self.x.place(value);
             out.add(format_args!(

@@ -46,7 +46,7 @@ pub fn chart(scene: &Scene, stops: &[StopSummary], scaled: bool) -> Option<Chart
             },
             [-STEEPEST, STEEPEST],
         ),
-        y: ChartAxis::linear("share of the surface samples that the light sees", [0.0, 1.1]),
+        y: ChartAxis::linear("share of samples that the light sees", [0.0, 1.1]),
         series,
     })
 }
