@@ -54,7 +54,8 @@ pub fn theta(w: DVec3) -> f64 {
 
 /// Azimuth of `w` in [0, 2 pi); 0 at the pole.
 pub fn phi(w: DVec3) -> f64 {
-    let phi = w.y.atan2(w.x);
+    // The pole has x and y of either sign of 0, which atan2 would tell apart.
+    let phi = (w.y + 0.0).atan2(w.x + 0.0);
     let turned = if phi < 0.0 { phi + TAU } else { phi };
     if turned < TAU { turned + 0.0 } else { 0.0 }
 }
@@ -110,7 +111,9 @@ mod tests {
     fn azimuth_is_never_a_full_turn() {
         assert_eq!(phi(DVec3::new(1.0, -0.0, 0.0)), 0.0);
         assert_eq!(phi(DVec3::new(1.0, -1e-300, 0.0)), 0.0);
-        assert_eq!(phi(DVec3::Z), 0.0);
+        for (x, y) in [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0), (-0.0, -0.0)] {
+            assert_eq!(phi(DVec3::new(x, y, 1.0)), 0.0);
+        }
     }
 
     #[test]

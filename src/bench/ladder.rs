@@ -76,7 +76,7 @@ pub fn planned(campaign: &Campaign, range: &Range, truth: TruthKind) -> Result<L
     };
     let mut ladders = vec![(Varies::Samples, samples)];
     let mut most = realisations;
-    if campaign.surface.kind.is_random_heights() {
+    if campaign.surface.kind.has_random_patches() {
         let last = range.most_realisations.unwrap_or((4 * realisations).max(16));
         let counts = powers(1, last.into());
         if counts.len() < FEWEST_RUNGS {

@@ -2,10 +2,10 @@
 
 use std::fmt::{Debug, Display};
 
-use super::parse::{arms, campaign, height_map, optics, surface};
+use super::parse::{arms, campaign, grains, height_map, optics, surface};
 use super::schema::{
-    Alpha, Azimuth, Campaign, Expect, HeightMap, LightArm, Medium, Optics, RefractiveIndex, SensorArm,
-    Surface, SurfaceKind,
+    Alpha, Azimuth, Campaign, Expect, Grains, HeightMap, LightArm, Medium, Optics, RefractiveIndex,
+    SensorArm, Surface, SurfaceKind,
 };
 
 /// The campaign as resolved, in the schema that [`parse`](super::parse()) reads: parsing it gives the campaign again.
@@ -76,12 +76,14 @@ fn word<T: PartialEq>(words: &[(&'static str, T)], value: &T) -> String {
 
 fn surface_table(text: &mut Text, surface: &Surface) {
     text.table("surface");
-    let random = surface.kind.is_random_heights();
+    let random = surface.kind.has_random_patches();
     if !matches!(surface.kind, SurfaceKind::File(_)) {
         text.line("realisations", surface.realisations);
     }
     if random {
         text.line("cells", surface.cells);
+    }
+    if surface.kind.is_random_heights() {
         text.floats("correlation_cells", surface.correlation_cells);
     }
     text.floats("rotation_deg", surface.rotation_deg);
@@ -107,6 +109,7 @@ fn surface_table(text: &mut Text, surface: &Surface) {
             text.line("ndf", word(&surface::SMITH_NDF, &smith.ndf));
             text.line("heights", word(&surface::SMITH_HEIGHTS, &smith.heights));
         }
+        SurfaceKind::Grains(grains) => grains_table(text, grains),
         SurfaceKind::Mirror => text.table("surface.mirror"),
         SurfaceKind::VGroove { slope } => {
             text.table("surface.v_groove");
@@ -126,6 +129,22 @@ fn alpha_table(text: &mut Text, name: &str, alphas: &[Alpha]) {
         }
         several => text.floats("alpha", several.iter().map(|alpha| alpha.x).collect::<Vec<_>>()),
     }
+}
+
+fn grains_table(text: &mut Text, grains: &Grains) {
+    let mut alphas = grains.alphas.clone();
+    alphas.dedup_by_key(|alpha| [alpha.x, alpha.y]);
+    alpha_table(text, "surface.grains", &alphas);
+    let mut coverages: Vec<f64> = grains.alphas.iter().filter_map(|alpha| alpha.coverage).collect();
+    coverages.dedup();
+    match coverages[..] {
+        [coverage] => text.floats("coverage", coverage),
+        _ => text.floats("coverage", coverages),
+    }
+    if let Some(side) = grains.side {
+        text.floats("side", side);
+    }
+    text.line("base", word(&grains::BASES, &grains.base));
 }
 
 fn file_table(text: &mut Text, map: &HeightMap) {

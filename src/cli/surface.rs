@@ -72,6 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         let (last, pitch) = (job.name(job.count - 1, "exr"), job.pitch);
         out.line("")?;
         out.lines(figures.iter().flat_map(MapFigures::lines))?;
+        out.lines(certificate::grain_lines(&entries))?;
         out.lines(RayBound::lines(&bounds))?;
         out.line(format_args!(
             "files   {} to {last}{npy}, certificate.json in {}",
@@ -104,19 +105,21 @@ impl<'a> PatchJob<'a> {
         notes: &mut Vec<String>,
     ) -> Result<Self> {
         let patches = Patches::prepare(campaign, notes)?;
-        let random = matches!(patches, Patches::Random { .. });
+        let random = campaign.surface.kind.has_random_patches();
         let alphas = campaign.alphas();
         let alpha = match (&patches, &alphas[..]) {
             (Patches::Statistical { .. }, _) => {
                 let why = "a statistical Smith surface has no heights: there is no patch to write";
                 return Err(Error::Usage(format!("{}: {why}", campaign.name)));
             }
+            (Patches::Grains { coverages, .. }, _) if coverages.len() > 1 => {
+                let why = "surface.grains.coverage is a list: patches are written for one coverage at a time";
+                return Err(Error::Usage(format!("{}: {why}", campaign.name)));
+            }
             (Patches::Exact { alpha, .. }, _) => [alpha.x, alpha.y],
             (Patches::Map { map, .. }, _) => [map.alpha_x, map.alpha_y],
-            (Patches::Random { .. } | Patches::Files { .. } | Patches::Held(_), [Some(alpha)]) => {
-                [alpha.x, alpha.y]
-            }
-            (Patches::Random { .. } | Patches::Files { .. } | Patches::Held(_), _) => {
+            (_, [Some(alpha)]) => [alpha.x, alpha.y],
+            _ => {
                 notes.push(
                     "several roughnesses share these patches: written with pitch 1, as alpha = 1".into(),
                 );
@@ -244,8 +247,16 @@ impl<'a> PatchJob<'a> {
     }
 
     fn make(&self, index: u64) -> Result<(PatchEntry, Option<SlopeCounts>)> {
-        let Specimen::Patch(patch) = self.patches.realisation(index)? else {
-            return Err(Error::Internal("a statistical surface reached the writer of patches".into()));
+        let cells = self.campaign.surface.cells as usize;
+        let (patch, grains) = match self.patches.realisation(index)? {
+            Specimen::Patch(patch) => (patch, None),
+            Specimen::Grains(fields) => {
+                let (coverage, grains) = &fields[0];
+                (Patch::of_grains(grains, cells), Some(grains.figures(*coverage, cells)))
+            }
+            Specimen::Statistical { .. } => {
+                return Err(Error::Internal("a statistical surface reached the writer of patches".into()));
+            }
         };
         let [pitch_x, pitch_y] = self.pitch;
         self.put(index, "exr", &export::encode_exr(&patch.field, pitch_x, pitch_y)?)?;
@@ -265,7 +276,7 @@ impl<'a> PatchJob<'a> {
             _ => Certificate::of(&patch.field, law),
         };
         let heights_sha256 = files::hex(&Patch::digest(&patch));
-        Ok((PatchEntry { file: self.name(index, "exr"), heights_sha256, certificate }, slopes))
+        Ok((PatchEntry { file: self.name(index, "exr"), heights_sha256, certificate, grains }, slopes))
     }
 
     /// Writes a file, unless the same bytes are there already.
@@ -330,6 +341,11 @@ fn surface_of(campaign: &Campaign) -> Result<Value> {
             "cells": surface.cells,
             "correlation_cells": surface.correlation_cells,
             "kind": to_json(&surface.kind)?,
+        }),
+        kind if kind.has_random_patches() => json!({
+            "realisations": surface.realisations,
+            "cells": surface.cells,
+            "kind": to_json(kind)?,
         }),
         kind => json!({ "kind": to_json(kind)? }),
     })

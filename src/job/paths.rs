@@ -78,7 +78,7 @@ impl TablePaths {
             let one = one.with_optics(optics);
             let mut stem = campaign.name.clone();
             if let (Some(alpha), true) = (alpha, several_alphas) {
-                stem = format!("{stem}_alpha_{}", alpha.x);
+                stem = format!("{stem}_{}", alpha.label());
             }
             if several_materials {
                 stem = format!("{stem}_{}", optics.label());

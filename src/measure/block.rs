@@ -7,10 +7,11 @@ use super::block_arms::{BlockArms, starts_stream};
 use super::block_tracer::{BlockTracer, with_waves};
 use super::context::Context;
 use super::optics::BounceRecorder;
-use super::prepared_patch::{Heights, IntoApertures, PatchSampler};
+use super::prepared_patch::{Heights, IntoApertures, PatchSampler, PlacedGrains};
 use crate::rng;
 use crate::trace::{
-    AreaSampler, BatchedStarts, ConeSampler, SlopeIndex, SlopeSampler, SmithWalk, SurfacePoint, View,
+    AreaSampler, BatchedStarts, ConeSampler, GrainSampler, SlopeIndex, SlopeSampler, SmithWalk, SurfacePoint,
+    Traced, View,
 };
 
 /// The address of some blocks, and the surface that they are measured on.
@@ -27,6 +28,9 @@ impl Context<'_> {
         let each = |block: &mut dyn FnMut(u64)| work.blocks.iter().for_each(|&number| block(number));
         match work.sampler {
             PatchSampler::Law(walk) => each(&mut |block| self.block_by_law(work, block, walk, tally)),
+            PatchSampler::OnGrains(grains) => {
+                each(&mut |block| self.block_on_grains(work, block, grains, tally));
+            }
             PatchSampler::ByPlace(heights) => {
                 each(&mut |block| self.block_by_place(work, block, heights, tally));
             }
@@ -52,6 +56,19 @@ impl Context<'_> {
             let ending = walk.trace(arms.wi, self.campaign.trace.bounces, &mut rng, &mut light);
             followed.end(ending, &light);
         }
+    }
+
+    /// Samples from grain to grain.
+    fn block_on_grains(&self, work: &Work, block: u64, grains: &PlacedGrains, tally: &mut Tally) {
+        let (count, arms) = (self.plan.block_starts, self.arms(work, block));
+        let sample = grains.sample(&arms);
+        let starts = GrainSampler::new(grains.field, sample.to_field(arms.wi));
+        let mut followed = BlockTracer::one(self, (arms, work.stop), starts.flux_fraction(count), tally);
+        let mut rng = rng::stream(self.starts_stream(work, block));
+        starts.each(count, &mut rng, |start| match start.is_buried(grains.field) {
+            true => followed.bury(),
+            false => followed.follow(&sample, 0, start),
+        });
     }
 
     /// Samples along all facets, row by row.

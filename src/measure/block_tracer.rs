@@ -12,7 +12,7 @@ use super::block_arms::BlockArms;
 use super::context::Context;
 use super::optics::BounceRecorder;
 use crate::campaign::Campaign;
-use crate::trace::{PathEnd, PathWaves, SimdTraversal, SurfacePoint, TracedPatch, View, Wave};
+use crate::trace::{PathEnd, PathWaves, SimdTraversal, SurfacePoint, Traced, View, Wave};
 
 /// Samples that are followed together: their rays fit the cache of a core.
 const WAVE: usize = 4096;
@@ -117,24 +117,32 @@ impl<'a> BlockTracer<'a> {
         self.given_up
     }
 
-    /// Follows every surface sample by itself.
-    pub fn follow(&mut self, sample: &TracedPatch, turn: usize, start: SurfacePoint) {
+    /// Follows a surface sample of a turn by itself.
+    pub fn follow<S: Traced>(&mut self, surface: &S, turn: usize, start: S::Point) {
         if self.is_given_up() {
             return;
         }
         self.at = turn;
-        if self.misses(sample, &start) {
+        let (trace, wi) = (&self.context.campaign.trace, self.turn().arms.wi);
+        if self.misses(|| surface.reflect(wi, &start)) {
             return self.leave_out(1);
         }
-        let (trace, wi) = (&self.context.campaign.trace, self.turn().arms.wi);
+        let slope = surface.slope(&start);
         let mut light = BounceRecorder::new(self.context.plan.sums.needs_angles());
         let ending = if trace.visibility {
-            sample.trace(start, wi, trace.bounces, &mut light)
+            surface.trace(start, wi, trace.bounces, &mut light)
         } else {
-            sample.trace_unobstructed(start, wi, &mut light)
+            surface.trace_unobstructed(&start, wi, &mut light)
         };
-        self.look(sample, &start, ending);
+        self.look(|w| surface.to_field(w), slope, ending);
         self.end(ending, &light);
+    }
+
+    /// Counts a surface sample that something else of the surface lies over.
+    pub fn bury(&mut self) {
+        self.counted += 1;
+        self.rays.skipped += 1;
+        self.tally.hidden.add(self.turn().units);
     }
 
     /// Takes a surface sample of a turn for the next wave, which is followed through the lanes when it is full; paths end in
@@ -147,7 +155,8 @@ impl<'a> BlockTracer<'a> {
         wave: &mut WaveMemory,
     ) {
         self.at = turn;
-        if self.misses(&views[turn].sample, &start) {
+        let View { sample, wi } = &views[turn];
+        if self.misses(|| Some(sample.reflected(*wi, &start))) {
             return self.leave_out(1);
         }
         wave.starts.push(start);
@@ -173,40 +182,36 @@ impl<'a> BlockTracer<'a> {
         paths.trace(over, &wave, lights, endings);
         for (((start, &turn), &ending), light) in starts.iter().zip(&*turns).zip(&*endings).zip(&*lights) {
             self.at = usize::from(turn);
-            self.look(&views[self.at].sample, start, ending);
+            let sample = &views[self.at].sample;
+            self.look(|w| sample.to_field(w), sample.slope(start), ending);
             self.end(ending, light);
         }
         starts.clear();
         turns.clear();
     }
 
-    /// Notes whether the light sees the facet of `start`, where facets of every slope are started on.
-    fn look(&mut self, sample: &TracedPatch, start: &SurfacePoint, ending: PathEnd) {
+    /// Notes whether the light sees the facet of a start, where facets of every slope are started on.
+    fn look(&mut self, to_field: impl Fn(DVec3) -> DVec3, slope: DVec2, ending: PathEnd) {
         if !self.context.campaign.trace.visibility || self.context.plan.apertures_only {
             return;
         }
         let turn = &mut self.turns[self.at];
         let header = turn.arms.header;
         let along = *turn.along.get_or_insert_with(|| {
-            let along = sample.to_field(header).truncate();
+            let along = to_field(header).truncate();
             // A surface without an alpha is told by its slopes themselves, whatever unit its heights are in.
             if self.context.campaign.alphas()[0].is_some() { along / along.length() } else { along }
         });
-        let corners = sample.traversal.field().corners(start.facet.x, start.facet.y);
-        let slope = corners.slope(start.facet.upper).dot(along);
-        self.tally.seen.count(slope, ending != PathEnd::Shadowed);
+        self.tally.seen.count(slope.dot(along), ending != PathEnd::Shadowed);
     }
 
-    /// Whether nothing but apertures counts, and the facet of `start` sends light into none.
-    fn misses(&self, sample: &TracedPatch, start: &SurfacePoint) -> bool {
+    /// Whether nothing but apertures counts, and a start sends light into none: `reflected` is where it goes.
+    fn misses(&self, reflected: impl Fn() -> Option<DVec3>) -> bool {
         if !self.context.plan.apertures_only {
             return false;
         }
+        let Some(wo) = reflected().filter(|wo| wo.z > 0.0) else { return true };
         let arms = &self.turn().arms;
-        let wo = sample.reflected(arms.wi, start);
-        if wo.z <= 0.0 {
-            return true;
-        }
         let (sensor, wo) = (&self.context.sensor, arms.in_bins(wo));
         let folded = self.context.plan.folded[self.stop];
         let seen = sensor.sees(wo) || (folded && sensor.sees(arms.mirrored(wo)));
@@ -252,6 +257,7 @@ impl<'a> BlockTracer<'a> {
                     self.arrive(wo, order, light, true);
                 }
             }
+            PathEnd::Absorbed { .. } => self.tally.absorbed.add(units),
             PathEnd::Lost => self.tally.lost += 1,
         }
     }
@@ -310,7 +316,9 @@ impl RayCounts {
         let bounces = u64::from(campaign.trace.bounces);
         // The light's ray, and one after each bounce.
         let (traced, skipped) = match *ending {
-            PathEnd::Out { order, .. } | PathEnd::LeftDomain { order, .. } => (1 + u64::from(order), 0),
+            PathEnd::Out { order, .. } | PathEnd::LeftDomain { order, .. } | PathEnd::Absorbed { order } => {
+                (1 + u64::from(order), 0)
+            }
             PathEnd::Truncated { down } => (1 + bounces - u64::from(down), u64::from(down)),
             PathEnd::Shadowed | PathEnd::Lost => (1, 0),
         };

@@ -10,6 +10,7 @@ use super::plan::KEPT_FRACTION;
 use crate::campaign::{Alpha, Campaign, HeightSpectrum, SmithHeights, SmithNdf, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
+use crate::surface::grains::{self, GrainField};
 use crate::surface::io::import;
 use crate::surface::io::import::ImportedMap;
 use crate::surface::{Heightfield, SlopeLaw, Synthesiser};
@@ -40,6 +41,15 @@ pub enum Patches {
         /// World slope per canonical slope.
         alpha: DVec2,
     },
+    /// Random grains, for each coverage of the campaign.
+    Grains {
+        /// The campaign's seed.
+        seed: u64,
+        /// In the order of the tables, each once.
+        coverages: Vec<f64>,
+        /// Side of a patch, radii.
+        side: Option<f64>,
+    },
     /// No heights at all.
     Statistical {
         /// Law of the slopes.
@@ -63,6 +73,8 @@ pub enum Patches {
 pub enum Specimen {
     /// Heights.
     Patch(Patch),
+    /// Grains, for each coverage.
+    Grains(Vec<(f64, GrainField)>),
     /// Nothing but a law; groups of paths stand for realisations.
     Statistical {
         /// Law of the slopes.
@@ -97,6 +109,12 @@ impl Patches {
                 law: smith.ndf,
                 independent_heights: smith.heights == SmithHeights::Independent,
             },
+            SurfaceKind::Grains(grains) => {
+                let mut coverages: Vec<f64> =
+                    grains.alphas.iter().filter_map(|alpha| alpha.coverage).collect();
+                coverages.dedup();
+                Patches::Grains { seed: campaign.seed, coverages, side: grains.side }
+            }
             SurfaceKind::Ggx(_)
             | SurfaceKind::Beckmann { .. }
             | SurfaceKind::StudentT { .. }
@@ -138,7 +156,9 @@ impl Patches {
         let patches = Patches::prepare(campaign, &mut Vec::new())?;
         let make = |k: u64| match patches.realisation(k)? {
             Specimen::Patch(patch) => Ok(patch.field),
-            Specimen::Statistical { .. } => Err(Error::Internal("patches of a law without heights".into())),
+            Specimen::Grains(_) | Specimen::Statistical { .. } => {
+                Err(Error::Internal("patches of a law without heights".into()))
+            }
         };
         let all = (0..u64::from(campaign.surface.realisations)).into_par_iter();
         Ok(Patches::Held(all.map(make).collect::<Result<_>>()?))
@@ -179,6 +199,16 @@ impl Patches {
                 let (law, independent_heights) = (*law, *independent_heights);
                 return Ok(Specimen::Statistical { law, independent_heights });
             }
+            Patches::Grains { seed, coverages, side } => {
+                let of = |&coverage: &f64| {
+                    // The coverage is its own address: a further one leaves the others as they were.
+                    let stop = coverage.to_bits();
+                    let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop, block: 0 };
+                    let side = side.unwrap_or_else(|| grains::usual_side(coverage));
+                    (coverage, GrainField::random(side, coverage, &mut rng::stream(id)))
+                };
+                return Ok(Specimen::Grains(coverages.iter().map(of).collect()));
+            }
             Patches::Random { synthesiser, seed } => {
                 let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop: 0, block: 0 };
                 let field = synthesiser.patch(&mut rng::stream(id));
@@ -212,6 +242,7 @@ impl Patches {
             SurfaceKind::StudentT { gamma, .. } => Some(SlopeLaw::student_t(gamma)),
             SurfaceKind::BlinnPhong { exponent, .. } => Some(SlopeLaw::blinn_phong(exponent)),
             SurfaceKind::Smith(_)
+            | SurfaceKind::Grains(_)
             | SurfaceKind::Mirror
             | SurfaceKind::VGroove { .. }
             | SurfaceKind::File(_) => None,
@@ -228,16 +259,34 @@ fn spectrum(kind: &SurfaceKind) -> HeightSpectrum {
 }
 
 impl Specimen {
-    /// SHA-256 over the heights; `None` where there are none.
+    /// SHA-256 over the heights, or over the grains; `None` where there are none.
     pub fn digest(&self) -> Option<[u8; 32]> {
         match self {
             Specimen::Patch(patch) => Some(patch.digest()),
+            Specimen::Grains(fields) => {
+                let mut hash = Sha256::new();
+                fields.iter().for_each(|(_, field)| hash.update(field.digest()));
+                Some(hash.finalize().into())
+            }
             Specimen::Statistical { .. } => None,
         }
     }
 }
 
+/// Of the grains of all coverages those of a roughness.
+pub fn grains_of(fields: &[(f64, GrainField)], alpha: Option<Alpha>) -> &GrainField {
+    let coverage = alpha.and_then(|alpha| alpha.coverage);
+    let of_table = fields.iter().find(|(known, _)| Some(*known) == coverage);
+    &of_table.unwrap_or(&fields[0]).1
+}
+
 impl Patch {
+    /// Grains as heights of `cells` x `cells` cells.
+    pub fn of_grains(grains: &GrainField, cells: usize) -> Self {
+        let field = grains.as_heights(cells);
+        Patch { window: Window::all(&field), own_alpha: None, field }
+    }
+
     /// World slope per canonical slope, with the campaign's `alpha` where the surface has none of its own.
     pub fn alpha(&self, alpha: Option<Alpha>) -> DVec2 {
         self.own_alpha.unwrap_or_else(|| alpha.map_or(DVec2::ONE, |alpha| DVec2::new(alpha.x, alpha.y)))

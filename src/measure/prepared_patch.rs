@@ -4,11 +4,13 @@ use glam::DVec2;
 
 use super::block_arms::BlockArms;
 use super::context::Context;
-use super::patches::{Patch, Specimen};
+use super::patches::{Patch, Specimen, grains_of};
 use super::plan::{Apertures, Plan, StartSampler};
 use crate::campaign::{Alpha, Campaign};
+use crate::surface::grains::GrainField;
 use crate::trace::{
-    BatchedStarts, GridTraversal, MaxPyramid, SimdTraversal, SlopeIndex, SmithWalk, TilePeaks, TracedPatch,
+    BatchedStarts, GridTraversal, MaxPyramid, SimdTraversal, SlopeIndex, SmithWalk, TilePeaks, TracedGrains,
+    TracedPatch,
 };
 
 /// Cells of a patch for each surface sample that is followed together with others.
@@ -28,9 +30,17 @@ pub(super) struct PreparedPatch {
 /// The plan's sampler on one patch, for one roughness.
 pub(super) enum PatchSampler<'a> {
     Law(SmithWalk),
+    OnGrains(PlacedGrains<'a>),
     ByPlace(Heights<'a>),
     BySlope(Heights<'a>, &'a SlopeIndex),
     IntoApertures(IntoApertures<'a>),
+}
+
+/// Grains to follow paths on.
+pub(super) struct PlacedGrains<'a> {
+    pub field: &'a GrainField,
+    alpha: DVec2,
+    mirror_base: bool,
 }
 
 /// Heights to walk over.
@@ -74,10 +84,14 @@ impl PreparedPatch {
         let patch = match &self.specimen {
             Specimen::Patch(patch) => patch,
             Specimen::Statistical { law, independent_heights } => {
-                return PatchSampler::Law(SmithWalk {
-                    law: *law,
-                    alpha: alpha.map_or(DVec2::ONE, |alpha| DVec2::new(alpha.x, alpha.y)),
-                    independent_heights: *independent_heights,
+                let (law, independent_heights) = (*law, *independent_heights);
+                return PatchSampler::Law(SmithWalk { law, alpha: slope_scales(alpha), independent_heights });
+            }
+            Specimen::Grains(fields) => {
+                return PatchSampler::OnGrains(PlacedGrains {
+                    field: grains_of(fields, alpha),
+                    alpha: slope_scales(alpha),
+                    mirror_base: !context.campaign.surface.kind.has_absorbing_base(),
                 });
             }
         };
@@ -97,6 +111,19 @@ impl PreparedPatch {
             }
             _ => PatchSampler::ByPlace(heights),
         }
+    }
+}
+
+/// World slope per canonical slope of a roughness.
+fn slope_scales(alpha: Option<Alpha>) -> DVec2 {
+    alpha.map_or(DVec2::ONE, |alpha| DVec2::new(alpha.x, alpha.y))
+}
+
+impl PlacedGrains<'_> {
+    /// The grains as they lie in the instrument for a block.
+    pub fn sample(&self, arms: &BlockArms) -> TracedGrains<'_> {
+        let PlacedGrains { field, alpha, mirror_base } = *self;
+        TracedGrains { field, alpha, image: arms.image, mirror_base }
     }
 }
 

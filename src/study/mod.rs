@@ -87,7 +87,7 @@ pub fn examine(measured: &Measured) -> Study {
 // Tested by `an_isotropic_law_is_rejected_as_often_as_the_level_says` (tests/it/study.rs).
 pub fn examine_isotropy(measured: &Measured) -> Study {
     let data = data_of(measured);
-    let harmonics = harmonics::harmonics(&data, measured.campaign.surface.kind.is_random_heights());
+    let harmonics = harmonics::harmonics(&data, measured.campaign.surface.kind.has_random_patches());
     let p_value = joint(&harmonics);
     let index = index::index(&data);
     Study {

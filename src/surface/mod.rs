@@ -1,6 +1,7 @@
 //! The explicit microgeometry: heights, facets, the wanted slope law, and the measured properties of a patch.
 
 pub mod certificate;
+pub mod grains;
 pub mod heightfield;
 pub mod io;
 pub mod synthesis;

@@ -6,6 +6,7 @@
 
 pub mod cavities;
 pub mod empirical;
+pub mod grains;
 pub mod microfacet;
 pub mod ndf;
 pub mod smith;

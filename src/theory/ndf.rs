@@ -21,6 +21,11 @@ pub enum Ndf {
     },
     /// (n + 2)/(2 pi) cos^n with n = 2/alpha^2 - 2; stretched where alpha_x and alpha_y differ.
     BlinnPhong,
+    /// Half-ellipsoids on a plane: the integral of D cos is their coverage, the plane has the rest.
+    Grains {
+        /// In (0, 1).
+        coverage: f64,
+    },
 }
 
 impl Ndf {
@@ -31,6 +36,7 @@ impl Ndf {
             Ndf::Beckmann => "beckmann",
             Ndf::StudentT { .. } => "student_t",
             Ndf::BlinnPhong => "blinn_phong",
+            Ndf::Grains { .. } => "grains",
         }
     }
 
@@ -39,7 +45,7 @@ impl Ndf {
         match self {
             Ndf::Ggx => ggx_d(h, alpha_x, alpha_y),
             Ndf::Beckmann => beckmann_d(h, alpha_x, alpha_y),
-            Ndf::StudentT { .. } | Ndf::BlinnPhong => self.d_of_sum(h, alpha_x, alpha_y),
+            Ndf::StudentT { .. } | Ndf::BlinnPhong | Ndf::Grains { .. } => self.d_of_sum(h, alpha_x, alpha_y),
         }
     }
 
@@ -51,6 +57,7 @@ impl Ndf {
             Ndf::StudentT { .. } | Ndf::BlinnPhong => {
                 student_d_of_sum(h_sum, alpha_x, alpha_y, self.gamma(alpha_x * alpha_y))
             }
+            Ndf::Grains { coverage } => grains_d_of_sum(h_sum, alpha_x, alpha_y, coverage),
         }
     }
 
@@ -60,7 +67,7 @@ impl Ndf {
     // Tested by `blinn_and_phongs_normals_are_a_power_of_the_cosine`.
     pub fn gamma(self, alpha2: f64) -> f64 {
         match self {
-            Ndf::Ggx => 2.0,
+            Ndf::Ggx | Ndf::Grains { .. } => 2.0,
             Ndf::Beckmann => f64::INFINITY,
             Ndf::StudentT { gamma } => gamma,
             Ndf::BlinnPhong => 1.0 + 1.0 / alpha2,
@@ -161,6 +168,19 @@ pub fn student_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64, gamma: f64) ->
     q * q * tail / (PI * alpha_x * alpha_y)
 }
 
+/// D(h) from H = wi + wo: GGX times Lambda (1 - coverage)^(1 - z^2), Lambda = -ln(1 - coverage), z the canonical cosine.
+///
+/// - `h_sum`: any length but 0, sample frame; below the horizon the value is 0. `coverage` in (0, 1).
+/// - Returns 1/sr. The integral of D cos over the hemisphere is the coverage: the bare plane has the rest.
+/// - Numerics: 1 - z^2 as a quotient of sums of squares.
+// Tested by `the_law_of_grains_meets_its_reference` (tests/it/formula_values.rs), `normals_add_up_to_the_coverage`.
+pub fn grains_d_of_sum(h_sum: DVec3, alpha_x: f64, alpha_y: f64, coverage: f64) -> f64 {
+    let (x, y) = (h_sum.x / alpha_x, h_sum.y / alpha_y);
+    let (across2, up2) = (x * x + y * y, h_sum.z * h_sum.z);
+    let depth = -(-coverage).ln_1p();
+    ggx_d_of_sum(h_sum, alpha_x, alpha_y) * depth * (-depth * across2 / (across2 + up2)).exp()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -249,6 +269,23 @@ mod tests {
                     assert!(d.is_finite() && d >= 0.0, "{ndf:?} {z} {alpha}: {d}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn normals_add_up_to_the_coverage() {
+        for coverage in [1e-3, 0.5, 0.9, 0.999] {
+            // Over z^2 = t, D cos dw becomes Lambda exp(-Lambda (1 - t)) dt: exactly the coverage.
+            let n = 100_000;
+            let value = |k: i32| {
+                let t: f64 = (f64::from(k) + 0.5) / f64::from(n);
+                let h = DVec3::new(0.3 * (1.0 - t).sqrt(), 0.0, t.sqrt());
+                // D_GGX h_z dw = dt of the canonical disc: divided out by GGX itself.
+                grains_d_of_sum(h, 0.3, 0.7, coverage) / ggx_d_of_sum(h, 0.3, 0.7)
+            };
+            let found = (0..n).map(value).sum::<f64>() / f64::from(n);
+            // The midpoint rule: Lambda^2/(24 n^2).
+            assert!((found - coverage).abs() < 1e-8, "{coverage}: {found}");
         }
     }
 }

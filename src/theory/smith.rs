@@ -1,4 +1,5 @@
-//! Smith's masking: Lambda, G1, and four ways to join the two arms into G2 and V = G2/(4 cos_i cos_o).
+//! Masking: Smith's Lambda and G1, four ways to join the two arms into G2 and V = G2/(4 cos_i cos_o), and the masking
+//! that grains have instead.
 //!
 //! Input: an arm as a `ArmSide`: its cosine, its *projected* Lambda (cos times Lambda, finite at the horizon) and
 //! its canonical azimuth. Output: numbers without cosines, or V, which stays finite when one arm grazes.
@@ -9,6 +10,7 @@ use std::sync::LazyLock;
 
 use glam::DVec3;
 
+use super::grains;
 use super::ndf::Ndf;
 use super::student::student_a_lambda;
 
@@ -23,10 +25,14 @@ pub enum Masking {
     HeightCorrelated,
     /// G2 = 1/(1 + max + lambda min): also correlated by the azimuth between the arms.
     DirectionCorrelated,
+    /// The exact one of grains: by the height of the facet.
+    Grains,
+    /// The same, of each arm for itself: G2 = G1(wi, h) G1(wo, h).
+    GrainsProduct,
 }
 
 impl Masking {
-    /// All four, in the order of declaration.
+    /// Smith's four, in the order of declaration.
     pub const ALL: [Masking; 4] =
         [Masking::None, Masking::Separable, Masking::HeightCorrelated, Masking::DirectionCorrelated];
 
@@ -37,6 +43,8 @@ impl Masking {
             Masking::Separable => "separable",
             Masking::HeightCorrelated => "height_correlated",
             Masking::DirectionCorrelated => "direction_correlated",
+            Masking::Grains => "grains",
+            Masking::GrainsProduct => "grains_product",
         }
     }
 }
@@ -52,6 +60,10 @@ pub struct ArmSide {
     x: f64,
     /// alpha_y w.y.
     y: f64,
+    /// (alpha_x, alpha_y).
+    alpha: [f64; 2],
+    /// Of grains; 0 of other surfaces.
+    coverage: f64,
 }
 
 impl ArmSide {
@@ -61,14 +73,15 @@ impl ArmSide {
         let (x, y) = (alpha_x * w.x, alpha_y * w.y);
         let s2 = x * x + y * y;
         let projected_lambda = match ndf {
-            Ndf::Ggx => ggx_projected_lambda(w.z, s2),
+            Ndf::Ggx | Ndf::Grains { .. } => ggx_projected_lambda(w.z, s2),
             Ndf::Beckmann => projected_lambda(w.z, s2, beckmann_a_lambda),
             Ndf::StudentT { .. } | Ndf::BlinnPhong => {
                 let power = ndf.gamma(alpha_x * alpha_y) - 1.0;
                 projected_lambda(w.z, s2, |a| student_a_lambda(a, power))
             }
         };
-        ArmSide { cos: w.z, projected_lambda, x, y }
+        let coverage = if let Ndf::Grains { coverage } = ndf { coverage } else { 0.0 };
+        ArmSide { cos: w.z, projected_lambda, x, y, alpha: [alpha_x, alpha_y], coverage }
     }
 
     /// Smith's Lambda, [0, inf]; infinite at the horizon.
@@ -83,6 +96,19 @@ impl ArmSide {
     /// G1 = 1/(1 + Lambda) = cos/(cos + cos Lambda), [0, 1]; 0 at the horizon.
     pub fn g1(&self) -> f64 {
         self.cos / (self.cos + self.projected_lambda)
+    }
+
+    /// Along the canonical direction, of any length.
+    pub fn canonical(&self) -> DVec3 {
+        DVec3::new(self.x, self.y, self.cos)
+    }
+
+    /// The cosine of the canonical normal between this arm and another.
+    fn facet_cos(&self, other: &Self) -> f64 {
+        let [ax, ay] = self.alpha;
+        let (x, y) = ((self.x + other.x) / (ax * ax), (self.y + other.y) / (ay * ay));
+        let z = self.cos + other.cos;
+        z / (x * x + y * y + z * z).sqrt()
     }
 
     /// 1 - G1 without cancellation: cos Lambda/(cos + cos Lambda).
@@ -125,7 +151,8 @@ fn direction_decorrelation(i: &ArmSide, o: &ArmSide) -> f64 {
 ///
 /// With M = cos Lambda of an arm (`projected_lambda`), A = cos_o M_i and B = cos_i M_o:
 /// none 1/(4 cos_i cos_o); separable 1/(4 (cos_i + M_i)(cos_o + M_o)); height-correlated
-/// 1/(4 (cos_i cos_o + (A + B))); direction-correlated 1/(4 (cos_i cos_o + (max(A, B) + lambda min(A, B)))).
+/// 1/(4 (cos_i cos_o + (A + B))); direction-correlated 1/(4 (cos_i cos_o + (max(A, B) + lambda min(A, B)))); grains
+/// by `theory::grains`, 0 where an arm grazes.
 ///
 /// - Domain: cosines >= 0; not both 0, and for `Masking::None` neither, where V is infinite.
 /// - Swapping the arms gives the same bits.
@@ -139,6 +166,11 @@ pub fn visibility(masking: Masking, i: &ArmSide, o: &ArmSide) -> f64 {
         Masking::Separable => (i.cos + i.projected_lambda) * (o.cos + o.projected_lambda),
         Masking::HeightCorrelated => cosines + (a + b),
         Masking::DirectionCorrelated => cosines + (a.max(b) + direction_decorrelation(i, o) * a.min(b)),
+        Masking::Grains | Masking::GrainsProduct if cosines == 0.0 => return 0.0,
+        Masking::Grains | Masking::GrainsProduct => {
+            let g2 = if masking == Masking::Grains { grains::g2 } else { grains::g1_product };
+            return 0.25 * g2(i.canonical(), o.canonical(), i.facet_cos(o), i.coverage) / cosines;
+        }
     };
     0.25 / denominator
 }

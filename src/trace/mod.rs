@@ -1,12 +1,16 @@
 //! Light on the surface: where paths begin, what they hit, and where they leave.
 
+pub mod grains;
 pub mod path;
 pub mod ray;
 pub mod sampling;
 pub mod simd;
 pub mod symmetry;
 
-pub use path::single::{Bounce, PathEnd, TracedPatch};
+pub use grains::patch::TracedGrains;
+pub use grains::ray::GrainPoint;
+pub use grains::starts::GrainSampler;
+pub use path::single::{Bounce, PathEnd, Traced, TracedPatch};
 pub use path::smith_walk::SmithWalk;
 pub use path::wavefront::{PathWaves, View, Wave};
 pub use ray::grid_traversal::GridTraversal;

@@ -45,6 +45,7 @@ fn own_masking(campaign: &Campaign) -> Option<&'static str> {
         SurfaceKind::VGroove { .. } => Some("v_cavity"),
         SurfaceKind::Smith(smith) if smith.heights == SmithHeights::Correlated => Some("height_correlated"),
         SurfaceKind::Smith(_) => Some("separable"),
+        SurfaceKind::Grains(_) if campaign.trace.visibility => Some("grains"),
         _ if !campaign.trace.visibility => Some("none"),
         _ => None,
     }
@@ -61,15 +62,18 @@ pub fn masking(campaign: &Campaign) -> &'static str {
 
 /// The bar that the campaign sets, or that its surface is known to keep; `None` where nothing is known.
 ///
-/// 0 says that nothing but noise lies between table and model, bin by bin: mirror, V-groove and the statistical Smith
-/// surface, whose normals are exact by construction. Random heights keep a discrepancy: with shadowing the one of
+/// 0 says that nothing but noise lies between table and model, bin by bin: mirror, V-groove, grains and the statistical
+/// Smith surface, which are exact by construction. Random heights keep a discrepancy: with shadowing the one of
 /// `KNOWN`, without it that of their own slopes.
 // Tested by `without_visibility_the_patches_own_slopes_are_allowed_for`,
 // `exact_surfaces_are_held_to_nothing_but_noise`.
 pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
     let left_out = match campaign.surface.kind {
         SurfaceKind::File(_) => return None,
-        SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => Some(0.0),
+        SurfaceKind::Smith(_)
+        | SurfaceKind::Grains(_)
+        | SurfaceKind::Mirror
+        | SurfaceKind::VGroove { .. } => Some(0.0),
         // Student's laws lie between GGX and Beckmann, and so does what their surfaces keep (`configs/tails`).
         SurfaceKind::Ggx(_)
         | SurfaceKind::Beckmann { .. }

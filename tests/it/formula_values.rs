@@ -129,6 +129,45 @@ fn every_reference_value_is_met() {
 }
 
 #[test]
+fn the_law_of_grains_meets_its_reference() {
+    let mut reader = csv::Reader::from_path("tests/data/grains_digits.csv").expect("the reference file");
+    let header = reader.headers().expect("a header").clone();
+    let mut rows = 0;
+    for record in reader.records() {
+        let record = record.expect("a row");
+        let row = Row(header.iter().zip(record.iter()).collect());
+        let [wi, wo] = ["i", "r"].map(|arm| {
+            direction_deg(row.number(&format!("theta_{arm}_deg")), row.number(&format!("phi_{arm}_deg")))
+        });
+        let (alpha_x, alpha_y, coverage) =
+            (row.number("alpha_x"), row.number("alpha_y"), row.number("coverage"));
+        let model = Microfacet { ndf: Ndf::Grains { coverage }, alpha_x, alpha_y, rotation: 0.0 };
+        let g2 = |masking| 4.0 * wi.z * wo.z * visibility(masking, &model.side(wi), &model.side(wo));
+        let steepest = (alpha_x * wi.x).hypot(alpha_y * wi.y).max((alpha_x * wo.x).hypot(alpha_y * wo.y));
+        // Areas are some 1/cos large, in the canonical frame, and right to 1e-14 of that; so are angles, of which slopes
+        // are 1/alpha. The masking's logarithm has that error, times ln(1 - coverage)/pi <= 2.2.
+        let grazing = (1.0 + steepest / wi.z.min(wo.z)) / alpha_x.min(alpha_y).min(1.0);
+        let tolerance = 1e-13 * grazing;
+        let values = [
+            ("D", model.ndf.d_of_sum(wi + wo, alpha_x, alpha_y)),
+            ("G2", g2(Masking::Grains)),
+            ("G1_G1", g2(Masking::GrainsProduct)),
+            ("f", model.brdf(wi, wo, Masking::Grains, &Fresnel::Perfect)),
+        ];
+        for (name, found) in values {
+            let expected = row.number(name);
+            assert!(
+                (found - expected).abs() <= tolerance * expected,
+                "{name} of row {rows}: {found:e} for {expected:e}, {:e} off, may be {tolerance:e}",
+                found / expected - 1.0
+            );
+        }
+        rows += 1;
+    }
+    assert_eq!(rows, 94);
+}
+
+#[test]
 fn the_closed_forms_of_the_lobe_hold_at_normal_incidence() {
     // f(n, n) = D(n) V with D = 1/(pi alpha^2) and V = 1/4: five roundings.
     for alpha in [1e-4, 0.1, 1.0, 10.0] {

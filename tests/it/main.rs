@@ -34,6 +34,7 @@ mod surface {
 mod trace {
     mod corridors;
     mod fair_starts;
+    mod grains;
     mod lanes;
     mod long_rays;
     mod masking_given_the_normal;
@@ -45,6 +46,7 @@ mod measure {
     mod energy;
     mod exact_shapes;
     mod golden_tables;
+    mod grains;
     mod grazing_stability;
     mod instruments;
     mod lost_light;
@@ -78,6 +80,7 @@ mod validate {
     mod bin_means;
     mod compare;
     mod discrepancy;
+    mod grains;
     mod reciprocity;
     mod smith_surface;
     mod verdicts;

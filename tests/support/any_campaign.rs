@@ -44,13 +44,13 @@ fn alpha() -> impl Strategy<Value = f64> {
 fn alphas() -> impl Strategy<Value = Vec<Alpha>> {
     let several = btree_set(1u32..=100_000, 1..5);
     prop_oneof![
-        (alpha(), alpha()).prop_map(|(x, y)| vec![Alpha { x, y }]),
+        (alpha(), alpha()).prop_map(|(x, y)| vec![Alpha::new(x, y)]),
         several.prop_map(|all| all.into_iter().map(|a| 1e-4 * f64::from(a)).map(isotropic).collect()),
     ]
 }
 
 fn isotropic(alpha: f64) -> Alpha {
-    Alpha { x: alpha, y: alpha }
+    Alpha::isotropic(alpha)
 }
 
 fn surface() -> impl Strategy<Value = Surface> {

@@ -26,5 +26,5 @@ pub(crate) fn artist(table: TableReader<'_>) -> Option<(Alpha, [f64; 3])> {
     }
     let alpha = rough * rough;
     let f0 = base.map(|base| DIELECTRIC_F0 * (1.0 - metal) + base * metal);
-    Some((Alpha { x: alpha, y: alpha }, f0))
+    Some((Alpha::isotropic(alpha), f0))
 }

@@ -4,8 +4,10 @@ use std::path::Path;
 
 use super::angles::AZIMUTH;
 use super::artist;
+use super::grains::grains;
 use super::height_map::height_map;
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
+use super::roughness::{alphas, alphas_of};
 use crate::campaign::schema::{Alpha, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind};
 use crate::sphere::reduced_deg;
 
@@ -30,9 +32,7 @@ const MOST_CELLS: u32 = 16384;
 /// Correlation length where nothing is given and the patch is large enough, in cells.
 const CORRELATION_CELLS: f64 = 8.0;
 
-/// Slope scales and slopes: below, single precision no longer resolves the lobe; above, nothing was tested.
-const ALPHA: Bounds = Bounds::closed(1e-4, 10.0).advice("a smooth mirror has no lobe to measure", "");
-
+/// Below, a slope is no slope; above, nothing was tested.
 const SLOPE: Bounds = Bounds::closed(1e-4, 10.0).advice("a flat surface is [surface.mirror]", "");
 
 /// Student's gamma: from GGX, beyond which no grid holds the needles, to what Beckmann is to a hundredth.
@@ -43,7 +43,7 @@ const GAMMA: Bounds =
 const EXPONENT: Bounds = Bounds::closed(0.0, 20_000.0).advice("0 is ggx with alpha = 1", "use beckmann");
 
 const KINDS: &str = "[surface.ggx], [surface.beckmann], [surface.student_t], [surface.blinn_phong], [surface.smith], \
-     [surface.mirror], [surface.v_groove] or [surface.file]";
+     [surface.grains], [surface.mirror], [surface.v_groove] or [surface.file]";
 
 /// Keys of `[surface]` that describe a patch of any kind.
 struct PatchKeys<'a> {
@@ -71,6 +71,7 @@ pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist_f0: &mut Option<[f6
         "artist",
         "student_t",
         "blinn_phong",
+        "grains",
     ]);
     let given: Vec<&GivenValue<'_>> = kinds.iter().filter_map(Slot::given).collect();
     let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder, artist_f0)).collect();
@@ -88,6 +89,7 @@ pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist_f0: &mut Option<[f6
         [one] if matches!(one.name(), "smith" | "mirror" | "v_groove" | "file") => {
             made_or_measured(&keys, one.name() == "file", kind, rotation_deg)
         }
+        [one] if one.name() == "grains" => of_grains(&keys, kind, rotation_deg),
         _ => synthesised(&keys, kind, rotation_deg),
     }
 }
@@ -146,6 +148,24 @@ fn correlation(slot: &Slot<'_>, cells: u32) -> Option<f64> {
     slot.or(longest.min(CORRELATION_CELLS), |i| i.float(&bounds))
 }
 
+/// The keys of grains, which have cells only as heights.
+fn of_grains(keys: &PatchKeys<'_>, kind: Option<SurfaceKind>, rotation_deg: Option<f64>) -> Option<Surface> {
+    let absent =
+        keys.correlation_cells.absent("belongs to heights on a grid; grains have a size of their own");
+    let cells = keys.cells.or(CELLS, cells);
+    let realisations = keys.realisations.or(16, |i| i.count(1..=4096));
+    let mirror_images = keys.mirror_images.or(true, |i| i.boolean());
+    absent?;
+    Some(Surface {
+        realisations: realisations?,
+        cells: cells?,
+        correlation_cells: CORRELATION_CELLS,
+        rotation_deg: rotation_deg?,
+        mirror_images: mirror_images?,
+        kind: kind?,
+    })
+}
+
 /// A surface without random heights: the keys of a random patch have no meaning there.
 fn made_or_measured(
     keys: &PatchKeys<'_>,
@@ -191,6 +211,7 @@ fn kind(item: &GivenValue<'_>, folder: &Path, artist_f0: &mut Option<[f64; 3]>) 
         "student_t" => student_t(item.table()?),
         "blinn_phong" => blinn_phong(item.table()?),
         "smith" => smith(item.table()?).map(SurfaceKind::Smith),
+        "grains" => grains(item.table()?).map(SurfaceKind::Grains),
         "mirror" => {
             let [] = item.table()?.keys([]);
             Some(SurfaceKind::Mirror)
@@ -224,7 +245,7 @@ fn blinn_phong(table: TableReader<'_>) -> Option<SurfaceKind> {
     let [exponent] = table.keys(["exponent"]);
     let exponent = exponent.required("n of cos^n; 2/alpha^2 - 2 for the width of alpha")?.float(&EXPONENT)?;
     let alpha = (2.0 / (exponent + 2.0)).sqrt();
-    Some(SurfaceKind::BlinnPhong { exponent, alphas: vec![Alpha { x: alpha, y: alpha }] })
+    Some(SurfaceKind::BlinnPhong { exponent, alphas: vec![Alpha::isotropic(alpha)] })
 }
 
 fn smith(table: TableReader<'_>) -> Option<Smith> {
@@ -233,42 +254,4 @@ fn smith(table: TableReader<'_>) -> Option<Smith> {
     let heights = heights.or(SmithHeights::Correlated, |i| i.choice(&SMITH_HEIGHTS));
     let alphas = alphas_of(slopes);
     Some(Smith { ndf: ndf?, alphas: alphas?, heights: heights? })
-}
-
-fn alphas(table: TableReader<'_>) -> Option<Vec<Alpha>> {
-    alphas_of(table.keys(["alpha", "alpha_x", "alpha_y"]))
-}
-
-/// `alpha` (a number or a list), or `alpha_x` and `alpha_y`.
-fn alphas_of([alpha, alpha_x, alpha_y]: [Slot<'_>; 3]) -> Option<Vec<Alpha>> {
-    let equal = alpha.or(None, |i| isotropic_alphas(i).map(Some));
-    let x = alpha_x.or(None, |i| i.float(&ALPHA).map(Some));
-    let y = alpha_y.or(None, |i| i.float(&ALPHA).map(Some));
-    match [&alpha, &alpha_x, &alpha_y].map(|slot| slot.given().is_some()) {
-        [true, false, false] => equal?,
-        [false, true, true] => Some(vec![Alpha { x: x??, y: y?? }]),
-        [false, true, false] => alpha_y.refuse("required next to alpha_x; or give alpha alone"),
-        [false, false, true] => alpha_x.refuse("required next to alpha_y; or give alpha alone"),
-        [false, false, false] => alpha.refuse("required: alpha, or alpha_x and alpha_y"),
-        [true, ..] => alpha.refuse("ambiguous: give alpha, or alpha_x and alpha_y, never both"),
-    }
-}
-
-fn isotropic_alphas(item: &GivenValue<'_>) -> Option<Vec<Alpha>> {
-    let Some(length) = item.list_length() else {
-        return item.float(&ALPHA).map(|alpha| vec![Alpha { x: alpha, y: alpha }]);
-    };
-    if length == 0 {
-        return item.refuse("must not be empty; one table is made for each roughness");
-    }
-    if length > 1000 {
-        return item.refuse(format!("has {length} entries; at most 1000 are allowed"));
-    }
-    let values = item.each(|i| i.float(&ALPHA))?;
-    if let Some(before) = values.windows(2).position(|pair| !matches!(pair, [a, b] if a < b)) {
-        let earlier = plain(values[before]);
-        return item.list()?[before + 1]
-            .refuse(format!("comes after {earlier}; roughnesses must increase, each once"));
-    }
-    Some(values.into_iter().map(|alpha| Alpha { x: alpha, y: alpha }).collect())
 }

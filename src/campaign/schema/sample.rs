@@ -7,7 +7,8 @@ use serde::Serialize;
 pub struct Surface {
     /// Independent patches, 1 to 4096. A height map has one patch, and its tiles x tiles groups are counted here.
     pub realisations: u32,
-    /// Cells per side of a patch, 8 to 16384. Means something for a random surface only.
+    /// Cells per side of a patch, 8 to 16384. Means something for a random surface only; for grains, where they are
+    /// written or shown as heights.
     pub cells: u32,
     /// Correlation length of the heights in cells, 2 to cells/8 (cells/8 itself below 16 cells). Means something
     /// for a random surface only.
@@ -49,6 +50,8 @@ pub enum SurfaceKind {
     },
     /// A statistical Smith surface: heights and normals independent.
     Smith(Smith),
+    /// Random half-ellipsoids on a plane.
+    Grains(Grains),
     /// A flat mirror.
     Mirror,
     /// Symmetric grooves along y with level ridges.
@@ -77,6 +80,60 @@ pub struct Alpha {
     pub x: f64,
     /// Along y.
     pub y: f64,
+    /// What goes with them on a surface of grains: the share of the plane that these cover, 1e-4 to 0.999.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<f64>,
+}
+
+impl Alpha {
+    /// The same along x and y.
+    pub fn isotropic(alpha: f64) -> Self {
+        Alpha::new(alpha, alpha)
+    }
+
+    /// Of a surface without grains.
+    pub fn new(x: f64, y: f64) -> Self {
+        Alpha { x, y, coverage: None }
+    }
+
+    /// As a report says it: one number where it is the same along x and y.
+    pub fn text(&self) -> String {
+        let alpha = if self.x == self.y {
+            self.x.to_string()
+        } else {
+            format!("{} along x, {} along y", self.x, self.y)
+        };
+        self.coverage.map_or(alpha.clone(), |coverage| format!("{alpha}, coverage {coverage}"))
+    }
+
+    /// How a table is told from those of the other roughnesses of its campaign.
+    pub fn label(&self) -> String {
+        self.coverage.map_or_else(
+            || format!("alpha_{}", self.x),
+            |coverage| format!("alpha_{}_coverage_{coverage}", self.x),
+        )
+    }
+}
+
+/// Half-ellipsoids whose centres are a Poisson process on a plane: `[surface.grains]`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Grains {
+    /// One table for each roughness and coverage.
+    pub alphas: Vec<Alpha>,
+    /// Side of a patch in radii of the canonical grains, 8 to 10,000. `None`: room for 1,000 grains.
+    pub side: Option<f64>,
+    /// What the plane between them does.
+    pub base: GrainBase,
+}
+
+/// The plane between grains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GrainBase {
+    /// It reflects as the grains do.
+    Mirror,
+    /// Light ends there.
+    Absorbing,
 }
 
 /// A statistical Smith surface: `[surface.smith]`.
@@ -162,6 +219,7 @@ impl SurfaceKind {
             | SurfaceKind::StudentT { alphas, .. }
             | SurfaceKind::BlinnPhong { alphas, .. } => Some(alphas),
             SurfaceKind::Smith(smith) => Some(&smith.alphas),
+            SurfaceKind::Grains(grains) => Some(&grains.alphas),
             SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
         }
     }
@@ -174,8 +232,14 @@ impl SurfaceKind {
             | SurfaceKind::StudentT { alphas, .. }
             | SurfaceKind::BlinnPhong { alphas, .. } => Some(alphas),
             SurfaceKind::Smith(smith) => Some(&mut smith.alphas),
+            SurfaceKind::Grains(grains) => Some(&mut grains.alphas),
             SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
         }
+    }
+
+    /// Whether light ends on a plane between grains.
+    pub fn has_absorbing_base(&self) -> bool {
+        matches!(self, SurfaceKind::Grains(grains) if grains.base == GrainBase::Absorbing)
     }
 
     /// Whether it is a measured height map.
@@ -186,6 +250,11 @@ impl SurfaceKind {
     /// Whether it ends at an edge that light may leave by.
     pub fn is_open_map(&self) -> bool {
         matches!(self, SurfaceKind::File(map) if !map.periodic)
+    }
+
+    /// Whether its patches are random, each realisation another.
+    pub fn has_random_patches(&self) -> bool {
+        self.is_random_heights() || matches!(self, SurfaceKind::Grains(_))
     }
 
     /// Whether patches of random heights are made for it.
@@ -207,6 +276,7 @@ impl SurfaceKind {
             SurfaceKind::StudentT { .. } => "student_t",
             SurfaceKind::BlinnPhong { .. } => "blinn_phong",
             SurfaceKind::Smith(_) => "smith",
+            SurfaceKind::Grains(_) => "grains",
             SurfaceKind::Mirror => "mirror",
             SurfaceKind::VGroove { .. } => "v_groove",
             SurfaceKind::File(_) => "file",

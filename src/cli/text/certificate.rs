@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::output::{columns, or_na};
 use crate::stats;
 use crate::surface::Certificate;
+use crate::surface::grains::GrainFigures;
 use crate::surface::io::import::ImportedMap;
 
 /// Level of the test for preferred azimuths, over all harmonics together.
@@ -21,6 +22,9 @@ pub struct PatchEntry {
     /// What it says.
     #[serde(flatten)]
     pub certificate: Certificate,
+    /// Of grains, what they are before they become heights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grains: Option<GrainFigures>,
 }
 
 /// What all patches together show.
@@ -220,6 +224,19 @@ pub fn lines(entries: &[PatchEntry], pooled: &Pooled, map: bool) -> Vec<String> 
         None => "one patch: no test".into(),
     });
     lines
+}
+
+/// What grains cover, patch by patch and in the mean.
+pub fn grain_lines(entries: &[PatchEntry]) -> Vec<String> {
+    let all: Vec<&GrainFigures> = entries.iter().filter_map(|entry| entry.grains.as_ref()).collect();
+    let Some(first) = all.first() else { return vec![] };
+    let (mean, se) = stats::mean_and_se(all.iter().map(|grains| grains.coverage));
+    let ks = all.iter().map(|grains| grains.ks).fold(0.0, f64::max);
+    let count: usize = all.iter().map(|grains| grains.grains).sum();
+    vec![
+        format!("grains  {count} in all; they cover {mean:.4} +- {} of {}", or_na(se, 4), first.wanted),
+        format!("grains  heights, and with them normals: KS at most {ks:.4} from (1 - coverage)^(1 - h^2)"),
+    ]
 }
 
 fn row((index, entry): (usize, &PatchEntry)) -> Vec<String> {

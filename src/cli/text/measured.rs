@@ -42,6 +42,8 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
     headers.extend(beyond.then_some("beyond order 1"));
     headers.extend(open_map.then_some("left map"));
     headers.extend(plan.apertures_only.then_some("outside"));
+    let absorbs = measured.campaign.surface.kind.has_absorbing_base();
+    headers.extend(absorbs.then_some("absorbed"));
     let angles = StopAngles::of(&plan.grid);
     let row = |(index, stop): (usize, &StopResult)| {
         let [theta, phi] = angles.texts(index);
@@ -61,12 +63,12 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
         row.extend(missed.0.map(beyond));
         row.extend(open_map.then(|| share(stop.left_map)));
         row.extend(plan.apertures_only.then(|| share(stop.outside)));
+        row.extend(absorbs.then(|| share(stop.absorbed)));
         row
     };
     let rows: Vec<Vec<String>> = measured.stops.iter().enumerate().map(row).collect();
     let alpha = match measured.campaign.alphas()[..] {
-        [Some(alpha)] if alpha.x == alpha.y => format!(", alpha {}", alpha.x),
-        [Some(alpha)] => format!(", alpha_x {}, alpha_y {}", alpha.x, alpha.y),
+        [Some(alpha)] => format!(", alpha {}", alpha.text()),
         _ => String::new(),
     };
     out.line("")?;

@@ -2,8 +2,8 @@
 
 use super::output::{bytes, duration, grouped, wrapped};
 use crate::campaign::{
-    Alpha, Azimuth, BinLayout, Campaign, HeightSpectrum, PhiFrom, Preset, SensorArm, SmithHeights, SmithNdf,
-    SurfaceKind,
+    Alpha, Azimuth, BinLayout, Campaign, GrainBase, HeightSpectrum, PhiFrom, Preset, SensorArm, SmithHeights,
+    SmithNdf, SurfaceKind,
 };
 use crate::measure::{Disk, Plan, Saving};
 use crate::validate::prediction::aperture::ApertureBias;
@@ -101,7 +101,7 @@ fn surface(campaign: &Campaign) -> String {
     let random = |law: &str, alphas: &[Alpha]| {
         format!(
             "{law}, alpha {}; patches of {} x {} cells, correlation {} cells",
-            listed(alphas.iter().map(|alpha| roughness(*alpha))),
+            listed(alphas.iter().map(Alpha::text)),
             surface.cells,
             surface.cells,
             surface.correlation_cells
@@ -119,9 +119,14 @@ fn surface(campaign: &Campaign) -> String {
         }
         SurfaceKind::Smith(smith) => {
             let ndf = if smith.ndf == SmithNdf::Ggx { "ggx" } else { "beckmann" };
-            let alphas = listed(smith.alphas.iter().map(|alpha| roughness(*alpha)));
+            let alphas = listed(smith.alphas.iter().map(Alpha::text));
             let rule = if smith.heights == SmithHeights::Correlated { "correlated" } else { "independent" };
             format!("statistical Smith surface, {ndf}, alpha {alphas}, heights {rule}")
+        }
+        SurfaceKind::Grains(grains) => {
+            let alphas = listed(grains.alphas.iter().map(Alpha::text));
+            let base = if grains.base == GrainBase::Mirror { "a mirror" } else { "absorbing" };
+            format!("grains, alpha {alphas}; the plane between them is {base}")
         }
         SurfaceKind::Mirror => "a flat mirror".into(),
         SurfaceKind::VGroove { slope } => format!("v-grooves along y, slope {slope}"),
@@ -135,11 +140,6 @@ fn surface(campaign: &Campaign) -> String {
     } else {
         format!("{what}; turned by {} degrees", surface.rotation_deg)
     }
-}
-
-/// A roughness as it is written: one number where it is the same along x and y.
-fn roughness(alpha: Alpha) -> String {
-    if alpha.x == alpha.y { alpha.x.to_string() } else { format!("{} along x, {} along y", alpha.x, alpha.y) }
 }
 
 fn stops(campaign: &Campaign, plan: &Plan) -> String {

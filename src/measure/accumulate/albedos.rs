@@ -10,7 +10,7 @@ type KnownMean = (Option<f64>, Option<f64>);
 impl StopResult {
     /// Whether the light saw no surface sample: then nothing is known of the albedo.
     pub fn is_dark(&self) -> bool {
-        self.orders.iter().sum::<u64>() + self.cut + self.left_map + self.outside == 0
+        self.orders.iter().sum::<u64>() + self.cut + self.left_map + self.outside + self.absorbed == 0
     }
 
     /// Albedo of order 1.

@@ -21,7 +21,7 @@ pub struct StopResult {
     /// Fraction of the incident flux in each order, one value for each realisation: \[order\]\[realisation\], mean of the
     /// colours. No realisation where only the light towards the apertures is followed.
     pub albedo_by_order: Vec<Vec<f64>>,
-    /// All orders and the cut paths with F = 1: \[realisation\]; empty where only the light towards the apertures is
+    /// All orders, the cut paths and the absorbed ones with F = 1: \[realisation\]; empty where only the light towards the apertures is
     /// followed.
     pub closure: Vec<f64>,
     /// Whether F = 1.
@@ -38,6 +38,8 @@ pub struct StopResult {
     pub lost_light: [f64; 2],
     /// Samples whose facets send light into no aperture, where only that is followed.
     pub outside: u64,
+    /// Paths that end on a plane between grains which reflects nothing.
+    pub absorbed: u64,
     /// Samples in each realisation.
     pub samples: u64,
     /// What ended it.
@@ -159,7 +161,9 @@ fn stop_result(
         whole.iter().map(albedo).collect()
     };
     let closure = |flux: &TallyFlux| {
-        (0..orders).map(|order| flux.order(order, ColourSource::Unit)).sum::<f64>() + flux.truncated()
+        (0..orders).map(|order| flux.order(order, ColourSource::Unit)).sum::<f64>()
+            + flux.truncated()
+            + flux.absorbed()
     };
     StopResult {
         albedo_by_order: (0..orders).map(of_order).collect(),
@@ -171,6 +175,7 @@ fn stop_result(
         left_map: tallies.iter().map(|tally| tally.left_map.count).sum(),
         lost_light: lost_light::of_albedos(&realisations, colours),
         outside: tallies.iter().map(|tally| tally.outside.count).sum(),
+        absorbed: tallies.iter().map(|tally| tally.absorbed.count).sum(),
         samples: end.blocks * plan.block_starts,
         stopped_by: end.by.unwrap_or(StoppedBy::Samples),
         relative_error: end.relative_error,

@@ -46,6 +46,8 @@ pub struct Tally {
     pub left: Option<Box<Tally>>,
     /// Samples whose facets send light into no aperture.
     pub outside: FluxCount,
+    /// Paths that end on a plane between grains which reflects nothing.
+    pub absorbed: FluxCount,
     /// What the light sees of the samples, by the slope of their facets.
     pub seen: SeenBySlope,
     /// Faults of the program.
@@ -88,6 +90,7 @@ impl Tally {
             left_map: FluxCount::default(),
             left: None,
             outside: FluxCount::default(),
+            absorbed: FluxCount::default(),
             seen: SeenBySlope::default(),
             lost: 0,
         }
@@ -118,6 +121,7 @@ impl Tally {
             }
         }
         self.outside.merge(other.outside);
+        self.absorbed.merge(other.absorbed);
         self.seen.merge(&other.seen);
         self.lost += other.lost;
     }
@@ -143,8 +147,8 @@ impl Tally {
             && self.left.iter().all(|left| left.sums_are_sound(self.left_map.count))
     }
 
-    fn fates(&self) -> [FluxCount; 4] {
-        [self.cut, self.hidden, self.left_map, self.outside]
+    fn fates(&self) -> [FluxCount; 5] {
+        [self.cut, self.hidden, self.left_map, self.outside, self.absorbed]
     }
 
     /// Whether no sum by bin or by fate is larger than `starts` paths make it.
@@ -175,7 +179,7 @@ impl Tally {
     /// All starts that were counted.
     pub fn starts(&self) -> u64 {
         let out: u64 = self.orders.iter().map(|order| order.count).sum();
-        out + self.cut.count + self.hidden.count + self.left_map.count + self.outside.count + self.lost
+        out + self.fates().iter().map(|fate| fate.count).sum::<u64>() + self.lost
     }
 }
 

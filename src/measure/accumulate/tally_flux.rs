@@ -71,4 +71,9 @@ impl<'a> TallyFlux<'a> {
     pub fn truncated(&self) -> f64 {
         self.of(self.tally.cut.flux)
     }
+
+    /// Flux with F = 1 that ends on an absorbing plane.
+    pub fn absorbed(&self) -> f64 {
+        self.of(self.tally.absorbed.flux)
+    }
 }

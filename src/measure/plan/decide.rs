@@ -133,7 +133,7 @@ fn decided(campaign: &Campaign) -> (Plan, Memory) {
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
     let samples = blocks * BLOCK;
     let roughnesses = campaign.alphas().len();
-    let random = campaign.surface.kind.is_random_heights();
+    let random = campaign.surface.kind.has_random_patches();
     let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
     let folded = folded_stops(campaign, &grid);
     let realisations = campaign.surface.realisations;

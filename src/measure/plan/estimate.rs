@@ -2,9 +2,10 @@
 
 use super::decisions::Plan;
 use super::start_sampler::{StartSampler, aperture_fraction};
-use crate::campaign::{Alpha, Campaign, SurfaceKind};
+use crate::campaign::{Alpha, Campaign, Grains, SurfaceKind};
 use crate::measure::prepared_patch::CELLS_PER_START;
 use crate::sphere;
+use crate::surface::grains::{density, usual_side};
 use crate::surface::io::import;
 use crate::trace::{BLOCK, BatchedStarts};
 
@@ -33,6 +34,11 @@ const NS_PER_MOUNTED_CELL: f64 = 30.0;
 const NS_PER_INDEXED_CELL: f64 = 25.0;
 const NS_PER_WANTED_START: f64 = 260.0;
 const NS_PER_START_BY_SLOPE: f64 = 40.0;
+/// A ray among grains, and a grain in a cell that it crosses; memory of a grain, and what making it takes.
+const NS_PER_GRAIN_RAY: f64 = 60.0;
+const NS_PER_GRAIN: f64 = 2.5;
+const NS_PER_PLACED_GRAIN: f64 = 200.0;
+const BYTES_PER_GRAIN: u128 = 300;
 /// A step of the statistical surface's walk.
 const NS_PER_WALK: f64 = 150.0;
 
@@ -86,7 +92,12 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     // Patches that are looked at again are all kept.
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
-    let surface = kept * mounted + threads * synthesis.max(SUMS).max(if by_slope { STARTS } else { 0 });
+    let grains = matches!(campaign.surface.kind, SurfaceKind::Grains(_));
+    let surface = if grains {
+        kept.max(threads) * BYTES_PER_GRAIN
+    } else {
+        kept * mounted + threads * synthesis.max(SUMS).max(if by_slope { STARTS } else { 0 })
+    };
     let bins = plan.bins as u128;
     // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
     // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.
@@ -112,6 +123,7 @@ pub(crate) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
         | SurfaceKind::Beckmann { .. }
         | SurfaceKind::StudentT { .. }
         | SurfaceKind::BlinnPhong { .. } => f64::from(campaign.surface.cells).powi(2),
+        SurfaceKind::Grains(grains) => grains.alphas.iter().map(|alpha| grain_count(grains, *alpha)).sum(),
         SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64.0,
         SurfaceKind::File(map) => {
             let Ok(map) = import::load(map) else { return (0.0, 0.0) };
@@ -121,6 +133,13 @@ pub(crate) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
         }
     };
     (cells, 0.0)
+}
+
+/// How many grains a patch has for a roughness, in the mean.
+fn grain_count(grains: &Grains, alpha: Alpha) -> f64 {
+    let coverage = alpha.coverage.unwrap_or(0.5);
+    let side = grains.side.unwrap_or_else(|| usual_side(coverage));
+    density(coverage) * side * side
 }
 
 /// Lowest and highest height to be expected: measured on patches of 1024 x 1024 cells.
@@ -140,6 +159,9 @@ pub(crate) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
     let cells = plan.cells;
     let random = campaign.surface.kind.is_random_heights();
     let tracing: f64 = campaign.alphas().iter().map(|&alpha| table(campaign, plan, alpha)).sum();
+    if matches!(campaign.surface.kind, SurfaceKind::Grains(_)) {
+        return 0.5e-9 * f64::from(plan.realisations) * (tracing + NS_PER_PLACED_GRAIN * cells);
+    }
     let mut patch = if random { NS_PER_MOUNTED_CELL } else { 0.0 };
     if random && !matches!(campaign.surface.kind, SurfaceKind::Beckmann { .. }) {
         patch += NS_PER_SYNTHESISED_CELL;
@@ -152,9 +174,29 @@ pub(crate) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
 
 /// All blocks of all incidences on one patch, ns.
 fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
+    let coverage = alpha.and_then(|alpha| alpha.coverage);
     let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
-    let block = |stop: usize| block(campaign, plan, stop, alpha);
+    let block = |stop: usize| match coverage {
+        Some(coverage) => block_on_grains(campaign, plan, stop, (alpha, coverage)),
+        None => block(campaign, plan, stop, alpha),
+    };
     plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
+}
+
+/// One block of an incidence on grains, ns: two rays of each start at order 1, among about (2 + reach) x 9 density of
+/// them, reach the way to the top of the grains.
+fn block_on_grains(
+    campaign: &Campaign,
+    plan: &Plan,
+    stop: usize,
+    (alpha, coverage): (glam::DVec2, f64),
+) -> f64 {
+    let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
+    let near = 9.0 * density(coverage);
+    let ray = |reach: f64| NS_PER_GRAIN_RAY + NS_PER_GRAIN * near * (1.0 + reach.min(1.0 / near.min(1.0)));
+    let further = 0.4 * f64::from(campaign.trace.bounces - 1).min(3.0);
+    let reach = alpha.max_element() * sin / cos;
+    BLOCK as f64 * (NS_PER_START + ray(reach) + ray(alpha.max_element()) * (1.0 + further))
 }
 
 /// One block of an incidence, ns.

@@ -37,6 +37,18 @@ fn of_rays(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, S
         );
         return;
     }
+    if plan.start_sampler == StartSampler::OnGrains {
+        skip(
+            "samples that fall together by chance",
+            "starts go in equal steps from grain to grain, their normals evenly",
+            "MEASURE".into(),
+        );
+        skip(
+            "the light's ray of starts that another grain buries",
+            "what lies inside a grain is no surface",
+            "a ray for each of them: the share of the grains that is buried".into(),
+        );
+    }
     if plan.start_sampler == StartSampler::BySlope {
         skip(
             "samples that fall together by chance",
@@ -87,7 +99,7 @@ fn of_samples(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str
             format!("{} of {roughnesses} patches", roughnesses - 1),
         );
     }
-    if plan.stops > 1 && campaign.surface.kind.is_random_heights() {
+    if plan.stops > 1 && campaign.surface.kind.has_random_patches() {
         skip(
             "synthesis for further stops",
             "all stops see the same patches",

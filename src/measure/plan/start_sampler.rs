@@ -16,6 +16,8 @@ const MOST_OF_HEMISPHERE: f64 = 0.25;
 pub enum StartSampler {
     /// By a law without heights: a path draws its own facets.
     Law,
+    /// From grain to grain, normals evenly.
+    OnGrains,
     /// Along all facets, row by row.
     ByPlace,
     /// Along all facets in the order of their slopes.
@@ -45,6 +47,9 @@ impl StartSampler {
         if matches!(campaign.surface.kind, SurfaceKind::Smith(_)) {
             return StartSampler::Law;
         }
+        if matches!(campaign.surface.kind, SurfaceKind::Grains(_)) {
+            return StartSampler::OnGrains;
+        }
         if !campaign.surface.kind.is_random_heights() {
             return StartSampler::ByPlace;
         }
@@ -66,6 +71,7 @@ impl StartSampler {
     pub fn name(&self) -> &'static str {
         match self {
             StartSampler::Law => "law",
+            StartSampler::OnGrains => "on_grains",
             StartSampler::ByPlace => "by_place",
             StartSampler::BySlope => "by_slope",
             StartSampler::IntoApertures(_) => "into_apertures",

@@ -85,8 +85,7 @@ fn sensor(grid: &Grid) -> String {
 
 fn surface(campaign: &Campaign) -> String {
     let alpha = match campaign.alphas().first().copied().flatten() {
-        Some(alpha) if alpha.x == alpha.y => format!(", alpha {}", alpha.x),
-        Some(alpha) => format!(", alpha {} along x and {} along y", alpha.x, alpha.y),
+        Some(alpha) => format!(", alpha {}", alpha.text()),
         None => String::new(),
     };
     let surface = &campaign.surface;
@@ -102,6 +101,9 @@ fn surface(campaign: &Campaign) -> String {
             format!("A random Blinn-Phong surface, exponent {exponent}, {cells}")
         }
         SurfaceKind::Smith(_) => format!("A statistical Smith surface{alpha}"),
+        SurfaceKind::Grains(_) => {
+            format!("Grains on a plane{alpha}, {} {patches} of about 1,000 grains", surface.realisations)
+        }
         SurfaceKind::Mirror => "A flat mirror".into(),
         SurfaceKind::VGroove { slope } => format!("V-grooves along y of slope {slope}"),
         SurfaceKind::File(map) => format!("The height map {}", map.path),

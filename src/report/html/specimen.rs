@@ -5,6 +5,7 @@ use glam::DVec2;
 use crate::campaign::{Campaign, SurfaceKind};
 use crate::error::Result;
 use crate::measure;
+use crate::measure::patches::grains_of;
 use crate::measure::{Patch, Patches};
 use crate::report::plot::{Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style};
 use crate::surface::{Certificate, Heightfield, SlopeLaw};
@@ -43,6 +44,10 @@ pub type ShownSpecimen = std::result::Result<PatchPicture, String>;
 pub fn of_patches(patches: &Patches, campaign: &Campaign) -> Result<ShownSpecimen> {
     Ok(match patches.realisation(0)? {
         measure::Specimen::Patch(patch) => Ok(PatchPicture::of(&patch, campaign)),
+        measure::Specimen::Grains(fields) => {
+            let grains = grains_of(&fields, campaign.alphas().first().copied().flatten());
+            Ok(PatchPicture::of(&Patch::of_grains(grains, campaign.surface.cells as usize), campaign))
+        }
         measure::Specimen::Statistical { .. } => {
             Err("A statistical Smith surface has no heights: there is no patch to show.".into())
         }

@@ -44,6 +44,9 @@ pub struct StopSummary {
     pub left_map_flux: f64,
     /// Surface samples whose facets send light into no aperture, where only that is followed.
     pub outside: u64,
+    /// Paths that end on an absorbing plane between grains.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub absorbed: u64,
     /// 0: no path is lost.
     pub lost: u64,
     /// Surface samples in each realisation.
@@ -58,7 +61,7 @@ pub struct StopSummary {
     pub looks: Vec<ErrorLook>,
     /// What the light sees of the facets by their slope.
     pub seen_by_slope: Option<Vec<SlopeClass>>,
-    /// All orders and truncated paths with F = 1: 1 up to noise.
+    /// All orders, truncated and absorbed paths with F = 1: 1 up to noise.
     pub closure: Option<f64>,
     /// Its standard error.
     pub closure_se: Option<f64>,
@@ -97,6 +100,7 @@ impl StopSummary {
             left_map: result.left_map,
             left_map_flux: result.lost_light[1],
             outside: result.outside,
+            absorbed: result.absorbed,
             lost: 0,
             samples: result.samples,
             stopped_by: Some(result.stopped_by),
@@ -132,6 +136,10 @@ fn of_bins(table: &BrdfTable, stop: usize) -> StopSummary {
         albedo_total: mean(|colour| &colour.total),
         ..StopSummary::default()
     }
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// Error against samples, as far as the run looked at it.

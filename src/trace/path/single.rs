@@ -44,6 +44,11 @@ pub enum PathEnd {
         /// Whether it may go on from something beyond the edge, and arrive anywhere.
         further: bool,
     },
+    /// It ends where nothing is reflected: on the plane between grains.
+    Absorbed {
+        /// Bounces before.
+        order: u32,
+    },
     /// A fault of the program.
     Lost,
 }
@@ -54,28 +59,29 @@ pub trait Bounce {
     fn bounce(&mut self, wi: DVec3, wo: DVec3);
 }
 
-impl TracedPatch<'_> {
-    /// A world direction in canonical field coordinates: (ax wx, ay wy, wz), seen from the field.
-    pub fn to_field(&self, w: DVec3) -> DVec3 {
-        let xy = self.image.to_field(self.alpha * DVec2::new(w.x, w.y));
-        DVec3::new(xy.x, xy.y, w.z)
-    }
+/// A surface that paths are followed on, one ray at a time. World directions are in the sample's frame.
+pub trait Traced {
+    /// A point of it.
+    type Point;
 
-    /// The mirror direction of `wi` at a facet: 2 (wi.N) N/(N.N) - wi with N = (-ax p, -ay q, 1), not normalised.
-    pub fn reflected(&self, wi: DVec3, place: &SurfacePoint) -> DVec3 {
-        let corners = self.traversal.field().corners(place.facet.x, place.facet.y);
-        let slope = corners.slope(place.facet.upper);
-        let world = self.alpha * self.image.from_field(slope);
-        let normal = DVec3::new(-world.x, -world.y, 1.0);
-        (2.0 * wi.dot(normal) / normal.length_squared()) * normal - wi
-    }
+    /// A world direction in canonical field coordinates: (ax wx, ay wy, wz), seen from the field.
+    fn to_field(&self, w: DVec3) -> DVec3;
+
+    /// The slope at a point, canonical, in field coordinates.
+    fn slope(&self, place: &Self::Point) -> DVec2;
+
+    /// The mirror direction of `back` at a point; `None` where nothing is reflected.
+    fn reflect(&self, back: DVec3, place: &Self::Point) -> Option<DVec3>;
+
+    /// What a ray from a point along a world direction meets.
+    fn traverse(&self, from: &Self::Point, w: DVec3) -> Outcome<Self::Point>;
 
     /// Follows a path from `start` under light from `wi` through at most `bounces` orders.
     ///
     /// Where the light's ray leaves an open map the path is followed as one that the light may see: it ends as
     /// [`PathEnd::LeftDomain`] with all that is known of it.
-    pub fn trace(&self, start: SurfacePoint, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> PathEnd {
-        let perhaps_unshadowed = match self.traversal.traverse(&start, self.to_field(wi)) {
+    fn trace(&self, start: Self::Point, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> PathEnd {
+        let perhaps_unshadowed = match self.traverse(&start, wi) {
             Outcome::Escaped => false,
             Outcome::Hit(_) => return PathEnd::Shadowed,
             Outcome::LeftDomain => true,
@@ -88,13 +94,15 @@ impl TracedPatch<'_> {
         let mut place = start;
         let mut back = wi;
         for order in 1..=bounces {
-            let wo = self.reflected(back, &place);
+            let Some(wo) = self.reflect(back, &place) else {
+                return PathEnd::Absorbed { order: order - 1 };
+            };
             visit.bounce(back, wo);
             // A path that goes down must hit again: at the last order there is nothing left to find out.
             if order == bounces && wo.z <= 0.0 {
                 return cut(true);
             }
-            match self.traversal.traverse(&place, self.to_field(wo)) {
+            match self.traverse(&place, wo) {
                 Outcome::Escaped if perhaps_unshadowed => {
                     return PathEnd::LeftDomain { wo: Some(wo), order, further: false };
                 }
@@ -109,10 +117,45 @@ impl TracedPatch<'_> {
     }
 
     /// The first bounce with shadowing and masking switched off.
-    pub fn trace_unobstructed(&self, start: SurfacePoint, wi: DVec3, visit: &mut impl Bounce) -> PathEnd {
-        let wo = self.reflected(wi, &start);
+    fn trace_unobstructed(&self, start: &Self::Point, wi: DVec3, visit: &mut impl Bounce) -> PathEnd {
+        let Some(wo) = self.reflect(wi, start) else { return PathEnd::Absorbed { order: 0 } };
         visit.bounce(wi, wo);
         if wo.z > 0.0 { PathEnd::Out { wo, order: 1 } } else { PathEnd::Truncated { down: true } }
+    }
+}
+
+impl Traced for TracedPatch<'_> {
+    type Point = SurfacePoint;
+
+    fn to_field(&self, w: DVec3) -> DVec3 {
+        TracedPatch::to_field(self, w)
+    }
+
+    fn slope(&self, place: &SurfacePoint) -> DVec2 {
+        self.traversal.field().corners(place.facet.x, place.facet.y).slope(place.facet.upper)
+    }
+
+    fn reflect(&self, back: DVec3, place: &SurfacePoint) -> Option<DVec3> {
+        Some(self.reflected(back, place))
+    }
+
+    fn traverse(&self, from: &SurfacePoint, w: DVec3) -> Outcome {
+        self.traversal.traverse(from, self.to_field(w))
+    }
+}
+
+impl TracedPatch<'_> {
+    /// A world direction in canonical field coordinates: (ax wx, ay wy, wz), seen from the field.
+    pub fn to_field(&self, w: DVec3) -> DVec3 {
+        let xy = self.image.to_field(self.alpha * DVec2::new(w.x, w.y));
+        DVec3::new(xy.x, xy.y, w.z)
+    }
+
+    /// The mirror direction of `wi` at a facet: 2 (wi.N) N/(N.N) - wi with N = (-ax p, -ay q, 1), not normalised.
+    pub fn reflected(&self, wi: DVec3, place: &SurfacePoint) -> DVec3 {
+        let world = self.alpha * self.image.from_field(self.slope(place));
+        let normal = DVec3::new(-world.x, -world.y, 1.0);
+        (2.0 * wi.dot(normal) / normal.length_squared()) * normal - wi
     }
 }
 

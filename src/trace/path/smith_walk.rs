@@ -14,6 +14,7 @@ use rand_pcg::Pcg64Dxsm;
 use super::single::{Bounce, PathEnd};
 use crate::campaign::SmithNdf;
 use crate::rng::uniform;
+use crate::trace::sampling::half_sphere::visible_normal;
 
 /// A statistical surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,28 +85,12 @@ impl SmithWalk {
     fn reflected(&self, back: DVec3, rng: &mut Pcg64Dxsm) -> DVec3 {
         let canonical = (self.alpha * back.truncate()).extend(back.z).normalize();
         let normal = match self.law {
-            SmithNdf::Ggx => ggx_normal(canonical, rng),
+            SmithNdf::Ggx => visible_normal(canonical, [uniform(rng), uniform(rng)]),
             SmithNdf::Beckmann => beckmann_normal(canonical, rng),
         };
         let normal = (self.alpha * normal.truncate()).extend(normal.z);
         (2.0 * back.dot(normal) / normal.length_squared()) * normal - back
     }
-}
-
-/// A canonical GGX normal visible from `s` (unit vector, above or below the horizon): GGX normals are those of the
-/// upper half of a sphere, so a uniform point of the part of the disc across `s` that it covers.
-///
-/// Source: Heitz 2018, "Sampling the GGX distribution of visible normals"; its warp holds below the horizon as well.
-fn ggx_normal(s: DVec3, rng: &mut Pcg64Dxsm) -> DVec3 {
-    let (t1, t2) = across(s);
-    let (radius, turn) = (uniform(rng).sqrt(), TAU * uniform(rng));
-    let (sin, cos) = turn.sin_cos();
-    let (x, y) = (radius * cos, radius * sin);
-    let half = 0.5 * (1.0 + s.z);
-    let y = (1.0 - half) * (1.0 - x * x).sqrt() + half * y;
-    // Rounding may put a point of the rim outside by 1e-16.
-    let height = (1.0 - x * x - y * y).max(0.0).sqrt();
-    x * t1 + y * t2 + height * s
 }
 
 /// A canonical Beckmann normal visible from `s`, as (-p, -q, 1). Along s the slope has density
@@ -146,13 +131,6 @@ fn beckmann_slope_along(z: f64, h: f64, u: f64) -> f64 {
     p
 }
 
-/// Two unit vectors across `s`: a level one, and the one that points up.
-fn across(s: DVec3) -> (DVec3, DVec3) {
-    let horizontal = s.truncate().length();
-    let level = if horizontal > 0.0 { DVec3::new(-s.y, s.x, 0.0) / horizontal } else { DVec3::X };
-    (level, s.cross(level))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,7 +168,7 @@ mod tests {
                     block: 0,
                 });
                 let draw = |rng: &mut Pcg64Dxsm| match law {
-                    SmithNdf::Ggx => ggx_normal(s, rng).normalize(),
+                    SmithNdf::Ggx => visible_normal(s, [uniform(rng), uniform(rng)]).normalize(),
                     SmithNdf::Beckmann => beckmann_normal(s, rng).normalize(),
                 };
                 let n = 400_000;

@@ -41,11 +41,11 @@ impl SurfacePoint {
 
 /// Where a ray ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Outcome {
+pub enum Outcome<P = SurfacePoint> {
     /// Above every height: it hits nothing any more.
     Escaped,
-    /// On a facet, from above.
-    Hit(SurfacePoint),
+    /// On the surface, from above.
+    Hit(P),
     /// Over the edge of a field that does not continue itself.
     LeftDomain,
     /// After more steps than its slope allows: a fault of the program, counted and reported.

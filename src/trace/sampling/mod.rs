@@ -2,6 +2,7 @@
 
 pub mod areas;
 pub mod cones;
+pub(crate) mod half_sphere;
 pub mod slope_index;
 pub mod slope_order;
 pub(crate) mod systematic_steps;

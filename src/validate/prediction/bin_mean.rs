@@ -46,7 +46,8 @@ pub struct BinMeans {
     /// At most `MASKINGS` of them.
     pub maskings: Vec<Masking>,
     /// Of the bin's flux, for the maskings that are smooth. The direction-correlated one has kinks (max and min of the
-    /// two Lambdas, the azimuth's absolute value) and keeps to ten times as much.
+    /// two Lambdas, the azimuth's absolute value), as those of grains have (facets that nothing hides), and keep to ten
+    /// times as much.
     pub relative: f64,
     /// Share of the stop's incident flux below which an error in one bin does not matter.
     pub absolute: f64,
@@ -102,7 +103,7 @@ impl BinMeans {
     fn flux(&self, lit: &Lit, model: &Microfacet, region: &Region) -> Integral {
         let mut relative = [self.relative; COMPONENTS];
         for (k, &masking) in self.maskings.iter().enumerate() {
-            if masking == Masking::DirectionCorrelated {
+            if matches!(masking, Masking::DirectionCorrelated | Masking::Grains | Masking::GrainsProduct) {
                 relative[2 * k] *= KINKED;
                 relative[2 * k + 1] *= KINKED;
             }

@@ -4,13 +4,15 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::bin_mean::{BinMean, BinMeans, source_nodes};
+use super::bin_mean::{BinMean, BinMeans, MASKINGS, source_nodes};
 use crate::campaign::{Azimuth, Campaign, SmithNdf, SurfaceKind};
-use crate::instrument::{Grid, Sensor};
+use crate::instrument::{Grid, Region, Sensor};
 use crate::measure::optics::reflectances_of;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::{FacetAngle, Fresnel};
 use crate::sphere;
+use crate::theory::grains::bare_mirror_flux;
+use crate::theory::smith::visibility;
 use crate::theory::v_cavity::v_groove_lobes;
 use crate::theory::{Masking, Microfacet, Ndf};
 
@@ -28,6 +30,8 @@ pub enum Model {
         surface: Microfacet,
         /// In the order of the comparisons.
         maskings: Vec<Masking>,
+        /// Whether a plane between grains reflects as well.
+        mirror_base: bool,
     },
     /// Mirror directions that carry all the flux.
     Lobes {
@@ -51,6 +55,7 @@ pub fn ndf_of(kind: &SurfaceKind) -> Option<Ndf> {
         SurfaceKind::BlinnPhong { .. } => Some(Ndf::BlinnPhong),
         SurfaceKind::Smith(smith) if smith.ndf == SmithNdf::Ggx => Some(Ndf::Ggx),
         SurfaceKind::Smith(_) => Some(Ndf::Beckmann),
+        SurfaceKind::Grains(grains) => Some(Ndf::Grains { coverage: grains.alphas[0].coverage? }),
         SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
     }
 }
@@ -72,9 +77,14 @@ impl Model {
             kind => {
                 let (ndf, alpha) = (ndf_of(kind)?, campaign.alphas()[0]?);
                 let surface = Microfacet { ndf, alpha_x: alpha.x, alpha_y: alpha.y, rotation };
-                let maskings =
-                    if campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
-                Some(Model::Microfacet { surface, maskings: maskings.to_vec() })
+                let mut maskings =
+                    if campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] }.to_vec();
+                let grains = matches!(kind, SurfaceKind::Grains(_));
+                if grains && campaign.trace.visibility {
+                    maskings.splice(0..0, [Masking::Grains, Masking::GrainsProduct]);
+                }
+                let mirror_base = grains && !kind.has_absorbing_base();
+                Some(Model::Microfacet { surface, maskings, mirror_base })
             }
         }
     }
@@ -103,8 +113,9 @@ impl Model {
     /// vector, stage's frame.
     // Tested by `smith_masks_all_facets_alike_up_to_a_slope`.
     pub fn smith(&self, wi: DVec3, averaged: bool) -> Option<[f64; 2]> {
-        let Model::Microfacet { surface, maskings } = self else { return None };
-        if (averaged && !surface.is_isotropic()) || maskings.contains(&Masking::None) {
+        let Model::Microfacet { surface, maskings, .. } = self else { return None };
+        let smith = !maskings.contains(&Masking::None) && !matches!(surface.ndf, Ndf::Grains { .. });
+        if (averaged && !surface.is_isotropic()) || !smith {
             return None;
         }
         let w = surface.to_sample(wi);
@@ -135,46 +146,86 @@ impl Model {
         colours: &[Reflectance],
     ) -> Vec<Vec<Vec<f64>>> {
         match self {
-            Model::Microfacet { surface, maskings } => {
+            Model::Microfacet { surface, maskings, mirror_base } => {
                 let surface = Microfacet { rotation: surface.rotation + turn, ..*surface };
                 let regions = grid.regions(stop);
-                let means = BinMeans::new(maskings.clone());
-                let schlick = means.evaluate(&surface, source, &regions);
-                let of_colour = |colour: &Reflectance| -> Vec<Vec<f64>> {
-                    let of = |value: &dyn Fn(usize, &BinMean) -> f64, bins: &[BinMean]| {
-                        (0..maskings.len()).map(|k| bins.iter().map(|bin| value(k, bin)).collect()).collect()
-                    };
-                    match *colour {
-                        Reflectance { fresnel: Fresnel::Perfect, .. } => of(&|k, bin| bin.unit[k], &schlick),
-                        Reflectance { fresnel: Fresnel::Schlick { f0 }, .. } => {
-                            of(&|k, bin| bin.with_f0(k, f0), &schlick)
-                        }
-                        exact => {
-                            let means = BinMeans { reflectance: Some(exact), ..means.clone() };
-                            of(&|k, bin| bin.schlick[k], &means.evaluate(&surface, source, &regions))
-                        }
+                // As many maskings at a time as the cubature carries.
+                let groups = maskings.chunks(MASKINGS);
+                let mut means: Vec<Vec<Vec<f64>>> = groups
+                    .flat_map(|maskings| microfacet_means(&surface, maskings, source, &regions, colours))
+                    .collect();
+                for (&masking, by_colour) in maskings.iter().zip(&mut means).filter(|_| *mirror_base) {
+                    let bare = |wi: DVec3| vec![(mirrored(wi), bare_flux(&surface, masking, wi))];
+                    for (values, &colour) in by_colour.iter_mut().zip(colours) {
+                        let lobes = lobe_means(bare, grid, stop, source, colour);
+                        values.iter_mut().zip(lobes).for_each(|(value, lobe)| *value += lobe);
                     }
-                };
-                let by_colour: Vec<Vec<Vec<f64>>> = colours.iter().map(of_colour).collect();
-                let of_masking = |k: usize| by_colour.iter().map(|maskings| maskings[k].clone()).collect();
-                (0..maskings.len()).map(of_masking).collect()
+                }
+                means
             }
             Model::Lobes { slope, rotation, .. } => {
-                vec![
-                    colours
-                        .iter()
-                        .map(|&colour| lobe_means(*slope, rotation + turn, grid, stop, source, colour))
-                        .collect(),
-                ]
+                let lobes = |wi: DVec3| match slope {
+                    None => vec![(mirrored(wi), 1.0)],
+                    Some(slope) => {
+                        let lobes = v_groove_lobes(*slope, rotation + turn, wi);
+                        lobes.iter().map(|lobe| (lobe.wo, lobe.flux)).collect()
+                    }
+                };
+                vec![colours.iter().map(|&colour| lobe_means(lobes, grid, stop, source, colour)).collect()]
             }
         }
     }
 }
 
-/// The flux of each mirror direction over the bin that holds it.
+/// The means of at most `MASKINGS` maskings: \[masking\]\[colour\]\[bin\].
+fn microfacet_means(
+    surface: &Microfacet,
+    maskings: &[Masking],
+    source: &[(DVec3, f64)],
+    regions: &[Region],
+    colours: &[Reflectance],
+) -> Vec<Vec<Vec<f64>>> {
+    let means = BinMeans::new(maskings.to_vec());
+    let schlick = means.evaluate(surface, source, regions);
+    let of_colour = |colour: &Reflectance| -> Vec<Vec<f64>> {
+        let of = |value: &dyn Fn(usize, &BinMean) -> f64, bins: &[BinMean]| {
+            (0..maskings.len()).map(|k| bins.iter().map(|bin| value(k, bin)).collect()).collect()
+        };
+        match *colour {
+            Reflectance { fresnel: Fresnel::Perfect, .. } => of(&|k, bin| bin.unit[k], &schlick),
+            Reflectance { fresnel: Fresnel::Schlick { f0 }, .. } => {
+                of(&|k, bin| bin.with_f0(k, f0), &schlick)
+            }
+            exact => {
+                let means = BinMeans { reflectance: Some(exact), ..means.clone() };
+                of(&|k, bin| bin.schlick[k], &means.evaluate(surface, source, regions))
+            }
+        }
+    };
+    let by_colour: Vec<Vec<Vec<f64>>> = colours.iter().map(of_colour).collect();
+    let of_masking = |k: usize| by_colour.iter().map(|maskings| maskings[k].clone()).collect();
+    (0..maskings.len()).map(of_masking).collect()
+}
+
+/// The share of the light from `wi` (stage's frame) that the bare plane between grains sends into the mirror direction,
+/// as each masking has it: Smith's take the plane for facets of the whole surface.
+fn bare_flux(surface: &Microfacet, masking: Masking, wi: DVec3) -> f64 {
+    let Ndf::Grains { coverage } = surface.ndf else { return 0.0 };
+    let [i, o] = [wi, mirrored(wi)].map(|w| surface.side(surface.to_sample(w)));
+    match masking {
+        Masking::None => 1.0 - coverage,
+        Masking::Grains | Masking::GrainsProduct => bare_mirror_flux(i.canonical(), coverage),
+        smith => (1.0 - coverage) * 4.0 * i.cos * o.cos * visibility(smith, &i, &o),
+    }
+}
+
+fn mirrored(w: DVec3) -> DVec3 {
+    DVec3::new(-w.x, -w.y, w.z)
+}
+
+/// The flux of each direction that `lobes` gives for the light's, over the bin that holds it.
 fn lobe_means(
-    slope: Option<f64>,
-    rotation: f64,
+    lobes: impl Fn(DVec3) -> Vec<(DVec3, f64)>,
     grid: &Grid,
     stop: usize,
     source: &[(DVec3, f64)],
@@ -185,13 +236,7 @@ fn lobe_means(
     let turn_back = if grid.phi_r_relative { -grid.stop_deg(stop).1 } else { 0.0 };
     let mut means = vec![0.0; regions.len()];
     for &(wi, weight) in source {
-        let lobes: Vec<(DVec3, f64)> = match slope {
-            None => vec![(DVec3::new(-wi.x, -wi.y, wi.z), 1.0)],
-            Some(slope) => {
-                v_groove_lobes(slope, rotation, wi).iter().map(|lobe| (lobe.wo, lobe.flux)).collect()
-            }
-        };
-        for (wo, flux) in lobes.into_iter().filter(|&(wo, flux)| flux > 0.0 && wo.z > 0.0) {
+        for (wo, flux) in lobes(wi).into_iter().filter(|&(wo, flux)| flux > 0.0 && wo.z > 0.0) {
             let fresnel = colour.at(FacetAngle::of_pair(wi, wo));
             sensor.each_bin(sphere::turned(wo, sphere::sin_cos_deg(turn_back)), |bin| {
                 means[bin] += weight * flux * fresnel / regions[bin].projected_solid_angle();
@@ -215,7 +260,7 @@ mod tests {
     fn smith_masks_all_facets_alike_up_to_a_slope() {
         let wi = sphere::direction_deg(60.0, 90.0);
         let surface = Microfacet { ndf: Ndf::Ggx, alpha_x: 0.1, alpha_y: 0.5, rotation: 0.0 };
-        let model = Model::Microfacet { surface, maskings: vec![Masking::Separable] };
+        let model = Model::Microfacet { surface, maskings: vec![Masking::Separable], mirror_base: false };
         // GGX along y: G1 = 2/(1 + sqrt(1 + 0.5^2 tan^2 60)), facets turned away from cot 60/0.5 on; a few ulp.
         let [g1, steepest] = model.smith(wi, false).expect("Smith's");
         assert!((g1 - 2.0 / (1.0 + 1.75f64.sqrt())).abs() < 1e-14, "{g1}");

@@ -557,7 +557,7 @@ fn an_artists_surface_is_converted_in_one_place() {
     let text = both.replace("[optics]\nmaterial = \"gold\"\n", "");
     let parsed = accepted(&text);
     assert!(parsed.notes.iter().any(|note| note.contains("diffuse part")), "{:?}", parsed.notes);
-    assert_eq!(parsed.campaign.surface.kind, SurfaceKind::Ggx(vec![Alpha { x: 0.25, y: 0.25 }]));
+    assert_eq!(parsed.campaign.surface.kind, SurfaceKind::Ggx(vec![Alpha::isotropic(0.25)]));
     // 0.04/2 + base/2, one rounding each.
     let Optics::Schlick { material: None, f0 } = parsed.campaign.optics else { panic!() };
     assert!(

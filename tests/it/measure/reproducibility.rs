@@ -16,6 +16,13 @@ fn campaign(seed: u64, alpha: &str, light: &str) -> String {
     )
 }
 
+/// The same on grains of two coverages.
+fn grains() -> String {
+    let heights = "cells = 32\n[surface.ggx]\nalpha = 0.3";
+    let grains = "[surface.grains]\ncoverage = [0.2, 0.8]\nbase = \"absorbing\"\nalpha = 0.3";
+    campaign(1, "alpha = 0.3", LIGHT).replace(heights, grains)
+}
+
 /// Everything of a measurement that can be written down, to the last bit.
 fn bits(measured: &[Measured]) -> Vec<String> {
     let one = |m: &Measured| {
@@ -32,6 +39,7 @@ fn bits(measured: &[Measured]) -> Vec<String> {
 #[test]
 fn the_table_is_identical_for_any_thread_count() {
     let surfaces = [
+        grains(),
         campaign(1, "alpha = [0.2, 0.5]", LIGHT),
         campaign(
             1,

@@ -6,7 +6,7 @@ use gonio::sphere;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::trace::{
     Bounce, Facet, GridTraversal, HitBuffer, Kernel, LONGEST, MaxPyramid, Outcome, PatchSymmetry, PathEnd,
-    PathWaves, RayBatch, RayOutcome, SimdTraversal, SurfacePoint, TracedPatch, View, Wave, Waves,
+    PathWaves, RayBatch, RayOutcome, SimdTraversal, SurfacePoint, Traced, TracedPatch, View, Wave, Waves,
 };
 use rand_pcg::Pcg64Dxsm;
 

@@ -142,7 +142,7 @@ fn a_distance_many_noises_above_its_bar_fails_whatever_the_noise() {
     let right = verdict_of(&measured);
     assert_ne!(ruling(&right, "model"), Ruling::Failed, "{}", judged(&right, "model").reason);
     for parts in [Some(&measured.realisations), None] {
-        let smoother = measured.campaign.with_alpha(gonio::campaign::Alpha { x: 0.1, y: 0.1 });
+        let smoother = measured.campaign.with_alpha(gonio::campaign::Alpha::isotropic(0.1));
         let verdict = examine(&measured.table, &smoother, parts);
         let model = judged(&verdict, "model");
         assert_eq!(model.ruling, Ruling::Failed, "{}", model.reason);

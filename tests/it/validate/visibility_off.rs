@@ -67,7 +67,7 @@ fn a_roughness_wrong_by_a_tenth_is_seen() {
     // Power of the test above: the same table held to the model of another surface.
     let mut measured = ROUGHER.clone();
     let SurfaceKind::Ggx(alphas) = &mut measured.campaign.surface.kind else { panic!("ggx") };
-    *alphas = vec![Alpha { x: 0.55, y: 0.55 }];
+    *alphas = vec![Alpha::isotropic(0.55)];
     let (model, noise) = worst(&verdict(&measured));
     println!("{model:.4}, noise {noise:.4}");
     assert!(model > 4.0 * noise, "{model} {noise}");

@@ -1,0 +1,5 @@
+//! Light on grains: exact hits on half-spheres of the canonical frame, and where paths begin.
+
+pub mod patch;
+pub mod ray;
+pub mod starts;

@@ -1,0 +1,47 @@
+//! Grains as they lie on the stage.
+
+use glam::{DVec2, DVec3};
+
+use super::ray::{GrainPoint, traverse};
+use crate::surface::grains::GrainField;
+use crate::trace::path::single::Traced;
+use crate::trace::ray::surface_point::Outcome;
+use crate::trace::symmetry::PatchSymmetry;
+
+/// A patch of grains, its slope scales and which image of it lies there. World directions are in the sample's frame.
+#[derive(Debug, Clone, Copy)]
+pub struct TracedGrains<'a> {
+    /// The grains.
+    pub field: &'a GrainField,
+    /// World slope per canonical slope.
+    pub alpha: DVec2,
+    /// Which mirror image of the field lies there.
+    pub image: PatchSymmetry,
+    /// Whether the plane between the grains reflects; else light ends there.
+    pub mirror_base: bool,
+}
+
+impl Traced for TracedGrains<'_> {
+    type Point = GrainPoint;
+
+    fn to_field(&self, w: DVec3) -> DVec3 {
+        self.image.to_field(self.alpha * w.truncate()).extend(w.z)
+    }
+
+    fn slope(&self, place: &GrainPoint) -> DVec2 {
+        -place.normal.truncate() / place.normal.z
+    }
+
+    fn reflect(&self, back: DVec3, place: &GrainPoint) -> Option<DVec3> {
+        if place.grain.is_none() && !self.mirror_base {
+            return None;
+        }
+        let across = self.alpha * self.image.from_field(place.normal.truncate());
+        let normal = across.extend(place.normal.z);
+        Some((2.0 * back.dot(normal) / normal.length_squared()) * normal - back)
+    }
+
+    fn traverse(&self, from: &GrainPoint, w: DVec3) -> Outcome<GrainPoint> {
+        traverse(self.field, from, self.to_field(w))
+    }
+}
