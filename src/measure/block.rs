@@ -10,8 +10,8 @@ use super::optics::BounceRecorder;
 use super::prepared_patch::{Heights, IntoApertures, PatchSampler, PlacedGrains};
 use crate::rng;
 use crate::trace::{
-    AreaSampler, BatchedStarts, ConeSampler, GrainSampler, SlopeIndex, SlopeSampler, SmithWalk, SurfacePoint,
-    Traced, View,
+    AreaSampler, BatchedStarts, ConeSampler, GrainSampler, RaysFromAbove, SlopeIndex, SlopeSampler,
+    SmithWalk, SurfacePoint, Traced, View,
 };
 
 /// The address of some blocks, and the surface that they are measured on.
@@ -28,7 +28,10 @@ impl Context<'_> {
         let each = |block: &mut dyn FnMut(u64)| work.blocks.iter().for_each(|&number| block(number));
         match work.sampler {
             PatchSampler::Law(walk) => each(&mut |block| self.block_by_law(work, block, walk, tally)),
-            PatchSampler::OnGrains(grains) => {
+            PatchSampler::Grains(grains) if grains.is_from_above(work.stop) => {
+                each(&mut |block| self.block_from_above(work, block, grains, tally));
+            }
+            PatchSampler::Grains(grains) => {
                 each(&mut |block| self.block_on_grains(work, block, grains, tally));
             }
             PatchSampler::ByPlace(heights) => {
@@ -69,6 +72,17 @@ impl Context<'_> {
             true => followed.bury(),
             false => followed.follow(&sample, 0, start),
         });
+    }
+
+    /// Samples where rays from above meet grains.
+    fn block_from_above(&self, work: &Work, block: u64, grains: &PlacedGrains, tally: &mut Tally) {
+        let (count, arms) = (self.plan.block_starts, self.arms(work, block));
+        let sample = grains.sample(&arms);
+        let mut rng = rng::stream(self.starts_stream(work, block));
+        let mut followed = BlockTracer::one(self, (arms, work.stop), 1.0 / count as f64, tally);
+        let light = sample.to_field(arms.wi);
+        RaysFromAbove { field: grains.field, light }
+            .each(count, &mut rng, |met| followed.follow_lit(&sample, met));
     }
 
     /// Samples along all facets, row by row.

@@ -12,7 +12,7 @@ use super::block_arms::BlockArms;
 use super::context::Context;
 use super::optics::BounceRecorder;
 use crate::campaign::Campaign;
-use crate::trace::{PathEnd, PathWaves, SimdTraversal, SurfacePoint, Traced, View, Wave};
+use crate::trace::{Outcome, PathEnd, PathWaves, SimdTraversal, SurfacePoint, Traced, View, Wave};
 
 /// Samples that are followed together: their rays fit the cache of a core.
 const WAVE: usize = 4096;
@@ -135,6 +135,21 @@ impl<'a> BlockTracer<'a> {
             surface.trace_unobstructed(&start, wi, &mut light)
         };
         self.look(|w| surface.to_field(w), slope, ending);
+        self.end(ending, &light);
+    }
+
+    /// Follows what a ray from above met: a surface sample that the light sees.
+    pub fn follow_lit<S: Traced>(&mut self, surface: &S, met: Outcome<S::Point>) {
+        if self.is_given_up() {
+            return;
+        }
+        let mut light = BounceRecorder::new(self.context.plan.sums.needs_angles());
+        let (bounces, wi) = (self.context.campaign.trace.bounces, self.turn().arms.wi);
+        let ending = match met {
+            Outcome::Hit(start) => surface.trace_lit(start, wi, (bounces, false), &mut light),
+            // Nothing lets a ray through.
+            Outcome::Escaped | Outcome::LeftDomain | Outcome::Lost => PathEnd::Lost,
+        };
         self.end(ending, &light);
     }
 

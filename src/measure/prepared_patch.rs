@@ -30,7 +30,7 @@ pub(super) struct PreparedPatch {
 /// The plan's sampler on one patch, for one roughness.
 pub(super) enum PatchSampler<'a> {
     Law(SmithWalk),
-    OnGrains(PlacedGrains<'a>),
+    Grains(PlacedGrains<'a>),
     ByPlace(Heights<'a>),
     BySlope(Heights<'a>, &'a SlopeIndex),
     IntoApertures(IntoApertures<'a>),
@@ -41,6 +41,8 @@ pub(super) struct PlacedGrains<'a> {
     pub field: &'a GrainField,
     alpha: DVec2,
     mirror_base: bool,
+    /// Of which incidences rays come from above.
+    from_above: &'a [bool],
 }
 
 /// Heights to walk over.
@@ -88,10 +90,16 @@ impl PreparedPatch {
                 return PatchSampler::Law(SmithWalk { law, alpha: slope_scales(alpha), independent_heights });
             }
             Specimen::Grains(fields) => {
-                return PatchSampler::OnGrains(PlacedGrains {
+                let table = context.campaign.alphas().iter().position(|known| *known == alpha);
+                let from_above = match (&context.plan.start_sampler, table) {
+                    (StartSampler::Grains { from_above }, Some(table)) => &from_above[table][..],
+                    _ => &[],
+                };
+                return PatchSampler::Grains(PlacedGrains {
                     field: grains_of(fields, alpha),
                     alpha: slope_scales(alpha),
                     mirror_base: !context.campaign.surface.kind.has_absorbing_base(),
+                    from_above,
                 });
             }
         };
@@ -122,8 +130,13 @@ fn slope_scales(alpha: Option<Alpha>) -> DVec2 {
 impl PlacedGrains<'_> {
     /// The grains as they lie in the instrument for a block.
     pub fn sample(&self, arms: &BlockArms) -> TracedGrains<'_> {
-        let PlacedGrains { field, alpha, mirror_base } = *self;
+        let PlacedGrains { field, alpha, mirror_base, .. } = *self;
         TracedGrains { field, alpha, image: arms.image, mirror_base }
+    }
+
+    /// Whether the samples of an incidence are found from above.
+    pub fn is_from_above(&self, stop: usize) -> bool {
+        self.from_above.get(stop).is_some_and(|&above| above)
     }
 }
 

@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use rand_pcg::Pcg64Dxsm;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -29,6 +29,12 @@ pub fn density(coverage: f64) -> f64 {
 /// The side of a patch where none is given, radii: room for 1,000 grains.
 pub fn usual_side(coverage: f64) -> f64 {
     (GRAINS / density(coverage)).sqrt().max(SHORTEST_SIDE)
+}
+
+/// The share that a canonical direction `light` (any length, above the horizon) sees of what grains and plane would show
+/// it each by itself: 1 over 1 + lambda pi/2 (1 + |light|/light.z).
+pub fn share_seen(light: DVec3, coverage: f64) -> f64 {
+    1.0 / (1.0 + 0.5 * PI * density(coverage) * (1.0 + light.length() / light.z))
 }
 
 /// A patch of grains.

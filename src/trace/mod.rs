@@ -9,7 +9,7 @@ pub mod symmetry;
 
 pub use grains::patch::TracedGrains;
 pub use grains::ray::GrainPoint;
-pub use grains::starts::GrainSampler;
+pub use grains::starts::{GrainSampler, RaysFromAbove};
 pub use path::single::{Bounce, PathEnd, Traced, TracedPatch};
 pub use path::smith_walk::SmithWalk;
 pub use path::wavefront::{PathWaves, View, Wave};

@@ -111,6 +111,7 @@ impl Plan {
             stops: stops.len(),
             part: Part::whole(stops.len()),
             band_stops: stops.len(),
+            start_sampler: self.start_sampler.of_stops(stops),
             total_samples: share(self.total_samples),
             folded: stops.iter().map(|&stop| self.folded[stop]).collect(),
             ..self.clone()

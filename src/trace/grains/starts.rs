@@ -9,9 +9,10 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use rand_pcg::Pcg64Dxsm;
 
-use super::ray::GrainPoint;
+use super::ray::{GrainPoint, traverse};
 use crate::rng::uniform;
 use crate::surface::grains::GrainField;
+use crate::trace::ray::surface_point::Outcome;
 use crate::trace::sampling::half_sphere;
 use crate::trace::sampling::systematic_steps::SystematicSteps;
 
@@ -48,11 +49,7 @@ impl<'a> GrainSampler<'a> {
     // Tested by `samples_lie_on_grains_in_proportion_to_what_they_show`.
     pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(GrainPoint)) {
         let mut steps = SystematicSteps::new(count, self.total() / count as f64, uniform(rng));
-        let mut even = DVec2::new(uniform(rng), uniform(rng));
-        let mut next = || {
-            even = (even + PLASTIC).fract();
-            even
-        };
+        let mut next = even_points(rng);
         while steps.take(self.plane).is_some() {
             visit(GrainPoint::on_plane(next() * self.field.side()));
         }
@@ -68,6 +65,36 @@ impl<'a> GrainSampler<'a> {
         }
         while steps.take(f64::INFINITY).is_some() {
             visit(GrainPoint::on_plane(next() * self.field.side()));
+        }
+    }
+}
+
+/// Points of the unit square, evenly, from a random first one.
+fn even_points(rng: &mut Pcg64Dxsm) -> impl FnMut() -> DVec2 {
+    let mut point = DVec2::new(uniform(rng), uniform(rng));
+    move || {
+        point = (point + PLASTIC).fract();
+        point
+    }
+}
+
+/// Rays of the light from the level of the tops, evenly over the patch: what they meet first is lit, each with the same
+/// flux.
+pub struct RaysFromAbove<'a> {
+    /// The grains.
+    pub field: &'a GrainField,
+    /// Canonical direction of the light in field coordinates.
+    pub light: DVec3,
+}
+
+impl RaysFromAbove<'_> {
+    /// Calls `visit` with what each of `count` rays meets.
+    pub fn each(&self, count: u64, rng: &mut Pcg64Dxsm, mut visit: impl FnMut(Outcome<GrainPoint>)) {
+        let mut next = even_points(rng);
+        for _ in 0..count {
+            let at = self.field.on_patch(next() * self.field.side());
+            let top = GrainPoint { at, z: 1.0, normal: DVec3::Z, grain: None };
+            visit(traverse(self.field, &top, -self.light));
         }
     }
 }

@@ -87,7 +87,18 @@ pub trait Traced {
             Outcome::LeftDomain => true,
             Outcome::Lost => return PathEnd::Lost,
         };
-        let cut = |down: bool| match perhaps_unshadowed {
+        self.trace_lit(start, wi, (bounces, perhaps_unshadowed), visit)
+    }
+
+    /// The same from a start that the light sees; `perhaps`: as far as the map reaches.
+    fn trace_lit(
+        &self,
+        start: Self::Point,
+        wi: DVec3,
+        (bounces, perhaps): (u32, bool),
+        visit: &mut impl Bounce,
+    ) -> PathEnd {
+        let cut = |down: bool| match perhaps {
             true => PathEnd::LeftDomain { wo: None, order: bounces, further: false },
             false => PathEnd::Truncated { down },
         };
@@ -103,7 +114,7 @@ pub trait Traced {
                 return cut(true);
             }
             match self.traverse(&place, wo) {
-                Outcome::Escaped if perhaps_unshadowed => {
+                Outcome::Escaped if perhaps => {
                     return PathEnd::LeftDomain { wo: Some(wo), order, further: false };
                 }
                 Outcome::Escaped => return PathEnd::Out { wo, order },

@@ -72,7 +72,8 @@ fn every_sample_has_one_fate() {
             let (mean, se) = stats::mean_and_se(stop.closure.iter().copied());
             // Orders, cut and absorbed light add up to what falls on the patch: in the mean of the samples' positions.
             // Four patches: Student's t at 1e-3 with 3 degrees is 12.9; six values.
-            assert!((mean - 1.0).abs() < 12.9 * se.expect("four"), "{base}: {mean} {se:?}");
+            // Rays from above carry all of it, but for rounding.
+            assert!((mean - 1.0).abs() < 12.9 * se.expect("four") + 1e-12, "{base}: {mean} {se:?}");
             assert!((mean - 1.0).abs() < 0.01, "{base}: {mean}");
         }
     }

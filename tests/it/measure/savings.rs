@@ -46,7 +46,9 @@ impl Counted {
         let outside = self.paths(|stop| stop.outside);
         match what {
             // Three would be: from above, towards the light, and towards the sensor.
-            "primary rays" => assert!(traced <= 2 * self.starts(), "{traced} of {}", self.starts()),
+            "primary rays" | "the light's ray of each sample" => {
+                assert!(traced <= 2 * self.starts(), "{traced} of {}", self.starts())
+            }
             "all rays" => assert_eq!(traced, 0),
             "the sensor's ray of paths that go down at the last order" => {
                 let followed = self.starts() - outside;
@@ -54,7 +56,11 @@ impl Counted {
                 let not_sent = followed + sent - traced;
                 // Between the walls of grooves so flat none goes down, and none into an aperture.
                 let none = plan.apertures_only || plan.start_sampler.name() == "by_place";
-                assert!((none || not_sent > 0) && not_sent <= self.paths(|stop| stop.cut), "{not_sent}");
+                // A start that a grain buries has no light's ray either.
+                let buried =
+                    if plan.start_sampler.name() == "on_grains" { self.paths(|stop| stop.hidden) } else { 0 };
+                let most = self.paths(|stop| stop.cut) + buried;
+                assert!((none || not_sent > 0) && not_sent <= most, "{not_sent}");
                 assert_eq!(not_sent, cost.rays_skipped - 2 * outside);
             }
             "both rays of starts that send light into no aperture" => {
@@ -86,6 +92,14 @@ impl Counted {
                     let sides = if plan.folded[stop] { 2 } else { 1 };
                     assert_eq!(hits(stop), sides * table.stops[stop].orders.iter().sum::<u64>());
                 }
+            }
+            "the light's ray of starts that another grain buries" => {
+                let hidden = self.paths(|stop| stop.hidden);
+                // Of grains that cover a fifth of the plane by themselves, a tenth is buried: ln(1/0.8)/0.2 - 1.
+                assert!(
+                    cost.rays_skipped > self.starts() / 200
+                        && cost.rays_skipped <= hidden + self.paths(|stop| stop.cut)
+                );
             }
             // Nothing that rays are counted of.
             "the walk of rays steeper than every slope"
@@ -120,6 +134,8 @@ fn reported_savings_are_the_counted_ones() {
         ("by_place", parsed(large, RELATIVE, HEMISPHERE, "")),
         ("by_place", parsed("[surface.v_groove]\nslope = 0.5\n", absolute, HEMISPHERE, "")),
         ("into_apertures", random(ARM, "")),
+        ("on_grains", parsed("[surface.grains]\ncoverage = 0.2\nalpha = 0.4\n", RELATIVE, HEMISPHERE, "")),
+        ("from_above", parsed("[surface.grains]\ncoverage = 0.9\nalpha = 0.4\n", RELATIVE, HEMISPHERE, "")),
         ("law", parsed(smith, RELATIVE, HEMISPHERE, "")),
     ];
     let mut seen = BTreeSet::new();
@@ -135,5 +151,8 @@ fn reported_savings_are_the_counted_ones() {
             seen.insert(run.plan.start_sampler.name());
         }
     }
-    assert_eq!(seen.into_iter().collect::<Vec<_>>(), ["by_place", "by_slope", "into_apertures", "law"]);
+    assert_eq!(
+        seen.into_iter().collect::<Vec<_>>(),
+        ["by_place", "by_slope", "from_above", "into_apertures", "law", "on_grains"]
+    );
 }

@@ -160,6 +160,28 @@ fn starts_by_slope_change_nothing_but_noise() {
     }
 }
 
+/// Samples on all that grains show by themselves, or where rays from above meet them; several orders, either plane.
+#[test]
+fn both_ways_of_starting_on_grains_agree() {
+    let heights = "cells = 128\ncorrelation_cells = 8.0\n[surface.ggx]\nalpha = 0.3";
+    for (coverage, base, chosen) in
+        [(0.3, "mirror", "on_grains"), (0.9, "absorbing", "from_above"), (0.9, "mirror", "from_above")]
+    {
+        let grains = format!("[surface.grains]\ncoverage = {coverage}\nbase = \"{base}\"\nalpha = 0.3");
+        let text =
+            campaign(ISOTROPIC, RELATIVE, HEMISPHERE, "[trace]\nbounces = 3").replace(heights, &grains);
+        let [on_grains, above] = [false, true].map(|above| {
+            measured_with(&text, |plan| {
+                assert_eq!(plan.start_sampler.name(), chosen);
+                plan.start_sampler = StartSampler::Grains { from_above: vec![vec![above; plan.stops]] };
+            })
+        });
+        agree(&format!("grains, coverage {coverage}, {base}"), &on_grains, &above);
+        // From above every sample is lit.
+        assert!(above.stops.iter().all(|stop| stop.hidden == 0 && stop.seen_by_slope.is_none()));
+    }
+}
+
 /// One block of few stops on a large patch is not worth a sort of its facets.
 #[test]
 fn facets_are_sorted_where_the_starts_are_worth_it() {
