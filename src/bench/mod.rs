@@ -22,7 +22,7 @@ pub use against::{Against, Other, against};
 pub use answer::{BenchAnswer, FittedLadder};
 pub use fit::{LadderFit, Point, fit};
 pub use ladder::{Ladders, Range, Varies, planned};
-pub use resolution::{Flatness, ResolutionRow, flatness, resolution};
+pub use resolution::{Convergence, Flatness, ResolutionRow, convergence, flatness, resolution};
 pub use run::{Bench, Ladder, MeasuredRung, bench};
 pub use scale::{Scale, ScalePatch, ScaleRow, scale};
 pub use truth::{ERROR_MEASURE, Truth, TruthKind};

@@ -1,12 +1,13 @@
-//! Cells and correlation length varied: the discrepancy belongs to the law of the heights, not to the grid.
+//! Cells and correlation length varied. Of random heights: the discrepancy belongs to the law of the heights, not to the
+//! grid. Of grains: the same grains as heights, whose distance from the law of the grains is the grid's own.
 //!
 //! Input: a campaign of one roughness and its `[bench]` table. Output: a row for each patch size and correlation
-//! length, and a test whether all of them show the same discrepancy.
+//! length, a test whether all of them show the same discrepancy, and the power of the cells with which it falls.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::campaign::{Campaign, Resolution};
+use crate::campaign::{Alpha, Campaign, Resolution, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::measure::{self, Measured, Patches, Plan, Specimen};
 use crate::stats;
@@ -63,7 +64,17 @@ pub struct Flatness {
     pub per_doubling_se: Option<f64>,
 }
 
-/// The campaigns and plans of all rows. Errors: those of planning any of them.
+/// How the discrepancy falls with the number of cells along a side: as cells^-power.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Convergence {
+    /// The power, by weighted least squares on logarithms.
+    pub power: f64,
+    /// Its standard error, from the rows' own.
+    pub power_se: f64,
+}
+
+/// The campaigns and plans of all rows; grains are measured as the heights that they have. Errors: those of planning any
+/// of them.
 pub fn settings(campaign: &Campaign, resolution: &Resolution) -> Result<Vec<(Campaign, Plan)>> {
     let pairs =
         resolution.cells.iter().flat_map(|&c| resolution.correlation_cells.iter().map(move |&l| (c, l)));
@@ -71,32 +82,48 @@ pub fn settings(campaign: &Campaign, resolution: &Resolution) -> Result<Vec<(Cam
         let mut campaign = campaign.clone();
         campaign.surface.cells = cells;
         campaign.surface.correlation_cells = correlation_cells;
+        if let SurfaceKind::Grains(grains) = &campaign.surface.kind {
+            // As far as plan and tracing go, random heights of the same roughness.
+            let alphas = grains.alphas.iter().map(|alpha| Alpha::new(alpha.x, alpha.y)).collect();
+            campaign.surface.kind = SurfaceKind::Ggx(alphas);
+        }
         measure::plan(&campaign).map(|plan| (campaign, plan))
     };
     pairs.map(setting).collect()
 }
 
-/// Measures every setting against the masking that the campaign is tested against. Errors: `Usage` with fewer than four
-/// realisations, where the noise cannot be taken off.
+/// Measures every setting of `campaign` against the masking that this is tested against. Errors: `Usage` with fewer than
+/// five realisations, where the noise cannot be taken off.
 pub fn resolution(
+    campaign: &Campaign,
     settings: &[(Campaign, Plan)],
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Vec<ResolutionRow>> {
-    let Some((campaign, plan)) = settings.first() else { return Ok(Vec::new()) };
+    let Some((_, plan)) = settings.first() else { return Ok(Vec::new()) };
     // Cells do not enter the model.
     let truth = Prediction::of(campaign, &plan.grid).filter(|_| campaign.surface.realisations >= 5);
     let few = "at least 5 realisations, to distinguish noise from the rest";
     let truth = truth.ok_or_else(|| Error::Usage(format!("{}: {few}", campaign.name)))?;
-    settings.iter().map(|(campaign, plan)| row(campaign, plan, &truth, progress)).collect()
+    let truth = (&truth, expect::masking(campaign));
+    let of_setting = |(setting, plan): &(Campaign, Plan)| {
+        let patches = match Patches::prepare(campaign, &mut Vec::new())? {
+            Patches::Grains { seed, coverages, side, .. } => {
+                Patches::Grains { seed, coverages, side, as_heights: Some(setting.surface.cells as usize) }
+            }
+            _ => Patches::prepare(setting, &mut Vec::new())?,
+        };
+        row(setting, plan, patches, truth, progress)
+    };
+    settings.iter().map(of_setting).collect()
 }
 
 fn row(
     campaign: &Campaign,
     plan: &Plan,
-    truth: &Prediction,
+    patches: Patches,
+    truth: (&Prediction, &str),
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<ResolutionRow> {
-    let patches = Patches::prepare(campaign, &mut Vec::new())?;
     let (mut measured, cost) = measure::measure(campaign, plan, &patches, progress)?;
     let measured = measured.pop().ok_or_else(|| Error::Internal("a row without a table".into()))?;
     let missing = || Error::Internal("a comparison without a figure".into());
@@ -111,7 +138,7 @@ fn row(
         realisations: plan.realisations,
         seconds: cost.wall_s,
         rays_per_s: cost.rays_traced as f64 / cost.wall_s,
-        ks: ks(campaign, &patches)?,
+        ks: if matches!(patches, Patches::Grains { .. }) { None } else { ks(campaign, &patches)? },
         error,
         error_se,
         noise,
@@ -119,12 +146,11 @@ fn row(
     })
 }
 
-/// The figures against the masking that the campaign is tested against.
-fn discrepancy(measured: &Measured, truth: &Prediction) -> Option<Figures> {
+/// The figures against the masking of this name.
+fn discrepancy(measured: &Measured, (truth, masking): (&Prediction, &str)) -> Option<Figures> {
     let parts = Some(Parts { all: &measured.realisations, first_stop: 0 });
     let comparisons = verdict::compare(&measured.table, &measured.campaign, parts, truth);
-    let wanted = expect::masking(&measured.campaign);
-    comparisons.iter().find(|comparison| comparison.masking == wanted).map(|comparison| comparison.figures)
+    comparisons.iter().find(|comparison| comparison.masking == masking).map(|comparison| comparison.figures)
 }
 
 fn ks(campaign: &Campaign, patches: &Patches) -> Result<Option<f64>> {
@@ -170,9 +196,45 @@ pub fn flatness(rows: &[ResolutionRow]) -> Option<Flatness> {
     })
 }
 
+/// Weighted least squares of log discrepancy on log cells. `None` with fewer than three sizes, several correlation
+/// lengths, or where an error is 0.
+// Tested by `the_power_of_the_cells_is_found`.
+pub fn convergence(rows: &[ResolutionRow]) -> Option<Convergence> {
+    let one_length = rows.windows(2).all(|pair| pair[0].correlation_cells == pair[1].correlation_cells);
+    let known = rows.iter().all(|row| row.error > 0.0 && row.error_se > 0.0);
+    if rows.len() < 3 || !one_length || !known {
+        return None;
+    }
+    let points: Vec<(f64, f64, f64)> = rows
+        .iter()
+        .map(|row| (f64::from(row.cells).ln(), row.error.ln(), (row.error / row.error_se).powi(2)))
+        .collect();
+    let all: f64 = points.iter().map(|point| point.2).sum();
+    let mean = |of: fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 * of(p)).sum::<f64>() / all;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let spread: f64 = points.iter().map(|p| p.2 * (p.0 - x).powi(2)).sum();
+    let slope = points.iter().map(|p| p.2 * (p.0 - x) * (p.1 - y)).sum::<f64>() / spread;
+    Some(Convergence { power: -slope, power_se: spread.powf(-0.5) })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_power_of_the_cells_is_found() {
+        let row = |k: i32| ResolutionRow {
+            cells: 256 << k,
+            correlation_cells: 8.0,
+            error: 0.1 * 2f64.powf(-1.5 * f64::from(k)),
+            error_se: 0.001 * 2f64.powf(-1.5 * f64::from(k)),
+            ..rows([0.1; 4]).swap_remove(0)
+        };
+        let found = convergence(&[row(0), row(1), row(2)]).expect("three sizes");
+        // Relative errors of 1 % at log 2 times -1, 0, 1 from the middle: 0.01/(ln 2 sqrt 2).
+        assert!((found.power - 1.5).abs() < 1e-12, "{found:?}");
+        assert!((found.power_se - 0.01 / (2f64.ln() * 2f64.sqrt())).abs() < 1e-12, "{found:?}");
+    }
 
     fn rows(errors: [f64; 4]) -> Vec<ResolutionRow> {
         let row = |(k, error): (usize, f64)| ResolutionRow {

@@ -63,7 +63,7 @@ impl Rung {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<(Measured, measure::Cost)> {
         self.campaign.seed = seed;
-        if let Patches::Random { seed: of_patches, .. } = patches {
+        if let Patches::Random { seed: of_patches, .. } | Patches::Grains { seed: of_patches, .. } = patches {
             *of_patches = seed;
         }
         let (mut measured, cost) = measure::measure(&self.campaign, &self.plan, patches, progress)?;

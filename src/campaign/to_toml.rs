@@ -42,7 +42,9 @@ pub fn to_toml(campaign: &Campaign) -> String {
     if let Some(bench) = &campaign.bench {
         text.table("bench");
         text.floats("cells", &bench.cells);
-        text.floats("correlation_cells", &bench.correlation_cells);
+        if campaign.surface.kind.is_random_heights() {
+            text.floats("correlation_cells", &bench.correlation_cells);
+        }
     }
     text.0
 }

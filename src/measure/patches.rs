@@ -49,6 +49,8 @@ pub enum Patches {
         coverages: Vec<f64>,
         /// Side of a patch, radii.
         side: Option<f64>,
+        /// Cells of a side where they lie there as heights, those of the first coverage.
+        as_heights: Option<usize>,
     },
     /// No heights at all.
     Statistical {
@@ -113,7 +115,7 @@ impl Patches {
                 let mut coverages: Vec<f64> =
                     grains.alphas.iter().filter_map(|alpha| alpha.coverage).collect();
                 coverages.dedup();
-                Patches::Grains { seed: campaign.seed, coverages, side: grains.side }
+                Patches::Grains { seed: campaign.seed, coverages, side: grains.side, as_heights: None }
             }
             SurfaceKind::Ggx(_)
             | SurfaceKind::Beckmann { .. }
@@ -199,7 +201,7 @@ impl Patches {
                 let (law, independent_heights) = (*law, *independent_heights);
                 return Ok(Specimen::Statistical { law, independent_heights });
             }
-            Patches::Grains { seed, coverages, side } => {
+            Patches::Grains { seed, coverages, side, as_heights } => {
                 let of = |&coverage: &f64| {
                     // The coverage is its own address: a further one leaves the others as they were.
                     let stop = coverage.to_bits();
@@ -207,7 +209,10 @@ impl Patches {
                     let side = side.unwrap_or_else(|| grains::usual_side(coverage));
                     (coverage, GrainField::random(side, coverage, &mut rng::stream(id)))
                 };
-                return Ok(Specimen::Grains(coverages.iter().map(of).collect()));
+                let Some(cells) = *as_heights else {
+                    return Ok(Specimen::Grains(coverages.iter().map(of).collect()));
+                };
+                Patch::of_grains(&of(&coverages[0]).1, cells)
             }
             Patches::Random { synthesiser, seed } => {
                 let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop: 0, block: 0 };

@@ -155,8 +155,11 @@ fn expect(slot: &Slot<'_>) -> Option<Expect> {
 fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolution> {
     let [cells, lengths] = item.table()?.keys(["cells", "correlation_cells"]);
     let surface = surface?;
-    if !surface.kind.is_random_heights() {
+    if !surface.kind.has_random_patches() {
         return item.refuse("varies the cells of a synthesised surface; leave it out here");
+    }
+    if !surface.kind.is_random_heights() {
+        lengths.absent("belongs to heights on a grid; grains have a size of their own")?;
     }
     let cells = cells.or(vec![surface.cells], |i| all(i, |i| i.count(8..=16384)));
     let longest = cells.iter().flatten().min().map_or(2048.0, |&cells| f64::from(cells) / 8.0);

@@ -25,15 +25,17 @@ use crate::validate::prediction::model::Model;
     after_help = "Example: gonio bench configs/bench.toml --from 2^12 --to 2^20",
     after_long_help = "Writes bench.svg and bench.json to the folder. A random surface gets a second ladder, over\n\
     realisations: its b is free of the patches' spread. N: samples of a stop, all realisations.\n\
-    With a [bench] table in the campaign it varies cells and correlation length instead.\n\
+    With a [bench] table in the campaign it varies cells and correlation length instead. Several\n\
+    campaigns: a folder each, and bench.svg of them all.\n\
     --against measures the same patches, azimuths and bins --replicates times as planned and by\n\
     another way: rays (samples from place to place instead of slope to slope), hemisphere (light in\n\
     all directions, not that into the apertures alone). It writes no files.\n\n\
     Example: gonio bench configs/bench.toml --from 2^12 --to 2^20"
 )]
 pub struct Arguments {
-    /// The campaign, a TOML file with one roughness
-    campaign: PathBuf,
+    /// The campaign, a TOML file with one roughness; several for one plot of them all
+    #[arg(required = true, value_name = "CAMPAIGN")]
+    campaigns: Vec<PathBuf>,
     /// Noise and time to an equal error by: rays, hemisphere
     #[arg(long, value_name = "WAY", value_parser = other, conflicts_with_all = LADDERS)]
     against: Option<Other>,
@@ -92,7 +94,7 @@ fn count(text: &str) -> std::result::Result<u64, String> {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let path = &*arguments.campaign;
+    let [path] = &arguments.campaigns[..] else { return several(arguments) };
     let Parsed { campaign, notes, .. } = campaign::read(path)?;
     notes.iter().for_each(warn);
     one_roughness(&campaign, path)?;
@@ -102,47 +104,108 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if !arguments.cells.is_empty() {
         return against::sizes(&campaign, &arguments.cells, arguments.json);
     }
-    let kind = match arguments.truth {
-        Some(Wanted::Model) => TruthKind::Model,
-        Some(Wanted::Reference) => TruthKind::Reference,
-        None if Model::of(&campaign).is_some() => TruthKind::Model,
-        None => TruthKind::Reference,
-    };
     if let Some(lists) = &campaign.bench {
         return resolution(arguments, path, &campaign, lists);
     }
+    let mut out = Output::default();
+    let answer = of_one(arguments, (path, &campaign), arguments.output.as_deref(), &mut out)?;
+    if arguments.json {
+        out.json(&answer)?;
+    }
+    Ok(0)
+}
+
+/// Several campaigns, one after the other, and one plot of their last ladders.
+fn several(arguments: &Arguments) -> Result<u8> {
+    if arguments.against.is_some() || !arguments.cells.is_empty() {
+        return Err(Error::Usage("--against and --cells take one campaign at a time".into()));
+    }
+    let campaigns = arguments.campaigns.iter().map(|path| Ok((path, campaign::read(path)?.campaign)));
+    let campaigns = campaigns.collect::<Result<Vec<_>>>()?;
+    for (index, (path, campaign)) in campaigns.iter().enumerate() {
+        one_roughness(campaign, path)?;
+        let path = path.display();
+        if campaign.bench.is_some() {
+            return Err(Error::Usage(format!(
+                "{path}: has a [bench] table: such a campaign is benched alone"
+            )));
+        }
+        if campaigns[..index].iter().any(|(_, before)| before.name == campaign.name) {
+            let name = &campaign.name;
+            return Err(Error::Usage(format!(
+                "{path}: name = \"{name}\" occurs twice; each has a folder of its own"
+            )));
+        }
+    }
+    let folder = arguments.output.clone().unwrap_or_else(|| "out/bench".into());
+    let picture = folder.join("bench.svg");
+    if !arguments.force {
+        paths::spare_foreign(&picture, ladders::MARK, "plot")?;
+    }
+    let (mut out, mut answers) = (Output::default(), Vec::new());
+    for (path, campaign) in &campaigns {
+        if !arguments.json {
+            out.line(format_args!("== {}", campaign.name))?;
+        }
+        let own = folder.join(&campaign.name);
+        answers.push(of_one(arguments, (path, campaign), Some(&own), &mut out)?);
+    }
+    files::write_atomically(&picture, ladders::together(&answers).as_bytes())?;
+    if arguments.json {
+        out.json(&answers)?;
+    } else {
+        out.line(format_args!("all           {}", picture.display()))?;
+    }
+    Ok(0)
+}
+
+/// The ladders of one campaign: measured, written, and printed unless JSON is asked for.
+fn of_one(
+    arguments: &Arguments,
+    (path, campaign): (&Path, &Campaign),
+    folder: Option<&Path>,
+    out: &mut Output,
+) -> Result<BenchAnswer> {
+    let kind = match arguments.truth {
+        Some(Wanted::Model) => TruthKind::Model,
+        Some(Wanted::Reference) => TruthKind::Reference,
+        None if Model::of(campaign).is_some() => TruthKind::Model,
+        None => TruthKind::Reference,
+    };
     let range = Range {
         from: arguments.from,
         to: arguments.to,
         most_realisations: arguments.realisations_to,
         replicates: arguments.replicates,
     };
-    let ladders = bench::planned(&campaign, &range, kind)?;
-    let resolved = campaign::to_toml(&campaign);
-    let [document, picture] = outputs(arguments, path, &campaign, &resolved)?;
+    let ladders = bench::planned(campaign, &range, kind)?;
+    let resolved = campaign::to_toml(campaign);
+    let [document, picture] = outputs(arguments, (path, campaign), folder, &resolved)?;
     let mut notes = Vec::new();
-    let mut patches = Patches::prepare(&campaign, &mut notes)?;
+    let mut patches = Patches::prepare(campaign, &mut notes)?;
     notes.iter().for_each(warn);
     let progress = RunProgress::new(ladders.total_samples(), "samples");
-    let bench = bench::bench(&campaign, ladders, &mut patches, &|starts| progress.add(starts))?;
+    let bench = bench::bench(campaign, ladders, &mut patches, &|starts| progress.add(starts))?;
     progress.finish();
-    let answer = BenchAnswer::new(&campaign, resolved, kind, &bench);
+    let answer = BenchAnswer::new(campaign, resolved, kind, &bench);
     files::write_atomically(&picture, ladders::picture(&answer).as_bytes())?;
     files::write_atomically(&document, format!("{}\n", json_text(&answer)?).as_bytes())?;
-    let mut out = Output::default();
-    if arguments.json {
-        out.json(&answer)?;
-        return Ok(0);
+    if !arguments.json {
+        out.lines(lines(&bench, arguments.replicates))?;
+        out.line(format_args!("plot          {}", picture.display()))?;
+        out.line(format_args!("figures       {}", document.display()))?;
     }
-    out.lines(lines(&bench, arguments.replicates))?;
-    out.line(format_args!("plot          {}", picture.display()))?;
-    out.line(format_args!("figures       {}", document.display()))?;
-    Ok(0)
+    Ok(answer)
 }
 
 /// The files that will be written; what is there must be of the same campaign.
-fn outputs(arguments: &Arguments, path: &Path, campaign: &Campaign, resolved: &str) -> Result<[PathBuf; 2]> {
-    let (folder, _claim) = paths::open_folder(arguments.output.as_deref(), campaign)?;
+fn outputs(
+    arguments: &Arguments,
+    (path, campaign): (&Path, &Campaign),
+    folder: Option<&Path>,
+    resolved: &str,
+) -> Result<[PathBuf; 2]> {
+    let (folder, _claim) = paths::open_folder(folder, campaign)?;
     let [document, picture] = ["bench.json", "bench.svg"].map(|name| folder.join(name));
     paths::spare_inputs(&[&document, &picture], path, campaign)?;
     if !arguments.force {
@@ -160,9 +223,9 @@ fn resolution(arguments: &Arguments, path: &Path, campaign: &Campaign, lists: &R
     }
     let settings = bench::resolution::settings(campaign, lists)?;
     let resolved = campaign::to_toml(campaign);
-    let [document, _] = outputs(arguments, path, campaign, &resolved)?;
+    let [document, _] = outputs(arguments, (path, campaign), arguments.output.as_deref(), &resolved)?;
     let progress = RunProgress::new(settings.iter().map(|(_, plan)| plan.total_samples).sum(), "samples");
-    let rows = bench::resolution(&settings, &|starts| progress.add(starts))?;
+    let rows = bench::resolution(campaign, &settings, &|starts| progress.add(starts))?;
     progress.finish();
     let answer = resolution::answer(campaign, resolved, &rows)?;
     files::write_atomically(&document, format!("{}\n", json_text(&answer)?).as_bytes())?;

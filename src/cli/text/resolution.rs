@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::output::{columns, duration, grouped, or_na, to_json};
-use crate::bench::{ResolutionRow, flatness};
+use crate::bench::{ResolutionRow, convergence, flatness};
 use crate::campaign::Campaign;
 use crate::error::Result;
 use crate::validate::expect;
@@ -30,6 +30,7 @@ pub fn answer(campaign: &Campaign, resolved: String, rows: &[ResolutionRow]) -> 
         "rows": to_json(&rows)?,
         "fit": null,
         "flatness": to_json(&flatness(rows))?,
+        "convergence": to_json(&convergence(rows))?,
         "campaign": resolved,
     }))
 }
@@ -56,6 +57,12 @@ pub fn lines(campaign: &Campaign, rows: &[ResolutionRow]) -> Vec<String> {
     ));
     if let Some((slope, se)) = flat.per_doubling.zip(flat.per_doubling_se) {
         lines.push(format!("per doubling  {slope:+.5} +- {se:.5} (correlation length)"));
+    }
+    if let Some(fall) = convergence(rows) {
+        let (power, se) = (fall.power, fall.power_se);
+        lines.push(format!(
+            "falls as      cells^-p, p = {power:.3} +- {se:.3} (weighted least squares on logarithms)"
+        ));
     }
     lines.push(format!("time          {}", duration(rows.iter().map(|row| row.seconds).sum())));
     lines

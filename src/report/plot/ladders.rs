@@ -23,7 +23,6 @@ pub fn charts(bench: &BenchAnswer) -> Vec<Chart> {
 
 /// The charts below each other.
 pub fn picture(bench: &BenchAnswer) -> String {
-    let style: String = PAGE_STYLE.lines().filter(|rule| rule.starts_with(".chart ")).collect();
     let (mut inner, mut width, mut height) = (Drawing::default(), 0.0f64, 0.0);
     for ladder in &bench.ladders {
         let Some(chart) = chart(ladder, &bench.rows) else { continue };
@@ -37,12 +36,60 @@ pub fn picture(bench: &BenchAnswer) -> String {
         ));
         (width, height) = (width.max(size[0]), height + CAPTION + size[1]);
     }
+    document(&inner.text(), [width, height])
+}
+
+/// A picture that stands alone.
+fn document(inner: &str, [width, height]: [f64; 2]) -> String {
+    let style: String = PAGE_STYLE.lines().filter(|rule| rule.starts_with(".chart ")).collect();
     format!(
         "<svg {MARK} xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
          height=\"{height}\">\n<style>{style}</style>\n<rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n\
-         {}</svg>\n",
-        inner.text()
+         {inner}</svg>\n"
     )
+}
+
+/// The last ladder of each bench in one chart: measured errors and their fits, next to how noise alone falls.
+pub fn together(benches: &[BenchAnswer]) -> String {
+    let mut series = Vec::new();
+    let (mut samples, mut errors) = (Vec::new(), Vec::new());
+    for (index, bench) in benches.iter().enumerate() {
+        let Some(last) = bench.ladders.last() else { continue };
+        let of_this = |row: &&MeasuredRung| row.varies == last.varies && row.error > 0.0;
+        let points: Vec<[f64; 2]> =
+            bench.rows.iter().filter(of_this).map(|row| [row.samples as f64, row.error]).collect();
+        let (Some(first), Some(end)) = (points.first(), points.last()) else { continue };
+        let style = series_style(index);
+        let fitted = last.fit.map_or("no fit".into(), |LadderFit { b_low, b_high, .. }| {
+            let low = if b_low > 0.0 { format!("{b_low:.1e}") } else { "0".into() };
+            format!("b within [{low}, {b_high:.1e}]")
+        });
+        if let Some(LadderFit { a, b, .. }) = last.fit {
+            let line = SeriesStyle { marker: Marker::Off, line: true, ..style };
+            series.push(Series::new("", curve(first[0], end[0], |n| (a / n + b * b).sqrt()), line));
+        }
+        samples.extend(points.iter().map(|point| point[0]));
+        errors.extend(points.iter().map(|point| point[1]));
+        let label = format!("{}: {fitted}", bench.name);
+        series.push(Series::new(label, points, SeriesStyle { line: false, ..style }));
+    }
+    let (samples, errors) = (ends(samples.into_iter()), ends(errors.into_iter()));
+    let guide = SeriesStyle { colour: "#777", dashes: "8 5", marker: Marker::Off, line: true };
+    let fall = |n: f64| errors[1] * (samples[0] / n).sqrt();
+    series.insert(0, Series::new("1/√N", curve(samples[0], samples[1], fall), guide));
+    let chart = Chart {
+        title: "Distance from the formula".into(),
+        x: ChartAxis::decades("samples of one stop, N", samples),
+        y: ChartAxis::decades("flux-weighted L1 of order 1", errors),
+        series,
+    };
+    let mut inner = Drawing::default();
+    inner.add(format_args!(
+        "<g class=\"chart\">{}\n{}</g>",
+        heading(&escaped(&chart.title)),
+        chart.content()
+    ));
+    document(&inner.text(), chart.size())
 }
 
 /// What the errors are of, and what the ladder's fit gives.
