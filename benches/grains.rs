@@ -60,7 +60,7 @@ impl Blocks {
 fn main() {
     println!("coverage  theta_i  bins  time  variance  time to an equal error  largest |t| of the means");
     for coverage in [0.2, 0.5, 0.9] {
-        let field = GrainField::random(usual_side(coverage), coverage, &mut numbers(0));
+        let field = GrainField::random(usual_side(coverage), coverage, false, &mut numbers(0));
         let sample = TracedGrains {
             field: &field,
             alpha: DVec2::splat(0.5),

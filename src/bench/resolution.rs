@@ -82,7 +82,7 @@ pub fn settings(campaign: &Campaign, resolution: &Resolution) -> Result<Vec<(Cam
         let mut campaign = campaign.clone();
         campaign.surface.cells = cells;
         campaign.surface.correlation_cells = correlation_cells;
-        if let SurfaceKind::Grains(grains) = &campaign.surface.kind {
+        if let Some(grains) = campaign.surface.kind.explicit_grains() {
             // As far as plan and tracing go, random heights of the same roughness.
             let alphas = grains.alphas.iter().map(|alpha| Alpha::new(alpha.x, alpha.y)).collect();
             campaign.surface.kind = SurfaceKind::Ggx(alphas);
@@ -107,9 +107,13 @@ pub fn resolution(
     let truth = (&truth, expect::masking(campaign));
     let of_setting = |(setting, plan): &(Campaign, Plan)| {
         let patches = match Patches::prepare(campaign, &mut Vec::new())? {
-            Patches::Grains { seed, coverages, side, .. } => {
-                Patches::Grains { seed, coverages, side, as_heights: Some(setting.surface.cells as usize) }
-            }
+            Patches::Grains { seed, coverages, side, pits, .. } => Patches::Grains {
+                seed,
+                coverages,
+                side,
+                pits,
+                as_heights: Some(setting.surface.cells as usize),
+            },
             _ => Patches::prepare(setting, &mut Vec::new())?,
         };
         row(setting, plan, patches, truth, progress)

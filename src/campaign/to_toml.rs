@@ -4,8 +4,8 @@ use std::fmt::{Debug, Display};
 
 use super::parse::{arms, campaign, grains, height_map, optics, surface};
 use super::schema::{
-    Alpha, Azimuth, Campaign, Expect, Grains, HeightMap, LightArm, Medium, Optics, RefractiveIndex,
-    SensorArm, Surface, SurfaceKind,
+    Alpha, Azimuth, Campaign, Expect, GrainShape, Grains, HeightMap, LightArm, Medium, Optics,
+    RefractiveIndex, SensorArm, Surface, SurfaceKind,
 };
 
 /// The campaign as resolved, in the schema that [`parse`](super::parse()) reads: parsing it gives the campaign again.
@@ -146,7 +146,10 @@ fn grains_table(text: &mut Text, grains: &Grains) {
     if let Some(side) = grains.side {
         text.floats("side", side);
     }
-    text.line("base", word(&grains::BASES, &grains.base));
+    if grains.shape != GrainShape::Heights {
+        text.line("base", word(&grains::BASES, &grains.base));
+    }
+    text.line("shape", word(&grains::SHAPES, &grains.shape));
 }
 
 fn file_table(text: &mut Text, map: &HeightMap) {

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use super::plan::KEPT_FRACTION;
-use crate::campaign::{Alpha, Campaign, HeightSpectrum, SmithHeights, SmithNdf, SurfaceKind};
+use crate::campaign::{Alpha, Campaign, GrainShape, HeightSpectrum, SmithHeights, SmithNdf, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
 use crate::surface::grains::{self, GrainField};
@@ -49,6 +49,8 @@ pub enum Patches {
         coverages: Vec<f64>,
         /// Side of a patch, radii.
         side: Option<f64>,
+        /// Whether they are upside down.
+        pits: bool,
         /// Cells of a side where they lie there as heights, those of the first coverage.
         as_heights: Option<usize>,
     },
@@ -112,10 +114,17 @@ impl Patches {
                 independent_heights: smith.heights == SmithHeights::Independent,
             },
             SurfaceKind::Grains(grains) => {
+                // Heights have a law, and are random ones.
                 let mut coverages: Vec<f64> =
                     grains.alphas.iter().filter_map(|alpha| alpha.coverage).collect();
                 coverages.dedup();
-                Patches::Grains { seed: campaign.seed, coverages, side: grains.side, as_heights: None }
+                Patches::Grains {
+                    seed: campaign.seed,
+                    coverages,
+                    side: grains.side,
+                    pits: grains.shape == GrainShape::Pits,
+                    as_heights: None,
+                }
             }
             SurfaceKind::Ggx(_)
             | SurfaceKind::Beckmann { .. }
@@ -201,13 +210,13 @@ impl Patches {
                 let (law, independent_heights) = (*law, *independent_heights);
                 return Ok(Specimen::Statistical { law, independent_heights });
             }
-            Patches::Grains { seed, coverages, side, as_heights } => {
+            Patches::Grains { seed, coverages, side, pits, as_heights } => {
                 let of = |&coverage: &f64| {
                     // The coverage is its own address: a further one leaves the others as they were.
                     let stop = coverage.to_bits();
                     let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop, block: 0 };
                     let side = side.unwrap_or_else(|| grains::usual_side(coverage));
-                    (coverage, GrainField::random(side, coverage, &mut rng::stream(id)))
+                    (coverage, GrainField::random(side, coverage, *pits, &mut rng::stream(id)))
                 };
                 let Some(cells) = *as_heights else {
                     return Ok(Specimen::Grains(coverages.iter().map(of).collect()));
@@ -246,6 +255,9 @@ impl Patches {
             SurfaceKind::Beckmann { .. } => Some(SlopeLaw::Beckmann),
             SurfaceKind::StudentT { gamma, .. } => Some(SlopeLaw::student_t(gamma)),
             SurfaceKind::BlinnPhong { exponent, .. } => Some(SlopeLaw::blinn_phong(exponent)),
+            SurfaceKind::Grains(ref grains) if grains.shape == GrainShape::Heights => {
+                Some(SlopeLaw::Grains { coverage: grains.alphas[0].coverage? })
+            }
             SurfaceKind::Smith(_)
             | SurfaceKind::Grains(_)
             | SurfaceKind::Mirror

@@ -41,6 +41,8 @@ pub fn share_seen(light: DVec3, coverage: f64) -> f64 {
 #[derive(Debug, Clone)]
 pub struct GrainField {
     side: f64,
+    /// 1 of grains, -1 of pits: which half of each sphere is the surface.
+    up: f64,
     /// Of all grains, in [0, side).
     centres: Vec<DVec2>,
     /// Cells along a side.
@@ -74,7 +76,7 @@ pub struct PlacedGrain {
 
 impl GrainField {
     /// Random grains of a Poisson process.
-    pub fn random(side: f64, coverage: f64, rng: &mut Pcg64Dxsm) -> Self {
+    pub fn random(side: f64, coverage: f64, pits: bool, rng: &mut Pcg64Dxsm) -> Self {
         let wanted = density(coverage) * side * side;
         // A Poisson number: as many exponential steps as fit.
         let mut count = 0;
@@ -87,13 +89,14 @@ impl GrainField {
             count += 1;
         }
         let centre = |_| DVec2::new(rng::uniform(rng), rng::uniform(rng)) * side;
-        GrainField::new(side, (0..count).map(centre).collect())
+        GrainField::new(side, pits, (0..count).map(centre).collect())
     }
 
-    /// Grains at these centres of [0, side) x [0, side), side >= 8.
-    pub fn new(side: f64, centres: Vec<DVec2>) -> Self {
+    /// Grains, or pits, at these centres of [0, side) x [0, side), side >= 8.
+    pub fn new(side: f64, pits: bool, centres: Vec<DVec2>) -> Self {
+        let up = if pits { -1.0 } else { 1.0 };
         let cells = (side / CELL).floor() as usize;
-        let field = GrainField { side, centres, cells, first: vec![], placed: vec![] };
+        let field = GrainField { side, up, centres, cells, first: vec![], placed: vec![] };
         let mut counts = vec![0u32; cells * cells + 1];
         field.each_place(|cell, _| counts[cell + 1] += 1);
         for cell in 0..cells * cells {
@@ -142,6 +145,11 @@ impl GrainField {
         &self.placed[self.first[cell] as usize..self.first[cell + 1] as usize]
     }
 
+    /// 1 of grains, -1 of pits.
+    pub fn up(&self) -> f64 {
+        self.up
+    }
+
     /// Side of the patch, radii.
     pub fn side(&self) -> f64 {
         self.side
@@ -170,7 +178,7 @@ impl GrainField {
         self.in_cell(column(at.y) * self.cells + column(at.x))
     }
 
-    /// The height of the surface at a place of the patch.
+    /// The height of the surface over the plane, of pits the depth below it, at a place of the patch.
     pub fn height(&self, at: DVec2) -> f64 {
         let square = |grain: &PlacedGrain| 1.0 - at.distance_squared(grain.centre);
         self.near(at).iter().map(square).fold(0.0, f64::max).sqrt()
@@ -179,7 +187,8 @@ impl GrainField {
     /// The heights at the corners of `cells` x `cells` equal squares, in their sides: slopes stay canonical.
     pub fn as_heights(&self, cells: usize) -> Heightfield {
         let size = self.side / cells as f64;
-        let at = |k: usize| self.height(DVec2::new((k % cells) as f64, (k / cells) as f64) * size) / size;
+        let place = |k: usize| DVec2::new((k % cells) as f64, (k / cells) as f64) * size;
+        let at = |k: usize| self.up * self.height(place(k)) / size;
         Heightfield::new(cells, cells, true, (0..cells * cells).map(at).collect())
     }
 
@@ -216,7 +225,7 @@ impl GrainField {
     /// SHA-256 over the side and the centres, little-endian f64 bits.
     pub fn digest(&self) -> [u8; 32] {
         let mut hash = Sha256::new();
-        hash.update(self.side.to_le_bytes());
+        hash.update((self.up * self.side).to_le_bytes());
         for centre in &self.centres {
             hash.update(centre.x.to_le_bytes());
             hash.update(centre.y.to_le_bytes());
@@ -232,7 +241,7 @@ mod tests {
 
     fn patch(coverage: f64, realisation: u64) -> GrainField {
         let id = StreamId { seed: 3, purpose: Purpose::Test, realisation, stop: 0, block: 0 };
-        GrainField::random(usual_side(coverage), coverage, &mut stream(id))
+        GrainField::random(usual_side(coverage), coverage, false, &mut stream(id))
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::campaign::{Alpha, Campaign, ExpectedMasking, SmithHeights, SurfaceKind};
+use crate::campaign::{Alpha, Campaign, ExpectedMasking, GrainShape, Grains, SmithHeights, SurfaceKind};
 use crate::instrument::Grid;
 
 /// Room for the spread of patches above the known discrepancy.
@@ -45,7 +45,9 @@ fn own_masking(campaign: &Campaign) -> Option<&'static str> {
         SurfaceKind::VGroove { .. } => Some("v_cavity"),
         SurfaceKind::Smith(smith) if smith.heights == SmithHeights::Correlated => Some("height_correlated"),
         SurfaceKind::Smith(_) => Some("separable"),
-        SurfaceKind::Grains(_) if campaign.trace.visibility => Some("grains"),
+        SurfaceKind::Grains(grains) if campaign.trace.visibility && grains.shape == GrainShape::Grains => {
+            Some("grains")
+        }
         _ if !campaign.trace.visibility => Some("none"),
         _ => None,
     }
@@ -70,6 +72,8 @@ pub fn masking(campaign: &Campaign) -> &'static str {
 pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
     let left_out = match campaign.surface.kind {
         SurfaceKind::File(_) => return None,
+        // Of pits, and of heights with such normals, no masking is known.
+        SurfaceKind::Grains(Grains { shape: GrainShape::Pits | GrainShape::Heights, .. }) => None,
         SurfaceKind::Smith(_)
         | SurfaceKind::Grains(_)
         | SurfaceKind::Mirror

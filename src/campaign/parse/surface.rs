@@ -89,7 +89,9 @@ pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist_f0: &mut Option<[f6
         [one] if matches!(one.name(), "smith" | "mirror" | "v_groove" | "file") => {
             made_or_measured(&keys, one.name() == "file", kind, rotation_deg)
         }
-        [one] if one.name() == "grains" => of_grains(&keys, kind, rotation_deg),
+        [one] if one.name() == "grains" && !kind.as_ref().is_some_and(SurfaceKind::is_random_heights) => {
+            of_grains(&keys, kind, rotation_deg)
+        }
         _ => synthesised(&keys, kind, rotation_deg),
     }
 }

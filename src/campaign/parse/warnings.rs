@@ -1,7 +1,7 @@
 //! Warnings about a campaign without faults.
 
 use super::faults::Report;
-use crate::campaign::schema::{Azimuth, Campaign, PhiFrom, SensorArm, SurfaceKind};
+use crate::campaign::schema::{Azimuth, BinLayout, Campaign, PhiFrom, SensorArm, SurfaceKind};
 
 /// Roughness up to which the measurement was compared with theory.
 const TESTED_ALPHA: f64 = 2.0;
@@ -12,7 +12,35 @@ pub(crate) fn note(report: &Report<'_>, campaign: &Campaign) {
         let text = "the sensor stands where the lamp is: a real instrument cannot measure there".to_string();
         report.note("sensor.arm.theta_r_deg", None, Some(format!("{theta}")), text);
     }
+    if let Some(theta) = mirror_on_an_edge(campaign) {
+        let text = "its mirror direction lies on an edge of the bins, and rounding decides between them: take bins = \
+                    \"centred\""
+            .to_string();
+        report.note("light.theta_i_deg", None, Some(format!("{theta}")), text);
+    }
     note_lobe(report, campaign);
+}
+
+/// The first angle of the light whose mirror direction, into which all light of a flat part goes, is an edge of two bins.
+fn mirror_on_an_edge(campaign: &Campaign) -> Option<f64> {
+    let kind = &campaign.surface.kind;
+    let plane = kind.explicit_grains().is_some() && !kind.has_absorbing_base();
+    let SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins: BinLayout::Aligned } = &campaign.sensor
+    else {
+        return None;
+    };
+    if !(plane || matches!(kind, SurfaceKind::Mirror)) {
+        return None;
+    }
+    let on_edge = |angle: f64, step: f64| (angle / step).fract() == 0.0;
+    let (theta_step, phi_step) = (90.0 / f64::from(*theta_r_bins), 360.0 / f64::from(*phi_r_bins));
+    let across = match &campaign.light.azimuth {
+        Azimuth::Absolute(phis) => phis.iter().any(|phi| on_edge((phi + 180.0) % 360.0, phi_step)),
+        Azimuth::Relative => on_edge(180.0, phi_step),
+        Azimuth::KlemsFull => false,
+    };
+    let thetas = &campaign.light.theta_i_deg;
+    thetas.iter().copied().find(|&theta| theta > 0.0 && (across || on_edge(theta, theta_step)))
 }
 
 /// The first position of the sensor's arm that is a lamp's as well. Positions count from the light, or both from x.
@@ -37,6 +65,7 @@ fn note_lobe(report: &Report<'_>, campaign: &Campaign) {
         SurfaceKind::StudentT { alphas, .. } => ("surface.student_t.alpha", alphas),
         SurfaceKind::BlinnPhong { alphas, .. } => ("surface.blinn_phong.exponent", alphas),
         SurfaceKind::Smith(smith) => ("surface.smith.alpha", &smith.alphas),
+        SurfaceKind::Grains(grains) => ("surface.grains.alpha", &grains.alphas),
         _ => return,
     };
     let say = |key: &str, value: f64, text: String| report.note(key, None, Some(format!("{value}")), text);

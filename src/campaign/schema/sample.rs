@@ -124,6 +124,20 @@ pub struct Grains {
     pub side: Option<f64>,
     /// What the plane between them does.
     pub base: GrainBase,
+    /// What has the normals of grains.
+    pub shape: GrainShape,
+}
+
+/// Surfaces with the normals of grains.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GrainShape {
+    /// Half-ellipsoids on the plane.
+    Grains,
+    /// The same upside down: pits in the plane.
+    Pits,
+    /// Random heights whose slopes follow the same law, the plane's among them.
+    Heights,
 }
 
 /// The plane between grains.
@@ -237,9 +251,17 @@ impl SurfaceKind {
         }
     }
 
+    /// Grains or pits themselves, not heights with their normals.
+    pub fn explicit_grains(&self) -> Option<&Grains> {
+        match self {
+            SurfaceKind::Grains(grains) if grains.shape != GrainShape::Heights => Some(grains),
+            _ => None,
+        }
+    }
+
     /// Whether light ends on a plane between grains.
     pub fn has_absorbing_base(&self) -> bool {
-        matches!(self, SurfaceKind::Grains(grains) if grains.base == GrainBase::Absorbing)
+        self.explicit_grains().is_some_and(|grains| grains.base == GrainBase::Absorbing)
     }
 
     /// Whether it is a measured height map.
@@ -254,7 +276,7 @@ impl SurfaceKind {
 
     /// Whether its patches are random, each realisation another.
     pub fn has_random_patches(&self) -> bool {
-        self.is_random_heights() || matches!(self, SurfaceKind::Grains(_))
+        self.is_random_heights() || self.explicit_grains().is_some()
     }
 
     /// Whether patches of random heights are made for it.
@@ -265,7 +287,7 @@ impl SurfaceKind {
                 | SurfaceKind::Beckmann { .. }
                 | SurfaceKind::StudentT { .. }
                 | SurfaceKind::BlinnPhong { .. }
-        )
+        ) || matches!(self, SurfaceKind::Grains(grains) if grains.shape == GrainShape::Heights)
     }
 
     /// The name of its table in a campaign.

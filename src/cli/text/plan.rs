@@ -2,8 +2,8 @@
 
 use super::output::{bytes, duration, grouped, wrapped};
 use crate::campaign::{
-    Alpha, Azimuth, BinLayout, Campaign, GrainBase, HeightSpectrum, PhiFrom, Preset, SensorArm, SmithHeights,
-    SmithNdf, SurfaceKind,
+    Alpha, Azimuth, BinLayout, Campaign, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset, SensorArm,
+    SmithHeights, SmithNdf, SurfaceKind,
 };
 use crate::measure::{Disk, Plan, Saving};
 use crate::validate::prediction::aperture::ApertureBias;
@@ -126,7 +126,11 @@ fn surface(campaign: &Campaign) -> String {
         SurfaceKind::Grains(grains) => {
             let alphas = listed(grains.alphas.iter().map(Alpha::text));
             let base = if grains.base == GrainBase::Mirror { "a mirror" } else { "absorbing" };
-            format!("grains, alpha {alphas}; the plane between them is {base}")
+            match grains.shape {
+                GrainShape::Grains => format!("grains, alpha {alphas}; the plane between them is {base}"),
+                GrainShape::Pits => format!("pits, alpha {alphas}; the plane between them is {base}"),
+                GrainShape::Heights => random("heights with the normals of grains", &grains.alphas),
+            }
         }
         SurfaceKind::Mirror => "a flat mirror".into(),
         SurfaceKind::VGroove { slope } => format!("v-grooves along y, slope {slope}"),

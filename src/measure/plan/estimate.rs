@@ -2,7 +2,7 @@
 
 use super::decisions::Plan;
 use super::start_sampler::{StartSampler, aperture_fraction};
-use crate::campaign::{Alpha, Campaign, Grains, SurfaceKind};
+use crate::campaign::{Alpha, Campaign, GrainShape, Grains, SurfaceKind};
 use crate::measure::prepared_patch::CELLS_PER_START;
 use crate::sphere;
 use crate::surface::grains::{density, usual_side};
@@ -92,7 +92,7 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     // Patches that are looked at again are all kept.
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
-    let grains = matches!(campaign.surface.kind, SurfaceKind::Grains(_));
+    let grains = campaign.surface.kind.explicit_grains().is_some();
     let surface = if grains {
         kept.max(threads) * BYTES_PER_GRAIN
     } else {
@@ -119,11 +119,9 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
 /// be read, which whoever measures it will say.
 pub(crate) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
     let cells = match &campaign.surface.kind {
-        SurfaceKind::Ggx(_)
-        | SurfaceKind::Beckmann { .. }
-        | SurfaceKind::StudentT { .. }
-        | SurfaceKind::BlinnPhong { .. } => f64::from(campaign.surface.cells).powi(2),
-        SurfaceKind::Grains(grains) => grains.alphas.iter().map(|alpha| grain_count(grains, *alpha)).sum(),
+        SurfaceKind::Grains(grains) if grains.shape != GrainShape::Heights => {
+            grains.alphas.iter().map(|alpha| grain_count(grains, *alpha)).sum()
+        }
         SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64.0,
         SurfaceKind::File(map) => {
             let Ok(map) = import::load(map) else { return (0.0, 0.0) };
@@ -131,6 +129,11 @@ pub(crate) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
             let cells = (map.field.cells_x() * map.field.cells_y()) as f64;
             return (cells, (high - low) * map.alpha_x.max(map.alpha_y));
         }
+        SurfaceKind::Ggx(_)
+        | SurfaceKind::Beckmann { .. }
+        | SurfaceKind::StudentT { .. }
+        | SurfaceKind::BlinnPhong { .. }
+        | SurfaceKind::Grains(_) => f64::from(campaign.surface.cells).powi(2),
     };
     (cells, 0.0)
 }
@@ -159,7 +162,7 @@ pub(crate) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
     let cells = plan.cells;
     let random = campaign.surface.kind.is_random_heights();
     let tracing: f64 = campaign.alphas().iter().map(|&alpha| table(campaign, plan, alpha)).sum();
-    if matches!(campaign.surface.kind, SurfaceKind::Grains(_)) {
+    if campaign.surface.kind.explicit_grains().is_some() {
         return 0.5e-9 * f64::from(plan.realisations) * (tracing + NS_PER_PLACED_GRAIN * cells);
     }
     let mut patch = if random { NS_PER_MOUNTED_CELL } else { 0.0 };
@@ -176,7 +179,8 @@ pub(crate) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
 fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
     let coverage = alpha.and_then(|alpha| alpha.coverage);
     let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
-    let block = |stop: usize| match coverage {
+    let explicit = campaign.surface.kind.explicit_grains().is_some();
+    let block = |stop: usize| match coverage.filter(|_| explicit) {
         Some(coverage) => block_on_grains(campaign, plan, stop, (alpha, coverage)),
         None => block(campaign, plan, stop, alpha),
     };

@@ -74,7 +74,7 @@ fn of_rays(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, S
         "a path that goes down must hit again",
         "1 % of these rays at alpha 0.2, 10 % at alpha 0.5 and grazing light".into(),
     );
-    if !matches!(campaign.surface.kind, SurfaceKind::Grains(_)) {
+    if campaign.surface.kind.explicit_grains().is_none() {
         skip(
             "the walk of rays steeper than every slope",
             "nothing on their way rises as fast",

@@ -55,7 +55,7 @@ impl StartSampler {
         if matches!(campaign.surface.kind, SurfaceKind::Smith(_)) {
             return StartSampler::Law;
         }
-        if matches!(campaign.surface.kind, SurfaceKind::Grains(_)) {
+        if campaign.surface.kind.explicit_grains().is_some() {
             let may = campaign.trace.visibility && !apertures_only;
             let of_table = |alpha: Option<Alpha>| {
                 let pays = |stop| alpha.is_some_and(|alpha| pays_from_above(campaign, alpha, grid.wi(stop)));

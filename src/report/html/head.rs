@@ -1,7 +1,7 @@
 //! The head of the page: name, what was measured, the verdict.
 
 use super::page::Page;
-use crate::campaign::{Campaign, Optics, SurfaceKind};
+use crate::campaign::{Campaign, GrainShape, Optics, SurfaceKind};
 use crate::instrument::grid::GridKind;
 use crate::instrument::{Grid, angle_decimals};
 use crate::report::plot::escaped;
@@ -101,9 +101,11 @@ fn surface(campaign: &Campaign) -> String {
             format!("A random Blinn-Phong surface, exponent {exponent}, {cells}")
         }
         SurfaceKind::Smith(_) => format!("A statistical Smith surface{alpha}"),
-        SurfaceKind::Grains(_) => {
-            format!("Grains on a plane{alpha}, {} {patches} of about 1,000 grains", surface.realisations)
-        }
+        SurfaceKind::Grains(grains) => match grains.shape {
+            GrainShape::Grains => format!("Grains on a plane{alpha}, {} {patches}", surface.realisations),
+            GrainShape::Pits => format!("Pits in a plane{alpha}, {} {patches}", surface.realisations),
+            GrainShape::Heights => format!("Random heights with the normals of grains{alpha}, {cells}"),
+        },
         SurfaceKind::Mirror => "A flat mirror".into(),
         SurfaceKind::VGroove { slope } => format!("V-grooves along y of slope {slope}"),
         SurfaceKind::File(map) => format!("The height map {}", map.path),

@@ -14,6 +14,11 @@ pub enum SlopeLaw {
         /// gamma - 1, >= 1: the share of slopes beyond a large length r falls as r^(-2 power).
         power: f64,
     },
+    /// The slopes of half-spheres on a plane, the highest in front, and the plane's own 0.
+    Grains {
+        /// Share of the plane that is covered, in (0, 1).
+        coverage: f64,
+    },
 }
 
 impl SlopeLaw {
@@ -31,7 +36,8 @@ impl SlopeLaw {
 
     /// Probability that the slope's length is below `length` >= 0.
     ///
-    /// GGX: r^2/(1 + r^2). Beckmann: 1 - exp(-r^2). Student: 1 - (1 + r^2/power)^-power.
+    /// GGX: r^2/(1 + r^2). Beckmann: 1 - exp(-r^2). Student: 1 - (1 + r^2/power)^-power. Grains, with L =
+    /// -ln(1 - coverage): 1 + exp(-L) - exp(-L r^2/(1 + r^2)), from 1 - coverage at r = 0 on.
     // Tested by `length_law_and_quantile_are_inverse`.
     pub fn length_cdf(self, length: f64) -> f64 {
         let r2 = length * length;
@@ -39,17 +45,25 @@ impl SlopeLaw {
             SlopeLaw::Ggx => r2 / (1.0 + r2),
             SlopeLaw::Beckmann => -(-r2).exp_m1(),
             SlopeLaw::StudentT { power } => -(-power * (r2 / power).ln_1p()).exp_m1(),
+            SlopeLaw::Grains { coverage } => {
+                (1.0 - coverage) - ((-coverage).ln_1p() * r2 / (1.0 + r2)).exp_m1()
+            }
         }
     }
 
     /// Length below which the share `u` in [0, 1) of the slopes lies.
     ///
-    /// GGX: sqrt(u/(1 - u)). Beckmann: sqrt(-ln(1 - u)). Student: sqrt(power ((1 - u)^(-1/power) - 1)).
+    /// GGX: sqrt(u/(1 - u)). Beckmann: sqrt(-ln(1 - u)). Student: sqrt(power ((1 - u)^(-1/power) - 1)). Grains:
+    /// sqrt(w/(1 - w)) with w = ln(1 - (u - (1 - coverage)))/ln(1 - coverage), 0 below the plane's share.
     pub fn length_quantile(self, u: f64) -> f64 {
         match self {
             SlopeLaw::Ggx => (u / (1.0 - u)).sqrt(),
             SlopeLaw::Beckmann => (-(-u).ln_1p()).sqrt(),
             SlopeLaw::StudentT { power } => (power * (-(-u).ln_1p() / power).exp_m1()).sqrt(),
+            SlopeLaw::Grains { coverage } => {
+                let w = (-(u - (1.0 - coverage)).max(0.0)).ln_1p() / (-coverage).ln_1p();
+                (w / (1.0 - w)).sqrt()
+            }
         }
     }
 
@@ -64,6 +78,7 @@ impl SlopeLaw {
                 let power = power as f32;
                 power * (-(-u).ln_1p() / power).exp_m1()
             }
+            SlopeLaw::Grains { .. } => self.length_quantile(f64::from(u)).powi(2) as f32,
         }
     }
 }
@@ -75,8 +90,11 @@ mod tests {
     #[test]
     fn length_law_and_quantile_are_inverse() {
         let students = [SlopeLaw::student_t(2.0), SlopeLaw::student_t(3.5), SlopeLaw::blinn_phong(198.0)];
-        for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann].into_iter().chain(students) {
-            for u in [0.0, 1e-12, 0.01, 0.5, 0.9, 0.999_999] {
+        let grains = SlopeLaw::Grains { coverage: 0.99 };
+        for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann, grains].into_iter().chain(students) {
+            // Of grains, 1 % of the slopes are 0.
+            let atom = if law == grains { 0.01 } else { 0.0 };
+            for u in [0.0, 1e-12, 0.01, 0.5, 0.9, 0.999_999].map(|u: f64| u.max(atom)) {
                 // 1 - u amplifies the rounding of the quantile by at most 1/(1 - u) = 1e6.
                 let back = law.length_cdf(law.length_quantile(u));
                 let squared = f64::from(law.squared_quantile(u as f32));

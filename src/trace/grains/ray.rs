@@ -4,6 +4,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::pits;
 use crate::surface::grains::GrainField;
 use crate::trace::ray::surface_point::Outcome;
 
@@ -15,9 +16,9 @@ const MOST_CELLS: u32 = 1 << 26;
 pub struct GrainPoint {
     /// Place on the patch, radii.
     pub at: DVec2,
-    /// Height, radii.
+    /// Height, radii; of pits below 0.
     pub z: f64,
-    /// Canonical normal, a unit vector: from the grain's centre to the point, or up.
+    /// Canonical normal, a unit vector: from a grain's centre to the point, from the point to a pit's, or up.
     pub normal: DVec3,
     /// The grain; `None` on the bare plane.
     pub grain: Option<u32>,
@@ -26,8 +27,9 @@ pub struct GrainPoint {
 impl GrainPoint {
     /// The point of a grain with this canonical normal.
     pub fn on_grain(field: &GrainField, grain: u32, normal: DVec3) -> Self {
-        let at = field.on_patch(field.centres()[grain as usize] + normal.truncate());
-        GrainPoint { at, z: normal.z, normal, grain: Some(grain) }
+        let from_centre = field.up() * normal;
+        let at = field.on_patch(field.centres()[grain as usize] + from_centre.truncate());
+        GrainPoint { at, z: from_centre.z, normal, grain: Some(grain) }
     }
 
     /// A point of the bare plane.
@@ -49,6 +51,9 @@ impl GrainPoint {
 /// - Below height 1 a ray that rises may meet grains up to there; one that sinks meets the plane.
 // Tested by `hits_are_those_of_a_search_through_all_grains`, `no_ray_is_lost_in_a_seam`.
 pub fn traverse(field: &GrainField, from: &GrainPoint, d: DVec3) -> Outcome<GrainPoint> {
+    if field.up() < 0.0 {
+        return pits::traverse(field, from, d);
+    }
     let end = if d.z > 0.0 { (1.0 - from.z) / d.z } else { from.z / -d.z };
     let own_centre = from.at - from.normal.truncate();
     let (size, inverse_square) = (field.cell_side(), 1.0 / d.length_squared());

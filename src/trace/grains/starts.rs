@@ -93,7 +93,7 @@ impl RaysFromAbove<'_> {
         let mut next = even_points(rng);
         for _ in 0..count {
             let at = self.field.on_patch(next() * self.field.side());
-            let top = GrainPoint { at, z: 1.0, normal: DVec3::Z, grain: None };
+            let top = GrainPoint { z: self.field.up().max(0.0), ..GrainPoint::on_plane(at) };
             visit(traverse(self.field, &top, -self.light));
         }
     }

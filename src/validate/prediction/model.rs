@@ -83,6 +83,7 @@ impl Model {
                 if grains && campaign.trace.visibility {
                     maskings.splice(0..0, [Masking::Grains, Masking::GrainsProduct]);
                 }
+                // Among the slopes of heights is the plane's as well.
                 let mirror_base = grains && !kind.has_absorbing_base();
                 Some(Model::Microfacet { surface, maskings, mirror_base })
             }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 use gonio::rng::{Purpose, StreamId, stream, uniform};
-use gonio::surface::grains::{GrainField, usual_side};
+use gonio::surface::grains::{GrainField, PlacedGrain, usual_side};
 use gonio::trace::grains::ray::traverse;
 use gonio::trace::{GrainPoint, GrainSampler, Outcome};
 use rand_pcg::Pcg64Dxsm;
@@ -15,7 +15,7 @@ fn draws(realisation: u64) -> Pcg64Dxsm {
 }
 
 fn patch(coverage: f64, realisation: u64) -> GrainField {
-    GrainField::random(usual_side(coverage), coverage, &mut draws(realisation))
+    GrainField::random(usual_side(coverage), coverage, false, &mut draws(realisation))
 }
 
 /// A direction on the upper half of the sphere, evenly.
@@ -139,6 +139,56 @@ fn no_ray_is_lost_in_a_seam() {
         }
         assert!(bounces > u64::from(paths), "{bounces}");
     }
+}
+
+/// Whether a point of the canonical frame is air over pits: above the plane, or in the ball of a pit.
+fn is_air(field: &GrainField, at: DVec2, z: f64, slack: f64) -> bool {
+    let holds = |grain: &PlacedGrain| at.distance_squared(grain.centre) + z * z < 1.0 + slack;
+    z >= -slack || field.near(at).iter().any(holds)
+}
+
+/// All the way is air, and the end is wall: on a ball, in no other.
+#[test]
+fn rays_in_pits_end_on_their_walls() {
+    let mut rng = draws(103);
+    let (mut hits, mut escapes) = (0, 0);
+    for coverage in [0.3, 0.9, 0.99] {
+        let field = GrainField::random(usual_side(coverage), coverage, true, &mut draws(5));
+        for _ in 0..2000 {
+            let grain = (uniform(&mut rng) * field.centres().len() as f64) as u32;
+            let from = GrainPoint::on_grain(&field, grain, upwards(&mut rng));
+            let d = upwards(&mut rng);
+            let d = if uniform(&mut rng) < 0.4 { d.with_z(-d.z) } else { d };
+            if from.is_buried(&field) || from.normal.dot(d) <= 0.0 {
+                continue;
+            }
+            // How far the ray goes: to its end, or up to the plane.
+            let (end, reach) = match traverse(&field, &from, d) {
+                Outcome::Escaped => (None, -from.z / d.z),
+                Outcome::Hit(end) => {
+                    let apart = end.at - from.at;
+                    let apart = apart - field.side() * (apart / field.side()).round();
+                    (Some(end), apart.extend(end.z - from.z).length() / d.length())
+                }
+                other => panic!("{from:?} {d}: {other:?}"),
+            };
+            for k in 1..50 {
+                let t = reach * f64::from(k) / 50.0;
+                let at = field.on_patch(from.at + t * d.truncate());
+                // Places round at the size of the patch, 60 radii.
+                assert!(is_air(&field, at, from.z + t * d.z, 1e-12), "{from:?} {d}: wall at {t} of {reach}");
+            }
+            match end {
+                None => escapes += 1,
+                Some(end) => {
+                    assert!(!end.is_buried(&field) && end.z <= 0.0 && end.normal.z >= 0.0, "{end:?}");
+                    assert!(end.normal.dot(d) < 1e-9, "{end:?} is met from behind along {d}");
+                    hits += 1;
+                }
+            }
+        }
+    }
+    assert!(hits > 500 && escapes > 500, "{hits} {escapes}");
 }
 
 #[test]
