@@ -8,7 +8,7 @@ pub mod simd;
 pub mod symmetry;
 
 pub use grains::patch::TracedGrains;
-pub use grains::ray::GrainPoint;
+pub use grains::point::GrainPoint;
 pub use grains::starts::{GrainSampler, RaysFromAbove};
 pub use path::single::{Bounce, PathEnd, Traced, TracedPatch};
 pub use path::smith_walk::SmithWalk;

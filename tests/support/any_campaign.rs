@@ -62,12 +62,17 @@ fn surface() -> impl Strategy<Value = Surface> {
         let correlation_cells = shortest + share * (longest - shortest);
         Surface { realisations, cells, correlation_cells, rotation_deg, mirror_images, kind }
     });
+    let patch = (1u32..=4096, 8u32..=16384, any::<bool>());
+    let grains = (grains(), patch, rotation()).prop_map(|(kind, patch, rotation_deg)| {
+        let (realisations, cells, mirror_images) = patch;
+        Surface { realisations, cells, correlation_cells: 8.0, rotation_deg, mirror_images, kind }
+    });
     let other = (without_heights(), 1u32..=4096, rotation()).prop_map(|(kind, groups, rotation_deg)| {
         let realisations = if let SurfaceKind::File(map) = &kind { map.tiles * map.tiles } else { groups };
         let (cells, correlation_cells) = (1024, 8.0);
         Surface { realisations, cells, correlation_cells, rotation_deg, mirror_images: false, kind }
     });
-    prop_oneof![random, other]
+    prop_oneof![random, grains, other]
 }
 
 fn rotation() -> impl Strategy<Value = f64> {
@@ -80,11 +85,40 @@ fn random_heights() -> impl Strategy<Value = SurfaceKind> {
         alphas().prop_map(SurfaceKind::Ggx),
         (alphas(), spectrum).prop_map(|(alphas, spectrum)| SurfaceKind::Beckmann { alphas, spectrum }),
         (alphas(), 2.0..=100.0).prop_map(|(alphas, gamma)| SurfaceKind::StudentT { alphas, gamma }),
+        (alphas(), 1e-4..=0.999).prop_map(|(mut alphas, coverage)| {
+            alphas.iter_mut().for_each(|alpha| alpha.coverage = Some(coverage));
+            let (side, base, shape) = (None, GrainBase::Mirror, GrainShape::Heights);
+            SurfaceKind::Grains(Grains { alphas, side, base, shape })
+        }),
         (0.0f64..=20_000.0).prop_map(|exponent| {
             let alphas = vec![isotropic((2.0 / (exponent + 2.0)).sqrt())];
             SurfaceKind::BlinnPhong { exponent, alphas }
         }),
     ]
+}
+
+/// Grains or pits: several roughnesses or several coverages.
+fn grains() -> impl Strategy<Value = SurfaceKind> {
+    let coverages = btree_set(1u32..=9990, 1..5)
+        .prop_map(|all| all.into_iter().map(|c| 1e-4 * f64::from(c)).collect::<Vec<f64>>());
+    let side = proptest::option::of(8.0..=10_000.0);
+    let base = select(vec![GrainBase::Mirror, GrainBase::Absorbing]);
+    let shape = select(vec![GrainShape::Grains, GrainShape::Pits]);
+    (alphas(), coverages, any::<bool>(), side, base, shape).prop_map(
+        |(mut alphas, mut coverages, by_alpha, side, base, shape)| {
+            if by_alpha {
+                coverages.truncate(1)
+            } else {
+                alphas.truncate(1)
+            }
+            let with = |alpha: &Alpha| {
+                let of = |&coverage: &f64| Alpha { coverage: Some(coverage), ..*alpha };
+                coverages.iter().map(of).collect::<Vec<_>>()
+            };
+            let alphas = alphas.iter().flat_map(with).collect();
+            SurfaceKind::Grains(Grains { alphas, side, base, shape })
+        },
+    )
 }
 
 fn without_heights() -> impl Strategy<Value = SurfaceKind> {

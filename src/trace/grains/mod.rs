@@ -2,5 +2,6 @@
 
 pub mod patch;
 mod pits;
+pub mod point;
 pub mod ray;
 pub mod starts;

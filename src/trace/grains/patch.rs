@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::ray::{GrainPoint, traverse};
+use super::point::GrainPoint;
+use super::ray::traverse;
 use crate::surface::grains::GrainField;
 use crate::trace::path::single::Traced;
 use crate::trace::ray::surface_point::Outcome;

@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::ray::GrainPoint;
+use super::point::GrainPoint;
 use crate::surface::grains::{GrainField, PlacedGrain};
 use crate::trace::ray::surface_point::Outcome;
 

@@ -9,7 +9,8 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use rand_pcg::Pcg64Dxsm;
 
-use super::ray::{GrainPoint, traverse};
+use super::point::GrainPoint;
+use super::ray::traverse;
 use crate::rng::uniform;
 use crate::surface::grains::GrainField;
 use crate::trace::ray::surface_point::Outcome;

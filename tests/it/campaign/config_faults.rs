@@ -573,6 +573,56 @@ fn an_artists_surface_is_converted_in_one_place() {
 }
 
 #[test]
+fn grains_have_their_keys() {
+    let grains = |keys: &str| on(&format!("[surface.grains]\n{keys}\n"));
+    let good = "alpha = 0.3\ncoverage = 0.5";
+    assert!(accepted(&grains(good)).notes.is_empty());
+    let faults = [
+        ("alpha = 0.3", "[surface.grains]", "surface.grains.coverage", "required"),
+        ("coverage = 0.5", "[surface.grains]", "surface.grains.alpha", "required"),
+        ("alpha = 0.3\ncoverage = 0", "coverage = 0", "surface.grains.coverage", "must lie in [1e-4, 0.999]"),
+        ("alpha = 0.3\ncoverage = 1", "coverage = 1", "surface.grains.coverage", "must lie in [1e-4, 0.999]"),
+        (
+            "alpha = 0.3\ncoverage = [0.5, 0.2]",
+            "coverage = [0.5, 0.2]",
+            "surface.grains.coverage[1]",
+            "increase",
+        ),
+        (
+            "alpha = [0.3, 0.4]\ncoverage = [0.2, 0.5]",
+            "coverage = [0.2",
+            "surface.grains.coverage",
+            "one of them",
+        ),
+        ("alpha = 0.3\ncoverage = 0.5\nside = 3", "side = 3", "surface.grains.side", "[8, 10000]"),
+        ("alpha = 0.3\ncoverage = 0.5\nbase = \"glass\"", "base", "surface.grains.base", "absorbing"),
+        ("alpha = 0.3\ncoverage = 0.5\nshape = \"cones\"", "shape", "surface.grains.shape", "pits"),
+        (
+            "alpha = 0.3\ncoverage = 0.5\nshape = \"heights\"\nside = 9",
+            "side = 9",
+            "surface.grains.side",
+            "cells",
+        ),
+    ];
+    for (keys, at, key, says) in faults {
+        one_fault(&grains(keys), at, key, says);
+    }
+    let cells =
+        with("cells = 256\n", "").replace("[surface.ggx]\nalpha = 0.2", &format!("[surface.grains]\n{good}"));
+    one_fault(
+        &cells,
+        "correlation_cells = 8.0",
+        "surface.correlation_cells",
+        "grains have a size of their own",
+    );
+    // All light of the plane goes into one direction: between two bins, rounding says where.
+    let edge = grains(good).replace("bins = \"centred\"", "bins = \"aligned\"");
+    assert!(accepted(&edge).notes.iter().any(|note| note.contains("edge of the bins")));
+    let absorbing = edge.replace(good, &format!("{good}\nbase = \"absorbing\""));
+    assert!(accepted(&absorbing).notes.is_empty());
+}
+
+#[test]
 fn a_statistical_surface_is_checked_like_the_others() {
     let alpha = "[surface.ggx]\nalpha = 0.2\n";
     let smith = |keys: &str| with(alpha, &format!("[surface.smith]\n{keys}\n"));

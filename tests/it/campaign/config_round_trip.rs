@@ -39,6 +39,9 @@ fn the_resolved_campaign_reads_back_as_itself() {
         format!("{GOOD}\n[bench]\n"),
         on("[surface.mirror]\n"),
         on("[surface.smith]\nalpha = [0.1, 0.5]\nndf = \"beckmann\"\nheights = \"independent\"\n"),
+        on(
+            "[surface.grains]\nalpha = 0.3\ncoverage = [0.1, 0.9]\nshape = \"pits\"\nbase = \"absorbing\"\nside = 20\n",
+        ),
         averaged(on("[surface.v_groove]\nslope = 0.5\n")),
         averaged(on(FILE)),
         averaged(on("[surface.file]\npath = 'a \"quoted\" \\ näme.exr'\ndetrend = \"none\"\n")),
