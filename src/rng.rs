@@ -57,6 +57,10 @@ pub fn incidence_key(theta_i_deg: f64, phi_i_deg: f64) -> u64 {
     mix(mix((theta_i_deg + 0.0).to_bits()) ^ (phi_i_deg + 0.0).to_bits().rotate_left(1))
 }
 
+/// Steps of an additive sequence that fills the unit square evenly: the plastic number's (Roberts 2018, "The unreasonable
+/// effectiveness of quasirandom sequences").
+pub const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
+
 /// A uniform number in [0, 1) of 53 bits. Own conversion: those of `rand` may change between versions.
 pub fn uniform(rng: &mut Pcg64Dxsm) -> f64 {
     (rng.next_u64() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)

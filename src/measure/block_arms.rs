@@ -7,15 +7,13 @@ use super::plan::Plan;
 use crate::campaign::Campaign;
 use crate::instrument::direction_in_cone;
 use crate::rng;
-use crate::rng::{Purpose, StreamId};
+use crate::rng::{PLASTIC, Purpose, StreamId};
 use crate::sphere;
 use crate::trace::PatchSymmetry;
 
-/// Steps of the additive sequences that spread the blocks of a realisation: the golden ratio for the azimuth, and the
-/// plastic number's for the light's cone (Roberts 2018, "The unreasonable
-/// effectiveness of quasirandom sequences"). One hashed offset each keeps them unbiased.
+/// Step of the additive sequence that spreads the blocks of a realisation over the azimuth: the golden ratio. (Over the
+/// light's cone: the plastic number's.) One hashed offset each keeps them unbiased.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
-const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
 
 /// The arms of one block.
 #[derive(Debug, Clone, Copy)]

@@ -23,7 +23,8 @@ pub fn traverse(field: &GrainField, from: &GrainPoint, d: DVec3) -> Outcome<Grai
     if field.up() < 0.0 {
         return pits::traverse(field, from, d);
     }
-    let end = if d.z > 0.0 { (1.0 - from.z) / d.z } else { from.z / -d.z };
+    // A level ray goes on until it meets a grain.
+    let end = if d.z >= 0.0 { (1.0 - from.z) / d.z } else { from.z / -d.z };
     let own_centre = from.at - from.normal.truncate();
     let (size, inverse_square) = (field.cell_side(), 1.0 / d.length_squared());
     let mut x = CellSteps::new(from.at.x, d.x, size);
@@ -69,11 +70,8 @@ fn outcome(
     end: f64,
 ) -> Outcome<GrainPoint> {
     let Some((t, centre, grain)) = nearest else {
-        if d.z > 0.0 {
+        if d.z >= 0.0 {
             return Outcome::Escaped;
-        }
-        if !end.is_finite() {
-            return Outcome::Lost;
         }
         return Outcome::Hit(GrainPoint::on_plane(field.on_patch(from.at + end * d.truncate())));
     };

@@ -11,14 +11,11 @@ use rand_pcg::Pcg64Dxsm;
 
 use super::point::GrainPoint;
 use super::ray::traverse;
-use crate::rng::uniform;
+use crate::rng::{PLASTIC, uniform};
 use crate::surface::grains::GrainField;
 use crate::trace::ray::surface_point::Outcome;
 use crate::trace::sampling::half_sphere;
 use crate::trace::sampling::systematic_steps::SystematicSteps;
-
-/// Steps of the plastic number's additive sequence (Roberts 2018).
-const PLASTIC: DVec2 = DVec2::new(0.754_877_666_246_692_7, 0.569_840_290_998_053_3);
 
 /// The samples of a patch of grains towards one light.
 pub struct GrainSampler<'a> {
@@ -74,7 +71,7 @@ impl<'a> GrainSampler<'a> {
 fn even_points(rng: &mut Pcg64Dxsm) -> impl FnMut() -> DVec2 {
     let mut point = DVec2::new(uniform(rng), uniform(rng));
     move || {
-        point = (point + PLASTIC).fract();
+        point = (point + DVec2::from_array(PLASTIC)).fract();
         point
     }
 }

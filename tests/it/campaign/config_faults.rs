@@ -585,7 +585,7 @@ fn grains_have_their_keys() {
         (
             "alpha = 0.3\ncoverage = [0.5, 0.2]",
             "coverage = [0.5, 0.2]",
-            "surface.grains.coverage[1]",
+            "surface.grains.coverage",
             "increase",
         ),
         (
