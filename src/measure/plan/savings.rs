@@ -24,7 +24,7 @@ fn of_rays(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, S
     if !explicit {
         return;
     }
-    let (above, all) = plan.start_sampler.from_above();
+    let (above, all) = plan.start_sampler.count_from_above();
     let share =
         |some: usize| if some == all { String::new() } else { format!(", at {some} of {all} incidences") };
     if above < all || all == 0 {

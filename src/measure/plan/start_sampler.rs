@@ -89,7 +89,7 @@ impl StartSampler {
     }
 
     /// At how many incidences of all tables samples on grains come from above, and how many there are.
-    pub(crate) fn from_above(&self) -> (usize, usize) {
+    pub(crate) fn count_from_above(&self) -> (usize, usize) {
         let StartSampler::Grains { from_above } = self else { return (0, 0) };
         let all = from_above.iter().flatten();
         (all.clone().filter(|&&above| above).count(), all.count())
@@ -99,7 +99,7 @@ impl StartSampler {
     pub fn name(&self) -> &'static str {
         match self {
             StartSampler::Law => "law",
-            StartSampler::Grains { .. } => match self.from_above() {
+            StartSampler::Grains { .. } => match self.count_from_above() {
                 (0, _) => "on_grains",
                 (some, all) if some == all => "from_above",
                 _ => "on_grains_or_from_above",
