@@ -38,13 +38,11 @@ impl Truth {
     pub fn model(campaign: &Campaign, plan: &Plan) -> Result<Self> {
         let model = Model::of(campaign)
             .ok_or_else(|| Error::Usage(format!("{}: no model speaks of this surface", campaign.name)))?;
-        let wanted = expect::masking(campaign);
-        let maskings = model.maskings();
         // A surface with one masking of its own has no choice.
-        let index = maskings.iter().position(|masking| *masking == wanted).unwrap_or(0);
+        let index = model.masking_index(Some(expect::masking(campaign)));
         let means = |stop: usize| model.means(campaign, &plan.grid, stop).values.swap_remove(index);
         Ok(Truth {
-            name: format!("{} {}", model.name(), maskings[index]),
+            name: format!("{} {}", model.name(), model.maskings()[index]),
             values: (0..plan.stops).into_par_iter().map(means).collect(),
             sizes: sizes(plan),
         })

@@ -26,10 +26,9 @@ fn lobes(written: &WrittenTable) -> Vec<String> {
     let realisations = campaign.surface.realisations as usize;
     let prediction = written.prediction.as_ref();
     let scene = Scene { table: &written.table, prediction, realisations };
-    let masking = prediction.and_then(|prediction| {
-        prediction.model.maskings().iter().position(|name| *name == expect::masking(campaign))
-    });
-    let lines = lobes::lobes(&scene, masking.unwrap_or(0));
+    let wanted = Some(expect::masking(campaign));
+    let masking = prediction.map_or(0, |prediction| prediction.model.masking_index(wanted));
+    let lines = lobes::lobes(&scene, masking);
     if lines.is_empty() { lines } else { [vec![String::new()], lines].concat() }
 }
 

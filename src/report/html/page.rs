@@ -40,8 +40,6 @@ impl<'a> Page<'a> {
 
     /// Place of the masking that the surface is tested against, 0 where there is none.
     pub fn masking_index(&self) -> usize {
-        let prediction = self.scene.prediction;
-        let names = prediction.map_or(Vec::new(), |prediction| prediction.model.maskings());
-        names.iter().position(|name| Some(*name) == self.masking).unwrap_or(0)
+        self.scene.prediction.map_or(0, |prediction| prediction.model.masking_index(self.masking))
     }
 }

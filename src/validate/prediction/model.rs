@@ -106,6 +106,11 @@ impl Model {
         }
     }
 
+    /// The place of the masking of this name, 0 where there is none.
+    pub fn masking_index(&self, wanted: Option<&str>) -> usize {
+        self.maskings().iter().position(|name| Some(*name) == wanted).unwrap_or(0)
+    }
+
     /// What Smith's model says of the light: its masking G1, the same for every facet that is turned to it, and the
     /// slope along its azimuth from which on facets are turned away, units of alpha (infinite along the normal).
     ///
