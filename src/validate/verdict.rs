@@ -12,9 +12,10 @@ use super::pairs::PairValues;
 use super::parts::Parts;
 use super::prediction::model::{Model, StopMeans};
 use super::seen::SeenLight;
-use crate::campaign::Campaign;
+use crate::campaign::{Campaign, GrainShape};
 use crate::error::Result;
 use crate::instrument::{Grid, GridKind, folded_stops};
+use crate::surface::grains::{density, usual_side};
 use crate::table::{BrdfTable, Realisations, TableRows};
 
 /// Why a table of random heights without shadowing and masking misses its bar, and where to look.
@@ -225,9 +226,15 @@ impl Examination {
     }
 }
 
-/// Squares of the correlation length in a patch of random heights; `None` where every start meets its own facet.
+/// Squares of the correlation length in a patch of random heights, pits in one of those; `None` where every start meets its
+/// own facet, and on grains, whose law is exact.
 fn independent_facets(campaign: &Campaign) -> Option<f64> {
     let surface = &campaign.surface;
+    if let Some(pits) = surface.kind.explicit_grains().filter(|grains| grains.shape == GrainShape::Pits) {
+        let coverage = pits.alphas[0].coverage?;
+        let side = pits.side.unwrap_or_else(|| usual_side(coverage));
+        return Some(density(coverage) * side * side);
+    }
     let along = f64::from(surface.cells) / surface.correlation_cells;
     surface.kind.is_random_heights().then_some(along * along)
 }
