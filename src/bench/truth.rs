@@ -11,7 +11,7 @@ use crate::validate::expect;
 use crate::validate::prediction::model::Model;
 
 /// The error measure by its name in tables, JSON and plot.
-pub const ERROR_MEASURE: &str = "flux-weighted L1 of order 1, mean over stops";
+pub const ERROR_MEASURE: &str = "flux-weighted L1 of order 1, mean over incidences";
 
 /// The kinds of truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

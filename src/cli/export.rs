@@ -133,7 +133,7 @@ fn lines(format: Format, output: &Path, export: &Export) -> Vec<String> {
     lines.extend(export.read_back.as_ref().filter(|back| back.worst > 0.0).map(|back| {
         let ((theta_i, phi_i), (theta_r, phi_r)) = (back.worst_stop_deg, back.worst_bin_deg);
         format!(
-            "worst bin   {:.3e} of its stop's peak, light {theta_i:.2} {phi_i:.2}, sensor {theta_r:.2} {phi_r:.2}",
+            "worst bin   {:.3e} of its incidence's peak, light {theta_i:.2} {phi_i:.2}, sensor {theta_r:.2} {phi_r:.2}",
             back.worst
         )
     }));
@@ -145,7 +145,7 @@ fn lines(format: Format, output: &Path, export: &Export) -> Vec<String> {
 fn albedo(curve: &AlbedoCurve) -> String {
     let at = &curve.points[curve.worst_point];
     let mut text = format!(
-        "within {:.2} % of the table's, at the stops and between them (worst: light {:.2} {:.2}); ",
+        "within {:.2} % of the table's, at the incidences and between them (worst: light {:.2} {:.2}); ",
         100.0 * curve.worst,
         at.theta_i_deg,
         at.phi_i_deg

@@ -97,7 +97,8 @@ fn lines(fits: &Fits) -> Vec<String> {
     let (first, whole) =
         (fits.fits.iter().map(|fit| fit.stops).min(), fits.fits.iter().map(|fit| fit.stops).max());
     if let Some((first, whole)) = first.zip(whole).filter(|(first, whole)| first < whole) {
-        let fitted = format!("models far behind were fitted to {first} of {whole} stops; their l1 is of all");
+        let fitted =
+            format!("models far behind were fitted to {first} of {whole} incidences; their l1 is of all");
         lines.extend(wrapped("", &fitted));
     }
     if fits.fits.iter().any(|fit| fit.anisotropic && fit.masking == Some("direction_correlated")) {

@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     {
         return Err(Error::format(
             path,
-            "has half/difference angles; --like needs a table of stops and bins",
+            "has half/difference angles; --like needs a table of incidences and bins",
         ));
     }
     let (table, notes) = interchange::import(&arguments.file, format, &options, grid)?;
@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     } else {
         let kind = kind.as_str().unwrap_or_default();
         let text = format!(
-            "{} ({kind}): {stops} stops of {bins} bins, {colours} colour{}; no error bars unless the file has them",
+            "{} ({kind}): {stops} incidences of {bins} bins, {colours} colour{}; no error bars unless the file has them",
             arguments.output.display(),
             if colours == 1 { "" } else { "s" },
         );

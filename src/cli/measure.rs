@@ -97,7 +97,7 @@ fn print_shard(file: &Path, (measured, stops): (usize, usize), cost: &Cost, out:
     let size = file.metadata().map_or(0, |meta| meta.len());
     let file = format!("{} ({})", file.display(), bytes(size));
     out.line(format_args!(
-        "{:<14}{file}: {measured} of {stops} stops; gonio merge puts all together",
+        "{:<14}{file}: {measured} of {stops} incidences; gonio merge puts all together",
         "shard"
     ))?;
     out.lines(cost_lines(cost))

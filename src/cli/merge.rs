@@ -21,7 +21,7 @@ use crate::table::realisations;
 #[derive(Args)]
 #[command(
     after_help = "Writes what `gonio measure` writes without --shard. With --partial what is there is merged: tables\n\
-    <name>_partial with the stops of these shards alone, each with all its samples and errors.\n\n\
+    <name>_partial with the incidences of these shards alone, each with all its samples and errors.\n\n\
     Example: gonio merge out/night -o out/night"
 )]
 pub struct Arguments {
@@ -66,7 +66,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if !missing.is_empty() {
         let there = merge.stops().len();
         let missing = names(&missing);
-        warn(format_args!("{there} of {stops} stops: {missing} missing; no other stop is in the tables"));
+        warn(format_args!(
+            "{there} of {stops} incidences: {missing} missing; no other incidence is in the tables"
+        ));
         campaign.name = format!("{}_partial", campaign.name);
     }
     let (folder, _claim) = paths::open_folder(arguments.output.as_deref(), &campaign)?;
@@ -96,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 /// The shards that are missing, which must be allowed.
 fn missing(shards: &Shards, stops: usize, partial: bool) -> Result<Vec<Part>> {
     if shards.of() as usize > stops {
-        let what = format!("is one of {} shards, the campaign has {stops} stops", shards.of());
+        let what = format!("is one of {} shards, the campaign has {stops} incidences", shards.of());
         return Err(Error::format(shards.path(), what));
     }
     let missing = shards.missing();

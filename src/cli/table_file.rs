@@ -21,7 +21,7 @@ pub fn arms(path: &Path, table: BrdfTable, grid: Option<&Grid>) -> Result<BrdfTa
     if let Some(arms) = &arms {
         say(format_args!(
             "note: {} has half/difference angles, in which a pair and its exchange are one value (reciprocal as it \
-             stands); taken as means over {} stops of {} bins",
+             stands); taken as means over {} incidences of {} bins",
             path.display(),
             arms.grid.stops(),
             arms.grid.bins()
@@ -71,7 +71,7 @@ pub fn open(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<Opened> {
 /// The refusal of a table that a verb needs whole.
 pub fn too_large(rows: &TableRows) -> Error {
     Error::Refused(format!(
-        "{}: {} stops of {} bins take {} MiB of memory, {} MiB may be used; validate, report, compare and export \
+        "{}: {} incidences of {} bins take {} MiB of memory, {} MiB may be used; validate, report, compare and export \
          --to npy or csv take it by rows",
         rows.path().display(),
         rows.grid().stops(),

@@ -224,7 +224,7 @@ impl Tables {
                 let StopProgress { blocks, by, .. } = theirs.stops[stop];
                 let ended = by.is_some() && theirs.sums.iter().all(|sums| sums[stop].done.count() == blocks);
                 if !ended || blocks == 0 || mine.sums.len() != theirs.sums.len() {
-                    return Err(format!("stop {stop} is not measured to its end"));
+                    return Err(format!("incidence {stop} is not measured to its end"));
                 }
                 for (mine, theirs) in mine.sums.iter_mut().zip(&mut theirs.sums) {
                     mine[place] = std::mem::take(&mut theirs[stop]);

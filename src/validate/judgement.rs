@@ -118,12 +118,12 @@ pub(super) fn light(seen: &SeenLight) -> Judgement {
         return Judgement { figure, limit, ..Judgement::not_judged(law, reason) };
     }
     if seen.dark > 0 {
-        let reason = format!("at {} of {count} stops no light arrived in any bin", seen.dark);
+        let reason = format!("at {} of {count} incidences no light arrived in any bin", seen.dark);
         return Judgement { figure: Some(seen.dark as f64), ..Judgement::not_judged(law, reason) };
     }
     Judgement {
         ruling: Ruling::Passed,
-        ..Judgement::not_judged(law, format!("arrived at all {count} stops"))
+        ..Judgement::not_judged(law, format!("arrived at all {count} incidences"))
     }
 }
 
@@ -132,7 +132,7 @@ pub(super) fn energy(energy: &Energy) -> Judgement {
     if let Some(why) = &energy.skipped {
         return Judgement::not_judged(ENERGY, why.clone());
     }
-    let Some(albedo) = energy.largest_albedo else { return Judgement::not_judged(ENERGY, "no stops") };
+    let Some(albedo) = energy.largest_albedo else { return Judgement::not_judged(ENERGY, "no incidences") };
     if albedo == 0.0 {
         return Judgement::not_judged(ENERGY, "no light was seen");
     }
@@ -143,7 +143,7 @@ pub(super) fn energy(energy: &Energy) -> Judgement {
     };
     let violations = match energy.violations {
         0 => String::new(),
-        count => format!("; above it at {count} stops and colours"),
+        count => format!("; above it at {count} incidences and colours"),
     };
     Judgement {
         law: ENERGY.into(),

@@ -338,7 +338,7 @@ fn an_imported_table_is_held_to_the_laws() {
     let words = ["import", "t.csv", "--from", "csv", "-o", "t.exr"];
     let imported = gonio(here.path(), &words);
     exits(&imported, 0);
-    assert!(stdout(&imported).contains("2 stops of 2 bins"), "{}", stdout(&imported));
+    assert!(stdout(&imported).contains("2 incidences of 2 bins"), "{}", stdout(&imported));
     let again = gonio(here.path(), &words);
     exits(&again, 3);
     assert!(stderr(&again).contains("--force"), "{}", stderr(&again));

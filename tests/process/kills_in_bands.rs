@@ -112,7 +112,7 @@ fn the_first_signal_says_how_to_go_on_and_the_bands_stay_as_they_were() {
     // Less memory than a band needs.
     let refused = exits(&run(folder.path(), &["--resume", "--threads", "2", "--memory-mb", &mb_of(8)]), 4);
     assert!(
-        refused.contains("stops, as it began, which needs about ") && refused.contains("MiB"),
+        refused.contains("incidences, as it began, which needs about ") && refused.contains("MiB"),
         "{refused}"
     );
     assert_eq!(errors(&refused), 1, "{refused}");
@@ -129,7 +129,7 @@ fn a_run_of_all_stops_is_not_gone_on_with_in_bands() {
     let output = ended_by(folder.path(), &["--threads", "2"], Signal::INT, ".checkpoint_", 1);
     exits(&output, 130);
     let refused = exits(&run(folder.path(), &with(&["--resume"])), 4);
-    assert!(refused.contains("is resumed with all stops at once, as it began"), "{refused}");
+    assert!(refused.contains("is resumed with all incidences at once, as it began"), "{refused}");
     assert_eq!(errors(&refused), 1, "{refused}");
     assert!(checkpoint.exists());
     exits(&run(folder.path(), &["--resume"]), 0);

@@ -215,7 +215,7 @@ fn what_is_there_can_be_merged_and_says_what_is_missing() {
         fs::remove_file(shard(folder.path(), number, 5)).expect("there");
     }
     let said = exits(&gonio(folder.path(), &["merge", "shards", "-o", "out", "--partial"]), 0);
-    assert!(said.contains("6 of 10 stops: 2/5, 5/5 are missing"), "{said}");
+    assert!(said.contains("6 of 10 incidences: 2/5, 5/5 are missing"), "{said}");
     let load = |name: &str| store::load(&folder.path().join("out").join(name)).expect("a table").table;
     let (part, whole) = (load("dealt_partial_alpha_0.3.exr"), load("dealt_alpha_0.3.exr"));
     let bins = whole.grid.bins();
@@ -254,7 +254,7 @@ fn a_killed_shard_goes_on_and_a_wrong_dealing_is_refused() {
         exits(&gonio(folder.path(), &["merge", from, "-o", to, "--partial"]), 0);
     }
     assert_eq!(digests(&folder.path().join("a")), digests(&folder.path().join("b")));
-    for (shard, said) in [("2/11", "10 stops"), ("0/3", "K/N"), ("4/3", "K/N")] {
+    for (shard, said) in [("2/11", "10 incidences"), ("0/3", "K/N"), ("4/3", "K/N")] {
         let wrong = gonio(folder.path(), &["measure", "dealt.toml", "-o", "none", "--shard", shard]);
         assert!(exits(&wrong, 2).contains(said), "{shard}");
     }

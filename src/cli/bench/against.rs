@@ -30,11 +30,11 @@ pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -
     let [plan, _] = &plans;
     let samples = grouped(plan.samples);
     out.line(format_args!(
-        "{}: as planned and by `{other}`, {replicates} runs each of {samples} starts per stop and patch,",
+        "{}: as planned and by `{other}`, {replicates} runs each of {samples} starts per incidence and patch,",
         campaign.name
     ))?;
     out.line(format_args!(
-        "over the same {} patches, azimuths and bins; medians over the bins above 1 % of their stop's peak",
+        "over the same {} patches, azimuths and bins; medians over the bins above 1 % of their incidence's peak",
         plan.realisations
     ))?;
     out.line("noise: relative standard error of a run that more starts take down; error: the patches' too")?;
@@ -106,7 +106,7 @@ pub fn sizes(campaign: &Campaign, sides: &[u32], json: bool) -> Result<u8> {
         out.json(&answer)?;
         return Ok(0);
     }
-    say("one start for each cell and stop; processor time; bytes for each cell of the patch");
+    say("one start for each cell and incidence; processor time; bytes for each cell of the patch");
     out.lines(patch_lines(&found))?;
     out.line("")?;
     out.lines(scale_lines(&found))?;

@@ -288,7 +288,9 @@ fn lines(bench: &Bench, replicates: u32) -> Vec<String> {
         lines.extend(columns(&HEADINGS, &ladder.rows.iter().map(cells).collect::<Vec<_>>()));
         // Fewer starts on heights are an uneven choice of facets: the last row says what is left of that.
         if let Some(most) = ladder.rows.last().and_then(|row| row.closure) {
-            lines.push(format!("orders + cut: within {most:.1e} of 1 in the last row (every stop and run)"));
+            lines.push(format!(
+                "orders + cut: within {most:.1e} of 1 in the last row (every incidence and run)"
+            ));
         }
         lines.push(match &ladder.fit {
             None => "no fit: an error is 0".into(),

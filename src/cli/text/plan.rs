@@ -21,21 +21,21 @@ pub fn facts(campaign: &Campaign, plan: &Plan, disk: Disk) -> Vec<String> {
     };
     let sight = if trace.visibility { "shadowing and masking" } else { "no shadowing or masking" };
     let samples = format!(
-        "{} for each stop and realisation ({} blocks), {} in all",
+        "{} for each incidence and realisation ({} blocks), {} in all",
         grouped(plan.samples),
         grouped(plan.blocks),
         grouped(plan.total_samples)
     );
     let bands = match plan.bands().len() {
         1 => String::new(),
-        bands => format!(", in {bands} bands of up to {} stops", plan.band_stops),
+        bands => format!(", in {bands} bands of up to {} incidences", plan.band_stops),
     };
     let facts = [
         ("campaign", format!("{}, seed {}", campaign.name, campaign.seed)),
         ("surface", surface(campaign)),
         ("optics", campaign.optics.described()),
         ("trace", format!("{orders}; {sight}")),
-        ("stops", stops(campaign, plan)),
+        ("incidences", stops(campaign, plan)),
         ("bins", format!("{} at each stop: {}", grouped(plan.bins as u64), sensor(campaign))),
         ("tables", plan.tables.to_string()),
         ("realisations", plan.realisations.to_string()),
@@ -74,7 +74,7 @@ pub fn aperture(bias: &ApertureBias) -> Vec<String> {
     let angle = |angle: f64| (angle * 1e4).round() / 1e4;
     let text = format!(
         "{} on the value at theta_i {}, theta_r {}, phi_r {} from the light (model: mean over the cones against the \
-         value at their axes; the largest of {} stops); with half the apertures {}, extrapolated from both {}",
+         value at their axes; the largest of {} incidences); with half the apertures {}, extrapolated from both {}",
         percent(bias.bias),
         bias.theta_i_deg,
         angle(bias.theta_r_deg),

@@ -10,7 +10,7 @@ use crate::validate::expect;
 use crate::validate::prediction::model::Model;
 
 /// What is in the column `discrepancy`, and in `error` of the JSON rows.
-const MEASURE: &str = "l1_model: flux-weighted L1 of order 1, noise taken off, mean over stops";
+const MEASURE: &str = "l1_model: flux-weighted L1 of order 1, noise taken off, mean over incidences";
 
 fn truth(campaign: &Campaign) -> String {
     let law = Model::of(campaign).map_or("model", |model| model.name());

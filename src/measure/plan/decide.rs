@@ -70,8 +70,11 @@ pub fn resumed(campaign: &Campaign, band_stops: Option<u64>, limit: u64) -> Resu
         in_bands(&mut plan, &memory, stops);
     }
     if plan.memory_bytes > limit {
-        let at_a_time =
-            if stops < plan.stops { format!("bands of {stops} stops") } else { "all stops at once".into() };
+        let at_a_time = if stops < plan.stops {
+            format!("bands of {stops} incidences")
+        } else {
+            "all incidences at once".into()
+        };
         return Err(Error::Refused(format!(
             "{}: is resumed with {at_a_time}, as it began, which needs about {} MiB of memory, {} MiB may be used; \
              --memory-mb allows more, --force starts again in bands that fit",
@@ -96,7 +99,7 @@ pub(crate) fn merged(campaign: &Campaign, mut plan: Plan, largest: u128, limit: 
     if takes(1) > u128::from(limit) || plan.stops == 0 {
         return Err(Error::Refused(format!(
             "{}: one stop and the largest shard need about {} MiB of memory, {} MiB may be used; --memory-mb allows \
-             more, shards of fewer stops need less",
+             more, shards of fewer incidences need less",
             campaign.name,
             takes(1).div_ceil(1 << 20),
             limit >> 20
@@ -209,7 +212,7 @@ impl Plan {
 fn checked(campaign: &Campaign, plan: Plan, limit: u64) -> Result<Plan> {
     if plan.memory_bytes > limit {
         return Err(Error::Refused(format!(
-            "{}: needs about {} MiB of memory, {} MiB may be used; take fewer stops, bins, realisations or cells",
+            "{}: needs about {} MiB of memory, {} MiB may be used; take fewer incidences, bins, realisations or cells",
             campaign.name,
             plan.memory_bytes >> 20,
             limit >> 20
@@ -218,7 +221,7 @@ fn checked(campaign: &Campaign, plan: Plan, limit: u64) -> Result<Plan> {
     flux_fits(campaign, &plan)?;
     if plan.estimated_s > LONGEST_S {
         return Err(Error::Refused(format!(
-            "{}: would take about {:.0} days on two cores, {:.0} are allowed; take fewer samples, stops or realisations",
+            "{}: would take about {:.0} days on two cores, {:.0} are allowed; take fewer samples, incidences or realisations",
             campaign.name,
             plan.estimated_s / 86_400.0,
             LONGEST_S / 86_400.0
@@ -267,7 +270,7 @@ fn may_be_dealt(campaign: &Campaign, grid: &Grid, shard: Part) -> Result<()> {
     if shard.of as usize > grid.stops() {
         let most = grid.stops();
         return Err(Error::Usage(format!(
-            "--shard {shard}: {} has {most} stops, and no more shards",
+            "--shard {shard}: {} has {most} incidences, and no more shards",
             campaign.name
         )));
     }

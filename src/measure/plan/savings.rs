@@ -115,14 +115,14 @@ fn of_samples(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str
     }
     if plan.stops > 1 && campaign.surface.kind.has_random_patches() {
         skip(
-            "synthesis for further stops",
-            "all stops see the same patches",
+            "synthesis for further incidences",
+            "all incidences see the same patches",
             format!("{} of {} patches", plan.stops - 1, plan.stops),
         );
     }
     if plan.averages_azimuth {
         skip(
-            "stops at further azimuths",
+            "incidences at further azimuths",
             "the table is averaged over the light's azimuth: one for every block",
             "a dimension of the table; 4 to 8 times the noise of starts at one azimuth".into(),
         );
@@ -132,7 +132,7 @@ fn of_samples(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str
         skip(
             "half of the directions",
             "the law is its own mirror image: each arrival counts on both sides",
-            format!("half of the samples at {folded} of {} stops", plan.stops),
+            format!("half of the samples at {folded} of {} incidences", plan.stops),
         );
     }
     if plan.images > 1 {

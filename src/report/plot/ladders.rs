@@ -79,7 +79,7 @@ pub fn together(benches: &[BenchAnswer]) -> String {
     series.insert(0, Series::new("1/√N", curve(samples[0], samples[1], fall), guide));
     let chart = Chart {
         title: "Distance from the formula".into(),
-        x: ChartAxis::decades("samples of one stop, N", samples),
+        x: ChartAxis::decades("samples of one incidence, N", samples),
         y: ChartAxis::decades("flux-weighted L1 of order 1", errors),
         series,
     };
@@ -134,7 +134,7 @@ fn chart(ladder: &FittedLadder, rows: &[MeasuredRung]) -> Option<Chart> {
     };
     Some(Chart {
         title: format!("Error: {what}{slope}"),
-        x: ChartAxis::decades("samples of one stop, N", [first[0], last[0]]),
+        x: ChartAxis::decades("samples of one incidence, N", [first[0], last[0]]),
         y: ChartAxis::decades("flux-weighted L1 of order 1", errors),
         series,
     })

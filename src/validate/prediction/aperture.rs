@@ -206,7 +206,7 @@ fn fits(wide: &ComparedTable, narrow: &ComparedTable) -> Result<(), String> {
         return Err("its colours are not those of the other table".into());
     }
     if (Grid { aperture_deg: w.aperture_deg, ..n.clone() }) != *w {
-        return Err("gonio.grid: stops or positions differ from the other table's".into());
+        return Err("gonio.grid: incidences or positions differ from the other table's".into());
     }
     let light = |side: &ComparedTable| side.campaign.map_or(0.0, |campaign| campaign.light.aperture_deg);
     for (what, wide, narrow) in

@@ -80,7 +80,7 @@ impl Counted {
             }
             "half of the directions" => {
                 let folded = plan.folded.iter().filter(|&&folded| folded).count();
-                assert!(saves.contains(&format!("{folded} of {} stops", plan.stops)), "{saves}");
+                assert!(saves.contains(&format!("{folded} of {} incidences", plan.stops)), "{saves}");
                 let hits = |stop: usize| -> u64 {
                     table.table.hits[stop * plan.bins..][..plan.bins]
                         .iter()
@@ -104,8 +104,8 @@ impl Counted {
             // Nothing that rays are counted of.
             "the walk of rays steeper than every slope"
             | "samples that fall together by chance"
-            | "synthesis for further stops"
-            | "stops at further azimuths"
+            | "synthesis for further incidences"
+            | "incidences at further azimuths"
             | "throughput" => {}
             other => panic!("a saving that no count stands against: {other}"),
         }

@@ -191,7 +191,7 @@ fn csv_files() -> Vec<Row> {
         |text: String, says: &'static str| row("CSV damaged", text).exits(3, &["error: x.csv: csv: ", says]);
     let value = |text: &str| good.replacen(",0.3,", &format!(",{text},"), 1);
     vec![
-        row("CSV damaged", good.clone()).exits(0, &["2 stops of 2 bins"]),
+        row("CSV damaged", good.clone()).exits(0, &["2 incidences of 2 bins"]),
         wrong(good.replace("theta_i_deg", "theta"), "no column `theta_i_deg`"),
         wrong(good.replacen("\n0,", "\n0,0,", 1), "line 2"),
         wrong(value("nan"), "line 2"),
@@ -200,9 +200,9 @@ fn csv_files() -> Vec<Row> {
         wrong(value("1e39"), "line 2"),
         wrong(value("0,3"), "line 2"),
         // What spreadsheets write is the same table.
-        row("CSV damaged", good.replace('\n', "\r\n")).exits(0, &["2 stops of 2 bins"]),
-        row("CSV damaged", value("\"0.3\"")).exits(0, &["2 stops of 2 bins"]),
+        row("CSV damaged", good.replace('\n', "\r\n")).exits(0, &["2 incidences of 2 bins"]),
+        row("CSV damaged", value("\"0.3\"")).exits(0, &["2 incidences of 2 bins"]),
         row("value beyond the format", value("3.5e38")).exits(3, &["error: x.csv: csv: ", "line 2"]),
-        row("value below normal", value("1e-42")).exits(0, &["2 stops of 2 bins"]),
+        row("value below normal", value("1e-42")).exits(0, &["2 incidences of 2 bins"]),
     ]
 }
