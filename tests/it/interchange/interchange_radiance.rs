@@ -67,18 +67,17 @@ fn klems_patches_come_back() {
 #[test]
 fn tensor_trees_of_both_ranks_are_within_three_hundredths() {
     let light: Vec<(f64, f64)> = [5.0, 20.0, 40.0, 60.0].map(|t| (t, 3.0 * t)).to_vec();
-    let isotropic = Lookup::new(&table(&Ggx::new(0.4, 0.4), &hemisphere(steps(5.0, 18), None, 60, 90)));
+    let isotropic = Lookup::new(&table(&Ggx::new(0.3, 0.3), &hemisphere(steps(5.0, 18), None, 90, 120)));
     let text = tensor_tree::write(&isotropic.expect("a product"));
     assert!(text.contains("<IncidentDataStructure>TensorTree3<"));
     let found = tensor_tree::read(text.as_bytes()).expect("readable");
-    let off = l1(&found, &Ggx::new(0.4, 0.4), &light, 80.0);
+    let off = l1(&found, &Ggx::new(0.3, 0.3), &light, 80.0);
     assert!(off <= 0.03, "rank 3: {off}");
-    // Divided until the cells' steps are small: of a rougher lobe there are fewer.
-    let grid = hemisphere(steps(10.0, 9), Some(steps(30.0, 12)), 30, 48);
-    let text = tensor_tree::write(&Lookup::new(&table(&Ggx::new(0.6, 0.9), &grid)).expect("a product"));
+    let grid = hemisphere(steps(10.0, 9), Some(steps(15.0, 24)), 30, 48);
+    let text = tensor_tree::write(&Lookup::new(&table(&Ggx::new(0.4, 0.7), &grid)).expect("a product"));
     assert!(text.contains("<IncidentDataStructure>TensorTree4<"));
     let found = tensor_tree::read(text.as_bytes()).expect("readable");
-    let off = l1(&found, &Ggx::new(0.6, 0.9), &light, 80.0);
+    let off = l1(&found, &Ggx::new(0.4, 0.7), &light, 80.0);
     assert!(off <= 0.03, "rank 4: {off}");
 }
 
