@@ -129,7 +129,7 @@ impl PairValues {
     /// - both hold 4 independent facets in each realisation (share of the stop's arrivals times the squares of the
     ///   correlation length in a patch) and 64 arrivals, or values are far from normal;
     /// - every masking of the model corrects by less than 25 %, or the table's own discrepancy would be tested.
-    // Tested by `binned_reciprocity_raises_no_false_alarm_over_sixty_seeds`,
+    // Tested by `binned_reciprocity_raises_no_false_alarm`,
     // `a_stop_that_is_scaled_or_exchanged_is_seen_in_binned_reciprocity`.
     pub fn is_judged(&self, pair: usize) -> bool {
         let realisations = self.parts.len() as f64;

@@ -8,7 +8,8 @@
  *                 that follows FAILING_LAST
  * FAILING_CALL    counted are calls of this name alone
  * FAILING_NAME    and on files whose path has this in it
- * FAILING_LOG     gets a line for every call that failed or waits: its name, and the file
+ * FAILING_LOG     gets a line for every call that failed or waits, and with FAILING_LISTS for every call that is counted:
+ *                 its name, and the file
  *
  * Counted are opening for writing, write, writev, pwrite, fsync, fdatasync, ftruncate, rename and unlink. Where several
  * fail, unlink works: it needs no room.
@@ -63,6 +64,7 @@ static int fails_at(const char *call, const char *path) {
     if ((name && strcmp(call, name)) || (part && !strstr(path, part))) return 0;
     long call_number = 1 + atomic_fetch_add(&calls, 1);
     if (getenv("FAILING_SIGNAL") && call_number == (last < first ? first : last + 1)) signal_is_due = 1;
+    if (getenv("FAILING_LISTS")) note(call, path);
     if (call_number < first || call_number > last || (removes && last > first)) return 0;
     note(call, path);
     errno = ENOSPC;
@@ -149,15 +151,14 @@ ssize_t pwrite64(int file, const void *bytes, size_t count, off64_t at) {
     return fails_on("pwrite", file) ? -1 : after(next(file, bytes, count, at));
 }
 
+/* Flushing goes no further: what a process has written stays when it ends, however it ends, and disks are slow. */
 int fsync(int file) {
-    NEXT(int, "fsync", int);
     waits(file);
-    return fails_on("fsync", file) ? -1 : after(next(file));
+    return fails_on("fsync", file) ? -1 : (int)after(0);
 }
 
 int fdatasync(int file) {
-    NEXT(int, "fdatasync", int);
-    return fails_on("fdatasync", file) ? -1 : after(next(file));
+    return fails_on("fdatasync", file) ? -1 : (int)after(0);
 }
 
 int ftruncate64(int file, off64_t length) {

@@ -171,7 +171,7 @@ fn more_samples_give_the_bytes_of_a_fresh_run() {
     // More realisations; and more samples where errors are looked at after 1, 2, 4, ... blocks, the third being the last
     // of the shorter run alone. What ends it before its time decides how much of it there is.
     let rule = "relative_error = 1e-4";
-    let wide = |text: String| text.replace("cells = 64", "cells = 512");
+    let wide = |text: String| text.replace("cells = 64", "cells = 256");
     let of = [
         (small(65_536, 3, ""), small(LONG, 4, "")),
         (wide(small(150_000, 3, rule)), wide(small(5 * 65_536, 3, rule))),

@@ -13,11 +13,11 @@ use rustix::process::Signal;
 use crate::support::ended::{self, Whole, digests, ended_by, run, uninterrupted};
 use crate::support::program::{exits, folder};
 
-/// Two roughnesses, two orders, colours, eight stops at two azimuths; some seconds for all of them.
+/// Two roughnesses, two orders, colours, eight stops at two azimuths; a second or two for all of them.
 fn small(samples: u64) -> String {
     format!(
         "name = \"small\"\nseed = 5\n\
-         [surface]\nrealisations = 3\ncells = 64\ncorrelation_cells = 4.0\n\
+         [surface]\nrealisations = 2\ncells = 64\ncorrelation_cells = 4.0\n\
          [surface.ggx]\nalpha = [0.3, 0.5]\n\
          [light]\ntheta_i_deg = [0, 20, 40, 60]\nazimuth = \"absolute\"\nphi_i_deg = [0, 50]\n\
          [sensor.hemisphere]\ntheta_r_bins = 18\nphi_r_bins = 36\n\

@@ -63,6 +63,14 @@ impl Failing {
         (output, self.failed())
     }
 
+    /// Every call on files below a folder that `command` makes where none fails.
+    pub fn calls(&self, command: Command, below: &Path) -> Vec<String> {
+        fs::remove_file(self.log()).ok();
+        let output = self.preloaded(command, below).env("FAILING_LISTS", "1").output().expect("runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        self.failed()
+    }
+
     /// `command`, whose `fsync` of files below a folder waits while the file `flag` is there.
     pub fn waiting_while(&self, command: Command, below: &Path, flag: &Path) -> Command {
         let mut command = self.preloaded(command, below);

@@ -31,11 +31,22 @@ pub fn measured_with(text: &str, change: impl FnOnce(&mut Plan)) -> Measured {
 pub fn measured_as(text: &str, other: impl FnOnce(&Plan, &Campaign) -> Option<Plan>) -> Measured {
     let parsed =
         campaign::parse(text, "c.toml", Path::new("")).unwrap_or_else(|e| panic!("refused: {e}\n{text}"));
+    let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
+    measured_on(&patches, text, other)
+}
+
+/// The same on patches that are at hand.
+pub fn measured_on(
+    patches: &Patches,
+    text: &str,
+    other: impl FnOnce(&Plan, &Campaign) -> Option<Plan>,
+) -> Measured {
+    let parsed =
+        campaign::parse(text, "c.toml", Path::new("")).unwrap_or_else(|e| panic!("refused: {e}\n{text}"));
     let plan = measure::plan(&parsed.campaign).expect("it fits the memory");
     let plan = other(&plan, &parsed.campaign).expect("another plan");
-    let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
     let (mut tables, _) =
-        measure::measure(&parsed.campaign, &plan, &patches, &|_| ()).expect("no ray is lost");
+        measure::measure(&parsed.campaign, &plan, patches, &|_| ()).expect("no ray is lost");
     tables.pop().expect("one table")
 }
 

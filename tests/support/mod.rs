@@ -11,6 +11,7 @@ pub mod campaign_text;
 pub mod ended;
 pub mod exact_rays;
 pub mod failing;
+pub mod long;
 pub mod measuring;
 pub mod mutations;
 pub mod outputs;

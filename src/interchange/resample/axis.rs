@@ -28,10 +28,16 @@ impl Taps {
     fn of(nodes: &[(f64, usize, bool)], x: f64) -> Self {
         let mut taps = [Tap { node: 0, weight: 0.0, reflected: false }; 4];
         for (k, &(xk, node, reflected)) in nodes.iter().enumerate() {
-            // Lagrange's polynomial through up to four nodes.
-            let others = nodes.iter().enumerate().filter(|(j, _)| *j != k);
-            let weight = others.map(|(_, &(xj, ..))| (x - xj) / (xk - xj)).product();
-            taps[k] = Tap { node, weight, reflected };
+            // Lagrange's polynomial through up to four nodes. Divisions cost more than all else here: one for each; at
+            // the node itself both products are the same number.
+            let (mut above, mut below) = (1.0, 1.0);
+            for (j, &(xj, ..)) in nodes.iter().enumerate() {
+                if j != k {
+                    above *= x - xj;
+                    below *= xk - xj;
+                }
+            }
+            taps[k] = Tap { node, weight: above / below, reflected };
         }
         Taps { taps, count: nodes.len() }
     }
@@ -69,7 +75,7 @@ impl Polar {
         let nodes = &self.extended;
         let count = count.min(nodes.len());
         let x = x.clamp(nodes[0].0, nodes[nodes.len() - 1].0);
-        let above = nodes.partition_point(|node| node.0 <= x);
+        let above = at_most(nodes, |node| node.0, x);
         let start = above.saturating_sub(count / 2 + count % 2).min(nodes.len() - count);
         Taps::of(&nodes[start..start + count], x)
     }
@@ -106,9 +112,9 @@ impl AzimuthCircle {
     fn taps(&self, x: f64, count: usize) -> Taps {
         let n = self.nodes.len();
         let count = count.min(n);
-        // Divisions cost more than all else here: most angles are in range, and at most one turn is crossed.
+        // No remainders, which are as dear as divisions: most angles are in range, and at most one turn is crossed.
         let x = if (0.0..TAU).contains(&x) { x } else { x.rem_euclid(TAU) };
-        let above = self.nodes.partition_point(|&node| node <= x) as isize;
+        let above = at_most(&self.nodes, |&node| node, x) as isize;
         let start = above - (count / 2 + count % 2) as isize;
         let mut nodes = [(0.0, 0, false); 4];
         for (k, slot) in nodes.iter_mut().take(count).enumerate() {
@@ -122,6 +128,18 @@ impl AzimuthCircle {
         }
         Taps::of(&nodes[..count], x)
     }
+}
+
+/// How many of the increasing angles are at most `x`. Most axes are even: there it takes no search.
+fn at_most<T>(nodes: &[T], angle: impl Fn(&T) -> f64, x: f64) -> usize {
+    let n = nodes.len();
+    let (first, last) = (angle(&nodes[0]), angle(&nodes[n - 1]));
+    let even = (x - first) / (last - first) * (n - 1) as f64;
+    let count = (even.clamp(0.0, n as f64) as usize + 1).min(n);
+    if angle(&nodes[count - 1]) <= x && nodes.get(count).is_none_or(|next| angle(next) > x) {
+        return count;
+    }
+    nodes.partition_point(|node| angle(node) <= x)
 }
 
 #[cfg(test)]

@@ -19,12 +19,11 @@ pub struct Guided {
 }
 
 impl Guided {
-    /// The value at any pair of directions.
-    pub fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let (theta, phi) = (sphere::theta(wi), sphere::phi(wi));
-        let cubic = self.over_incidences(wi, wo, self.values.stop_taps(theta, phi), true);
-        let found =
-            cubic.or_else(|| self.over_incidences(wi, wo, self.values.linear_taps(theta, phi), false));
+    /// The value at any pair of directions; `theta` and `phi` are those of `wi`.
+    pub fn brdf(&self, wi: DVec3, (theta, phi): (f64, f64), wo: DVec3) -> Colour {
+        let over = |taps, all| self.over_incidences((wi, phi), wo, taps, all);
+        let cubic = over(self.values.stop_taps(theta, phi), true);
+        let found = cubic.or_else(|| over(self.values.linear_taps(theta, phi), false));
         // Every mirrored arm below the horizon: light and sensor both graze; the nearest incidence as it is.
         found.map_or_else(|| self.values.nearest(theta, phi, wo), |value| value.map(|v| v.max(0.0)))
     }
@@ -33,12 +32,15 @@ impl Guided {
     /// where a mirrored arm is below the horizon and `all` are wanted.
     fn over_incidences(
         &self,
-        wi: DVec3,
+        (wi, phi): (DVec3, f64),
         wo: DVec3,
         (polar, circle): (Taps, Taps),
         all: bool,
     ) -> Option<Colour> {
         let h = (wi + wo).normalize();
+        let colours = 0..=self.values.last_colour();
+        // Where every azimuth of the light is alike, the incidences have that of `wi`.
+        let turn = self.values.is_isotropic().then(|| phi.sin_cos());
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for t in polar.iter() {
             for p in circle.iter() {
@@ -46,9 +48,11 @@ impl Guided {
                 if weight == 0.0 {
                     continue;
                 }
-                let phi_i =
-                    if self.values.is_isotropic() { sphere::phi(wi) } else { self.values.phi_i()[p.node] };
-                let from = sphere::direction(self.values.theta_i()[t.node], phi_i);
+                let at = self.values.wi(t.node, p.node);
+                let (phi_i, from) = match turn {
+                    Some(turn) => (phi, sphere::turned(at, turn)),
+                    None => (self.values.phi_i()[p.node], at),
+                };
                 let to = 2.0 * from.dot(h) * h - from;
                 if to.z <= 0.0 {
                     if all {
@@ -58,7 +62,7 @@ impl Guided {
                 }
                 let (value, law) =
                     (self.values.at_stop((t.node, p.node), phi_i, to), self.guide.brdf(from, to));
-                sum.iter_mut().zip(value.iter().zip(law)).for_each(|(s, (v, law))| *s += weight * v / law);
+                colours.clone().for_each(|c| sum[c] += weight * value[c] / law[c]);
                 weights += weight;
             }
         }

@@ -22,6 +22,8 @@ use crate::table::BrdfTable;
 pub struct IncidenceValues {
     theta_i: Vec<f64>,
     phi_i: Vec<f64>,
+    /// Towards the light, [theta_i][phi_i]; at azimuth 0 where every azimuth is alike.
+    wi: Vec<DVec3>,
     /// The measured azimuth that each of `phi_i` is, or is the mirror image of.
     folds: Vec<Fold>,
     /// Measured azimuths.
@@ -78,6 +80,7 @@ impl IncidenceValues {
             row_count,
             column_count,
             values: Vec::new(),
+            wi: directions(&theta_i.angles, if isotropic { &[0.0] } else { &all_phi_i }),
             theta_i: theta_i.angles,
             phi_i: all_phi_i,
             folds,
@@ -112,6 +115,11 @@ impl IncidenceValues {
         &self.phi_i
     }
 
+    /// The direction of the light at one of the incidences; at azimuth 0 where every azimuth is alike.
+    pub fn wi(&self, ti: usize, pi: usize) -> DVec3 {
+        self.wi[ti * self.phi_i.len() + pi]
+    }
+
     /// Whether every azimuth of the light is alike.
     pub fn is_isotropic(&self) -> bool {
         self.isotropic
@@ -142,13 +150,15 @@ impl IncidenceValues {
     pub fn at_stop(&self, (ti, pi): (usize, usize), phi_i: f64, wo: DVec3) -> Colour {
         let fold = &self.folds[pi];
         let phi_r = fold.azimuth(sphere::phi(wo)) - if self.relative { fold.azimuth(phi_i) } else { 0.0 };
+        let rows = self.rows.cubic(sphere::theta(wo));
         let near = self.columns.cubic(phi_r);
-        let far = self.columns.cubic(phi_r + PI);
+        // Only next to the pole is anything seen through it.
+        let far = rows.iter().any(|row| row.reflected).then(|| self.columns.cubic(phi_r + PI));
         let size = self.row_count * self.column_count;
         let first = (ti * self.azimuths + fold.place) * size;
         let mut found = [0.0; 3];
-        for row in self.rows.cubic(sphere::theta(wo)).iter() {
-            for column in if row.reflected { &far } else { &near }.iter() {
+        for row in rows.iter() {
+            for column in far.as_ref().filter(|_| row.reflected).unwrap_or(&near).iter() {
                 let at = first + row.node * self.column_count + column.node;
                 for (value, values) in found.iter_mut().zip(&self.values) {
                     *value += row.weight * column.weight * f64::from(values[at]);
@@ -170,4 +180,8 @@ impl IncidenceValues {
     pub fn linear_taps(&self, theta: f64, phi: f64) -> (Taps, Taps) {
         (self.stops_polar.linear(theta), self.stops_circle.linear(phi))
     }
+}
+
+fn directions(theta: &[f64], phi: &[f64]) -> Vec<DVec3> {
+    theta.iter().flat_map(|&theta| phi.iter().map(move |&phi| sphere::direction(theta, phi))).collect()
 }

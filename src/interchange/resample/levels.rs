@@ -103,7 +103,8 @@ impl Levels {
 fn albedos(guided: &Guided, theta: f64, phi: f64) -> [Colour; 2] {
     let wi = sphere::direction(theta.min(FRAC_PI_2), phi);
     let to = samples(wi, guided.guide.lobe(), SAMPLES);
-    [integral(&to, |wo| guided.brdf(wi, wo)), integral(&to, |wo| guided.guide.brdf(wi, wo))]
+    let angles = (sphere::theta(wi), sphere::phi(wi));
+    [integral(&to, |wo| guided.brdf(wi, angles, wo)), integral(&to, |wo| guided.guide.brdf(wi, wo))]
 }
 
 fn interpolated(ratios: &[Colour], columns: usize, (polar, circle): (Taps, Taps)) -> Colour {

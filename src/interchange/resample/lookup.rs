@@ -70,8 +70,9 @@ impl Brdf for Lookup {
     }
 
     fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let value = self.guided.brdf(wi, wo);
-        let scales = self.levels.as_ref().map(|levels| levels.at(sphere::theta(wi), sphere::phi(wi)));
+        let (theta, phi) = (sphere::theta(wi), sphere::phi(wi));
+        let value = self.guided.brdf(wi, (theta, phi), wo);
+        let scales = self.levels.as_ref().map(|levels| levels.at(theta, phi));
         scales.map_or(value, |scales| std::array::from_fn(|c| value[c] * scales[c]))
     }
 }

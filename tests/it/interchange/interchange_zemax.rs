@@ -209,7 +209,7 @@ fn the_albedo_holds_between_incidences() {
 
 /// A rule of its own: midpoints in azimuth and in the root of the radial, dense about the mirror direction.
 fn integral(brdf: &dyn Brdf, theta_i: f64) -> f64 {
-    let (rows, columns) = (1500, 180);
+    let (rows, columns) = (750, 90);
     let (sin_i, cos_i) = theta_i.to_radians().sin_cos();
     let mut sum = 0.0;
     for row in 0..rows {

@@ -13,6 +13,7 @@ use gonio::table::BrdfTable;
 use gonio::trace::{AreaSampler, BLOCK, GridTraversal, Outcome, PatchSymmetry, TracedPatch, Window};
 use gonio::validate::laws::Energy;
 
+use crate::support::long::or_long;
 use crate::support::measuring::{measured, measured_in, test_rng};
 
 /// The campaigns of this promise, as they are delivered.
@@ -131,9 +132,13 @@ fn a_ray_crosses_as_many_cells_as_its_rise_over_the_patch_says() {
         alphas.extend(campaign.alphas().iter().flatten().map(|alpha| DVec2::new(alpha.x, alpha.y)));
     }
     assert_eq!(alphas.len(), 6);
+    let mut turn = false;
     for alpha in alphas {
+        turn = !turn;
         for theta_i_deg in [1e-6, 89.0, 89.9, 89.99] {
-            for phi_i_deg in [0.0, 33.0] {
+            // Along the cells and across them, in turn.
+            turn = !turn;
+            for phi_i_deg in or_long(vec![if turn { 33.0 } else { 0.0 }], vec![0.0, 33.0]) {
                 let cost = cost_of(&field, alpha, theta_i_deg, phi_i_deg);
                 println!(
                     "alpha {alpha} theta_i {theta_i_deg} phi_i {phi_i_deg}: {:.2} cells a ray, most {} of {:.0}, {} escape",

@@ -11,8 +11,10 @@ use gonio::stats::{chi_square_p, sidak};
 use gonio::theory::{ArmSide, Ndf};
 use gonio::trace::{Bounce, PathEnd, SmithWalk};
 
+use crate::support::long::or_long;
 use crate::support::measuring::test_rng;
 
+/// What a wrong roughness or height rule is looked for with.
 const PATHS: u32 = 400_000;
 /// Classes of the canonical slope along the light (negative: falls towards it), cut at multiples of its spread.
 const EDGES: [f64; 9] = [-4.0, -2.0, -1.0, -0.6, -0.3, 0.0, 0.3, 0.8, 2.0];
@@ -110,7 +112,7 @@ struct Counts {
 
 /// Follows paths to their first exit. Given wo a facet is seen with probability (1 + Li)/(1 + Li + Lo) if heights are
 /// kept, 1/(1 + Lo) if drawn anew, and never from below.
-fn counted(case: &Case, seed: u64) -> Counts {
+fn counted(case: &Case, seed: u64, paths: u32) -> Counts {
     let wi = direction_deg(case.theta_deg, 25.0);
     let ndf = if case.law == SmithNdf::Ggx { Ndf::Ggx } else { Ndf::Beckmann };
     let lambda = |w: DVec3| ArmSide::new(ndf, w, case.alpha.x, case.alpha.y).lambda();
@@ -119,7 +121,7 @@ fn counted(case: &Case, seed: u64) -> Counts {
     let zeros = || vec![0.0; CLASSES];
     let mut counts = Counts { lit: zeros(), seen: zeros(), expected: zeros(), variance: zeros() };
     let mut rng = test_rng(seed);
-    for _ in 0..PATHS {
+    for _ in 0..paths {
         let mut first = First::default();
         let ending = walk.trace(wi, 1, &mut rng, &mut first);
         let (back, wo) = first.0.expect("light from above meets the surface");
@@ -146,10 +148,11 @@ fn chi_square(found: &[f64], expected: &[f64], variance: &[f64]) -> (f64, usize)
     used.fold((0.0, 0), |(sum, n), ((f, e), v)| (sum + (f - e).powi(2) / v, n + 1))
 }
 
-/// The light's side: one draw of PATHS facets, so one degree of freedom less than classes (those below 5 expected are
-/// left out and take at most 5 PATHS^-1 of the draws each: the missing degree stays the right one to 1e-4).
+/// The light's side: one draw of all paths' facets, so one degree of freedom less than classes (those below 5 expected are
+/// left out and take at most 5/paths of the draws each: the missing degree stays the right one to 1e-3).
 fn p_of_light(case: &Case, counts: &Counts, shares: &[f64]) -> f64 {
-    let expected: Vec<f64> = shares.iter().map(|share| share * f64::from(PATHS)).collect();
+    let paths: f64 = counts.lit.iter().sum();
+    let expected: Vec<f64> = shares.iter().map(|share| share * paths).collect();
     let (sum, classes) = chi_square(&counts.lit, &expected, &expected);
     let p = chi_square_p(sum, classes - 1);
     println!("{case:?} light: chi-square {sum:.1} of {} p {p:.3}", classes - 1);
@@ -165,9 +168,9 @@ fn p_of_sensor(case: &Case, counts: &Counts) -> f64 {
 
 /// 24 cases, two sides, both tails: level 1 % by Sidak for all of them together.
 ///
-/// Power: 400,000 paths in some 36 classes of share s. A masking that is off by the relative amount d in half of the
-/// facets and by -d in the other half adds PATHS d^2 to chi-square; the level leaves 36 + 4.5 sqrt(72) = 74, and 80
-/// more are seen with probability 0.999: d = 1.4 %. What an explicit surface does (tens of per cent, see
+/// Power: 100,000 paths (GONIO_LONG: 400,000) in some 36 classes of share s. A masking that is off by the relative amount d
+/// in half of the facets and by -d in the other half adds paths d^2 to chi-square; the level leaves 36 + 4.5 sqrt(72) = 74,
+/// and 80 more are seen with probability 0.999: d = 2.8 % (1.4 %). What an explicit surface does (tens of per cent, see
 /// `masking_given_the_normal`) is seen with certainty; `a_wrong_roughness_or_height_rule_is_seen` tries less.
 #[test]
 fn facets_of_every_slope_are_lit_and_seen_as_smith_says() {
@@ -178,7 +181,7 @@ fn facets_of_every_slope_are_lit_and_seen_as_smith_says() {
         let shares = lit_shares(case, wi);
         // The shares are all there is: Smith's G1 is the one for which they add up to 1. Rounding of 40 sums.
         assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{case:?}");
-        let counts = counted(case, seed);
+        let counts = counted(case, seed, or_long(PATHS / 4, PATHS));
         let p = [p_of_light(case, &counts, &shares), p_of_sensor(case, &counts)];
         assert!(p.iter().all(|&p| p > level && p < 1.0 - level), "{case:?}: {p:?}, level {level:.1e}");
     }
@@ -189,13 +192,13 @@ fn a_wrong_roughness_or_height_rule_is_seen() {
     let level = sidak(0.01, 4 * cases().len());
     for law in [SmithNdf::Ggx, SmithNdf::Beckmann] {
         let case = Case { law, alpha: DVec2::splat(0.5), independent: false, theta_deg: 60.0 };
-        let mut counts = counted(&case, 7);
+        let mut counts = counted(&case, 7, PATHS);
         // Three per cent in the roughness that the light's side is held to.
         let rougher = Case { alpha: 1.03 * case.alpha, ..case };
         let shares = lit_shares(&rougher, direction_deg(case.theta_deg, 25.0));
         assert!(p_of_light(&case, &counts, &shares) < level);
         // The other height rule on the sensor's side.
-        let other = counted(&Case { independent: true, ..case }, 7);
+        let other = counted(&Case { independent: true, ..case }, 7, PATHS);
         (counts.expected, counts.variance) = (other.expected, other.variance);
         assert!(p_of_sensor(&case, &counts) < level);
     }

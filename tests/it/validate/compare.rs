@@ -10,6 +10,7 @@ use gonio::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, sto
 use gonio::validate::two_tables::{ComparedTable, difference};
 use rand_pcg::Pcg64Dxsm;
 
+use crate::support::long::or_long;
 use crate::support::measuring::measured_one;
 use crate::support::program::{self, exits, gonio};
 
@@ -213,9 +214,17 @@ fn noisy(source: &mut Pcg64Dxsm, count: usize, value: impl Fn(usize) -> f64) -> 
     (BrdfTable { grid, colours: vec![channels], hits: vec![100; BINS], ..small }, Realisations { parts })
 }
 
-const TRIES: usize = 200;
+/// Pairs of tables that a figure is read from.
+fn tries() -> usize {
+    or_long(50, 200)
+}
 
-/// Mean and its error, over `TRIES` pairs of tables, of `l1_difference` in units of the sum of the bins' errors, and the
+/// How far a share of 5 % of all tries may be off: four standard deviations, 12 % of 50 tries and 6 % of 200.
+fn share_slack() -> f64 {
+    4.0 * (0.05 * 0.95 / tries() as f64).sqrt()
+}
+
+/// Mean and its error, over `tries()` pairs of tables, of `l1_difference` in units of the sum of the bins' errors, and the
 /// shares of its values above the floor, and of its intervals that hold the truth. A is above B by d(bin) errors of the
 /// difference, which are sqrt(2) SE; with `split` B's realisations are not known.
 fn read_differences(counts: [usize; 2], split: bool, d: impl Fn(usize) -> f64) -> [f64; 4] {
@@ -223,7 +232,7 @@ fn read_differences(counts: [usize; 2], split: bool, d: impl Fn(usize) -> f64) -
     let unit = 2f64.sqrt() * SE;
     let truth = (0..BINS).map(|bin| d(bin).abs()).sum::<f64>() / BINS as f64;
     let (mut values, mut above, mut held) = (Vec::new(), 0, 0);
-    for _ in 0..TRIES {
+    for _ in 0..tries() {
         let (a, in_a) = noisy(&mut source, counts[0], |bin| 1.0 + unit * d(bin));
         let (b, in_b) = noisy(&mut source, counts[1], |_| 1.0);
         let side_b = if split { alone(&b) } else { with(&b, &in_b) };
@@ -235,23 +244,33 @@ fn read_differences(counts: [usize; 2], split: bool, d: impl Fn(usize) -> f64) -
         values.push(l1);
     }
     let (mean, se) = gonio::stats::mean_and_se(values.iter().copied());
-    [mean - truth, se.expect("many"), above as f64 / TRIES as f64, held as f64 / TRIES as f64]
+    let se = se.expect("many");
+    println!("{counts:?}: {mean:.4} +- {se:.4} of {truth:.4}, {held} of {} intervals hold it", tries());
+    [mean - truth, se, above as f64 / tries() as f64, held as f64 / tries() as f64]
 }
 
-/// Equal counts, groups of two, groups of unequal size. Four errors of the mean; 5 % of 200 scatter by 1.5 %, four of those.
+/// Equal counts, groups of two, groups of unequal size. Four errors of the mean, which 50 tries give twice as large as 200.
+/// Power: a bias of 0.18 errors of a bin (by 200 tries of 0.09) is seen with probability 0.98, six errors of the mean; intervals
+/// that hold the truth in 75 cases of a hundred instead of 95 are seen with probability 0.9.
 #[test]
 fn a_difference_is_read_without_bias() {
     let d = (2.0 / std::f64::consts::PI).sqrt();
     for counts in [[8, 8], [16, 8], [8, 20]] {
         let [none, se, above, held] = read_differences(counts, false, |_| 0.0);
-        assert!(none.abs() < 4.0 * se && above <= 0.11 && held >= 0.89, "{counts:?} {none} {above} {held}");
+        assert!(
+            none.abs() < 4.0 * se && above <= 0.05 + share_slack() && held >= 0.95 - share_slack(),
+            "{counts:?} {none} {above} {held}"
+        );
         // In 4 of 200 bins, 20 errors and more each: the sign is right, and nothing is lost.
         let [few, se, _, held] = read_differences(counts, false, |bin| if bin < 4 { 25.0 * d } else { 0.0 });
-        assert!(few.abs() < 4.0 * se && held >= 0.89, "{counts:?} {few} {held}");
+        assert!(few.abs() < 4.0 * se && held >= 0.95 - share_slack(), "{counts:?} {few} {held}");
         // In all bins, as large as l1_noise: `pull` is off by 14 % at this d (`the_sharpened_sign_is_off_by_no_more_than_is_said`)
         // and Student's t of 7 others by a little.
         let [diffuse, se, _, held] = read_differences(counts, false, |_| d);
-        assert!(diffuse.abs() < 0.2 * d + 4.0 * se && held >= 0.89, "{counts:?} {diffuse} {se} {held}");
+        assert!(
+            diffuse.abs() < 0.2 * d + 4.0 * se && held >= 0.95 - share_slack(),
+            "{counts:?} {diffuse} {se} {held}"
+        );
     }
 }
 
@@ -260,9 +279,9 @@ fn a_table_without_realisations_is_split() {
     // As above: normal noise, the law that the splitting assumes.
     let d = (2.0 / std::f64::consts::PI).sqrt();
     let [none, se, above, _] = read_differences([16, 16], true, |_| 0.0);
-    assert!(none.abs() < 4.0 * se && above <= 0.11, "{none} {se} {above}");
+    assert!(none.abs() < 4.0 * se && above <= 0.05 + share_slack(), "{none} {se} {above}");
     let [diffuse, se, _, held] = read_differences([16, 16], true, |_| d);
-    assert!(diffuse.abs() < 0.2 * d + 4.0 * se && held >= 0.89, "{diffuse} {held}");
+    assert!(diffuse.abs() < 0.2 * d + 4.0 * se && held >= 0.95 - share_slack(), "{diffuse} {held}");
 }
 
 #[test]

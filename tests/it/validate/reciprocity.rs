@@ -3,7 +3,9 @@
 use gonio::measure::Measured;
 use gonio::stats::{mean, mean_and_se, sidak, student_limit};
 use gonio::validate::laws::Reciprocity;
+use gonio::validate::{Prediction, examine_against};
 
+use crate::support::long::or_long;
 use crate::support::measuring::measured_one;
 
 const REALISATIONS: usize = 16;
@@ -78,20 +80,31 @@ fn binned(surface: &str, seed: u32, samples: u32) -> Measured {
 }
 
 fn judged(measured: &Measured) -> Reciprocity {
-    let verdict = gonio::validate::examine(&measured.table, &measured.campaign, Some(&measured.realisations));
+    judged_against(measured, Prediction::of(&measured.campaign, &measured.table.grid).as_ref())
+}
+
+fn judged_against(measured: &Measured, prediction: Option<&Prediction>) -> Reciprocity {
+    let (table, parts) = (&measured.table, Some(&measured.realisations));
+    let verdict = examine_against(table, &measured.campaign, parts, prediction);
     verdict.reciprocity.expect("two stops see each other")
 }
 
-/// The family level is 1 %: of 60 seeds 0.6 on average, more than 3 with probability 0.3 %.
+/// The family level is 1 %: of 20 seeds 0.2 on average, more than 2 with probability 0.1 %; of 60 (GONIO_LONG) 0.6, more
+/// than 3 with 0.3 %. Power: a level that is 30 % in truth is seen with probability 0.96, by sixty one of 15 % with 0.99.
 #[test]
-fn binned_reciprocity_raises_no_false_alarm_over_sixty_seeds() {
+fn binned_reciprocity_raises_no_false_alarm() {
     let heights = "cells = 128\ncorrelation_cells = 4\n[surface.ggx]\nalpha = 0.3";
-    let found: Vec<Reciprocity> = (1..=60).map(|seed| judged(&binned(heights, seed, 16_384))).collect();
+    // What theory predicts is the same for all of them.
+    let first = binned(heights, 1, 16_384);
+    let prediction = Prediction::of(&first.campaign, &first.table.grid);
+    let of_seed = |seed| judged_against(&binned(heights, seed, 16_384), prediction.as_ref());
+    let (seeds, most) = or_long((20, 2), (60, 3));
+    let found: Vec<Reciprocity> = (1..=seeds).map(of_seed).collect();
     let pairs = mean(&found.iter().map(|r| r.judged_pairs as f64).collect::<Vec<_>>());
     let alarms = found.iter().filter(|r| r.max_t > r.limit).count();
-    println!("{pairs:.1} of {} pairs judged, {alarms} alarms in 60 seeds", found[0].pairs);
+    println!("{pairs:.1} of {} pairs judged, {alarms} alarms in {seeds} seeds", found[0].pairs);
     assert!(found.iter().all(|r| r.kind == "bin_means") && pairs >= 3.0, "{pairs}");
-    assert!(alarms <= 3, "{alarms}");
+    assert!(alarms <= most, "{alarms}");
 }
 
 /// Values of one stop 1.1 times too large, or two stops exchanged: f is not the same both ways any more.
