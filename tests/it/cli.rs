@@ -35,7 +35,9 @@ fn check_shows_the_plan_and_writes_nothing() {
     let output = gonio(folder.path(), &["check", "small.toml"]);
     exits(&output, 0);
     let text = stdout(&output);
-    for word in ["stops", "bins", "realisations", "65,536", "524,288 in all", "memory", "time", "skipped"] {
+    for word in
+        ["incidences", "bins", "realisations", "65,536", "524,288 in all", "memory", "time", "skipped"]
+    {
         assert!(text.contains(word), "{word}: {text}");
     }
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");

@@ -36,7 +36,7 @@ pub fn facts(campaign: &Campaign, plan: &Plan, disk: Disk) -> Vec<String> {
         ("optics", campaign.optics.described()),
         ("trace", format!("{orders}; {sight}")),
         ("incidences", stops(campaign, plan)),
-        ("bins", format!("{} at each stop: {}", grouped(plan.bins as u64), sensor(campaign))),
+        ("bins", format!("{} at each incidence: {}", grouped(plan.bins as u64), sensor(campaign))),
         ("tables", plan.tables.to_string()),
         ("realisations", plan.realisations.to_string()),
         ("samples", samples),

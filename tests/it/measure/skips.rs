@@ -22,6 +22,7 @@ use gonio::trace::{
 };
 
 use crate::support::long::or_long;
+use crate::support::measuring;
 use crate::support::measuring::{measured_on, test_rng};
 
 const ISOTROPIC: &str = "alpha = 0.3";
@@ -207,7 +208,7 @@ fn both_ways_of_starting_on_grains_agree() {
         let text =
             campaign(ISOTROPIC, RELATIVE, HEMISPHERE, "[trace]\nbounces = 3").replace(heights, &grains);
         let [on_grains, above] = [false, true].map(|above| {
-            measured_with(&text, |plan| {
+            measuring::measured_with(&text, |plan| {
                 assert_eq!(plan.start_sampler.name(), chosen);
                 plan.start_sampler = StartSampler::Grains { from_above: vec![vec![above; plan.stops]] };
             })

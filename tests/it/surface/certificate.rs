@@ -99,7 +99,8 @@ fn harmonics_are_even(patches: &[(Heightfield, Certificate)]) {
 }
 
 /// The size that the bounds are stated for: smaller patches, with fewer bumps, are a little further off. Four of them leave
-/// Student's t three degrees of freedom, with which the limit is 9.5 standard errors (of 0.0025 at most): harmonics of 0.04 are seen.
+/// Student's t three degrees of freedom, with which the limit is 9.5 standard errors (of 0.0025 at most): harmonics of 0.04
+/// are seen.
 fn large_ggx_patches() -> &'static [(Heightfield, Certificate)] {
     static PATCHES: OnceLock<Vec<(Heightfield, Certificate)>> = OnceLock::new();
     PATCHES.get_or_init(|| patches(SlopeLaw::Ggx, 1024, 8.0, or_long(4, 6)))

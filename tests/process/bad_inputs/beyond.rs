@@ -35,8 +35,8 @@ fn names() -> Vec<Row> {
         wrong("\"\u{202e}rxe.elbat\""),
         wrong(&format!("\"{}\"", "x".repeat(101))),
         wrong(&format!("\"{}\"", "x".repeat(1_000_000))),
-        taken("campaign name", name("'''a'''"), &["stops"]),
-        taken("campaign name", name(&format!("\"{}\"", "x".repeat(100))), &["stops"]),
+        taken("campaign name", name("'''a'''"), &["incidences"]),
+        taken("campaign name", name(&format!("\"{}\"", "x".repeat(100))), &["incidences"]),
     ]
 }
 

@@ -27,7 +27,7 @@ fn text() -> Vec<Row> {
         ]),
         refused("empty campaign", "\n# nothing\n\n", &["c.toml: name: required"]),
         refused("campaign not UTF-8", no_utf8, &["c.toml:2: file", "byte 20 is not UTF-8"]),
-        taken("byte order mark and CRLF", windows, &["stops", "3"]),
+        taken("byte order mark and CRLF", windows, &["incidences", "3"]),
         refused("control characters", control('\0'), &["c.toml:10:", ALPHA]),
         refused("control characters", control('\u{1}'), &["c.toml:10:", ALPHA]),
         refused("control characters", control('\u{7f}'), &["c.toml:10:", ALPHA]),
@@ -97,7 +97,7 @@ fn roughness() -> Vec<Row> {
             &["light.aperture_deg = 0.1", "exceeds a quarter of alpha"],
         ),
         taken("alpha large", with("alpha = 0.2", "alpha = 10"), &["above 2: beyond the tested range"]),
-        taken("alpha very unequal", brushed, &["stops", "6"]),
+        taken("alpha very unequal", brushed, &["incidences", "6"]),
     ]
 }
 
@@ -128,8 +128,8 @@ fn counts() -> Vec<Row> {
             with("seed = 7", "seed = -1"),
             &["seed = -1", "[0, 18446744073709551615]"],
         ),
-        taken("seed out of range", with("seed = 7", "seed = 0"), &["stops"]),
-        taken("seed out of range", with("seed = 7", "seed = 18446744073709551615"), &["stops"]),
+        taken("seed out of range", with("seed = 7", "seed = 0"), &["incidences"]),
+        taken("seed out of range", with("seed = 7", "seed = 18446744073709551615"), &["incidences"]),
         refused(
             "seed out of range",
             with("seed = 7", "seed = 18446744073709551616"),
@@ -148,7 +148,7 @@ fn counts() -> Vec<Row> {
             with("bounces = 1", "bounces = 1_000_000_000"),
             &["trace.bounces = 1_000_000_000", "[1, 10000]"],
         ),
-        taken("bounces out of range", with("bounces = 1", "bounces = 10_000"), &["stops"]),
+        taken("bounces out of range", with("bounces = 1", "bounces = 10_000"), &["incidences"]),
     ]
 }
 
@@ -164,7 +164,7 @@ fn angles() -> Vec<Row> {
             with_arm(&ARM.replace("0, 60]", "0, 90]")),
             &["sensor.arm.theta_r_deg = 90", "below 90"],
         ),
-        taken("theta nearly 90", theta("[89.99]"), &["stops"]),
+        taken("theta nearly 90", theta("[89.99]"), &["incidences"]),
         refused("theta out of range", theta("[-5, 0]"), &[key, "= -5", "[0, 90)"]),
         refused("theta out of range", theta("[0, 90.5]"), &[key, "= 90.5", end]),
         refused("theta out of range", theta("[0, 180]"), &[key, "= 180", end]),
@@ -185,7 +185,7 @@ fn angles() -> Vec<Row> {
         refused("angles empty or unsorted", theta("[]"), &[key, "must not be empty"]),
         refused("angles empty or unsorted", theta("[0, 15, 15]"), &[key, "15 is there twice"]),
         refused("angles empty or unsorted", theta("[0, 30, 15]"), &[key, "15 comes after 30"]),
-        taken("one angle", theta("[45]"), &["stops", "1"]),
+        taken("one angle", theta("[45]"), &["incidences", "1"]),
         taken(
             "arms in each other's way",
             with_arm(&ARM.replace("[-60, 0, 60]", "[-15, 30]")),
@@ -215,7 +215,7 @@ fn ranges() -> Vec<Row> {
             theta("from = 0, to = 90, step = 7"),
             &["does not divide the range: 13 points, the last is 84"],
         ),
-        taken("range with an inexact step", theta("from = 0, to = 89.9, step = 0.1"), &["stops", "900"]),
+        taken("range with an inexact step", theta("from = 0, to = 89.9, step = 0.1"), &["incidences", "900"]),
     ]
 }
 
@@ -259,7 +259,7 @@ fn rest() -> Vec<Row> {
         refused("aperture out of range", arm("0"), &["sensor.arm.aperture_deg = 0", "as good as closed"]),
         refused("aperture out of range", arm("46"), &["sensor.arm.aperture_deg = 46", "[1e-6, 45]"]),
         refused("aperture out of range", arm("-1"), &["sensor.arm.aperture_deg = -1", "[1e-6, 45]"]),
-        taken("aperture out of range", mirror, &["stops"]),
+        taken("aperture out of range", mirror, &["incidences"]),
         // Cut cones would no longer be what their name says: they are refused, not cut.
         refused(
             "aperture that reaches the horizon",
