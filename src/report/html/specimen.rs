@@ -68,7 +68,8 @@ impl PatchPicture {
     /// A patch as its campaign's roughness makes it.
     pub fn of(patch: &Patch, campaign: &Campaign) -> Self {
         let alpha = patch.alpha(campaign.alphas().first().copied().flatten());
-        let law = Patches::law(campaign);
+        let grains = campaign.surface.kind.explicit_grains().and_then(|grains| grains.alphas[0].coverage);
+        let law = grains.map(|coverage| SlopeLaw::Grains { coverage }).or_else(|| Patches::law(campaign));
         let of_map = matches!(campaign.surface.kind, SurfaceKind::File(_));
         // Slopes as they are shown, and what is left of the canonical ones' alpha for the picture.
         let (shown, left) = if of_map { (alpha, DVec2::ONE) } else { (DVec2::ONE, alpha) };
@@ -77,9 +78,11 @@ impl PatchPicture {
             law => Certificate::of(&patch.field, law),
         };
         let cells = piece(&patch.field, alpha.x / alpha.y);
-        let scale = SHOWN_SLOPE / (certificate.median_slope.max(1e-9) * (left.x * left.y).sqrt());
+        // Of grains, the median without the plane is that of half-spheres.
+        let median = if grains.is_some() { 1.0 } else { certificate.median_slope };
+        let scale = SHOWN_SLOPE / (median.max(1e-9) * (left.x * left.y).sqrt());
         let shades = shades(&patch.field, cells, [alpha.x * scale, alpha.y * scale]);
-        let longest = LONGEST * if certificate.median_slope > 0.0 { certificate.median_slope } else { 1.0 };
+        let longest = LONGEST * if median > 0.0 { median } else { 1.0 };
         let histogram = histogram(&patch.field, shown, longest);
         PatchPicture {
             cells,
