@@ -111,7 +111,7 @@ fn wanted(arguments: &Arguments) -> Result<[f64; 3]> {
     }
 }
 
-/// Albedos of a stop with their errors: order 1, and all orders; null for sensors that do not see all light.
+/// Albedos of an incidence with their errors: order 1, and all orders; null for sensors that do not see all light.
 #[derive(Default, Serialize)]
 struct RecolouredStop {
     theta_i_deg: f64,

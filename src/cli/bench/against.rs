@@ -89,7 +89,7 @@ fn ways(found: &Against) -> Vec<String> {
     columns(&headers, &found.ways.iter().map(row).collect::<Vec<_>>())
 }
 
-/// Measures the stops of a campaign on patches of several sizes.
+/// Measures the incidences of a campaign on patches of several sizes.
 pub fn sizes(campaign: &Campaign, sides: &[u32], json: bool) -> Result<u8> {
     let mut sides = sides.to_vec();
     sides.sort_unstable();

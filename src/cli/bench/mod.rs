@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Noise and time to an equal error by: rays, hemisphere
     #[arg(long, value_name = "WAY", value_parser = other, conflicts_with_all = LADDERS)]
     against: Option<Other>,
-    /// The stops on a patch of each of these sizes: time and bytes for each cell
+    /// The incidences on a patch of each of these sizes: time and bytes for each cell
     #[arg(long, value_name = "N,N,..", hide_short_help = true, value_delimiter = ',', value_parser = clap::value_parser!(u32).range(8..=16_384), conflicts_with_all = LADDERS, conflicts_with_all = ["against", "replicates"])]
     cells: Vec<u32>,
     /// What errors are counted from: model (if there is one) or reference

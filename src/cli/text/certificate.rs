@@ -78,7 +78,7 @@ pub struct RayBound {
 }
 
 impl RayBound {
-    /// For each roughness the steepest stop: range x alpha tan(theta) + 2 edges along an axis.
+    /// For each roughness the steepest incidence: range x alpha tan(theta) + 2 edges along an axis.
     ///
     /// In canonical cells a ray that climbs by 1 runs (alpha_x tan cos phi, alpha_y tan sin phi); along each axis it
     /// crosses one edge a cell, so the two add up to at most tan hypot(alpha_x, alpha_y) at the worst azimuth, and to

@@ -32,7 +32,7 @@ fn lobes(written: &WrittenTable) -> Vec<String> {
     if lines.is_empty() { lines } else { [vec![String::new()], lines].concat() }
 }
 
-/// Albedos of every stop, and the verdict.
+/// Albedos of every incidence, and the verdict.
 fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
     let WrittenTable { measured, plan, verdict, .. } = written;
     let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
@@ -95,7 +95,7 @@ fn lost_light_line(measured: &Measured, plan: &Plan) -> Vec<String> {
     output::wrapped("left map: ", &text)
 }
 
-/// What ended the stops, where it was not that all samples were measured.
+/// What ended the incidences, where it was not that all samples were measured.
 fn end_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
     let angles = StopAngles::of(&plan.grid);
     let line = |(index, stop): (usize, &StopResult)| {
