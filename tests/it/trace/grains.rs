@@ -109,7 +109,7 @@ fn in_a_seam(field: &GrainField, rng: &mut Pcg64Dxsm) -> Option<GrainPoint> {
 /// A million paths that begin in seams, order after order until they leave.
 #[test]
 fn no_ray_is_lost_in_a_seam() {
-    let paths = 500_000;
+    let paths = 500_000u32;
     let mut rng = draws(101);
     for coverage in [0.5, 0.99] {
         let field = patch(coverage, 2);
