@@ -14,8 +14,6 @@ use sha2::{Digest, Sha256};
 use super::heightfield::Heightfield;
 use crate::rng;
 
-/// Side of a cell, radii, at least: a ray's ascent to the top crosses a few cells of a few grains each.
-const CELL: f64 = 1.0;
 /// Grains of a patch where no side is given.
 const GRAINS: f64 = 1000.0;
 /// Shortest side, radii: a grain does not meet itself across the torus, nor does a ray of 75 degrees.
@@ -24,6 +22,12 @@ pub const SHORTEST_SIDE: f64 = 8.0;
 /// Centres in a unit of area: -ln(1 - coverage)/pi, coverage in (0, 1).
 pub fn density(coverage: f64) -> f64 {
     -(-coverage).ln_1p() / PI
+}
+
+/// About the side of a cell, radii: a ray's ascent to the top crosses a few cells of a few grains each, and among few
+/// grains it crosses few cells between them.
+pub fn cell_side(density: f64) -> f64 {
+    (0.5 / density.sqrt()).max(1.0)
 }
 
 /// The side of a patch where none is given, radii: room for 1,000 grains.
@@ -95,7 +99,8 @@ impl GrainField {
     /// Grains, or pits, at these centres of [0, side) x [0, side), side >= 8.
     pub fn new(side: f64, pits: bool, centres: Vec<DVec2>) -> Self {
         let up = if pits { -1.0 } else { 1.0 };
-        let cells = (side / CELL).floor() as usize;
+        let density = centres.len().max(1) as f64 / (side * side);
+        let cells = ((side / cell_side(density)) as usize).max(1);
         let field = GrainField { side, up, centres, cells, first: vec![], placed: vec![] };
         let mut counts = vec![0u32; cells * cells + 1];
         field.each_place(|cell, _| counts[cell + 1] += 1);

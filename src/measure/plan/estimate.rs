@@ -5,7 +5,7 @@ use super::start_sampler::{StartSampler, aperture_fraction};
 use crate::campaign::{Alpha, Campaign, GrainShape, Grains, SurfaceKind};
 use crate::measure::prepared_patch::CELLS_PER_START;
 use crate::sphere;
-use crate::surface::grains::{density, usual_side};
+use crate::surface::grains::{cell_side, density, usual_side};
 use crate::surface::io::import;
 use crate::trace::{BLOCK, BatchedStarts};
 
@@ -187,8 +187,8 @@ fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
     plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
 }
 
-/// One block of an incidence on grains, ns: two rays of each start at order 1, among about (2 + reach) x 9 density of
-/// them, reach the way to the top of the grains.
+/// One block of an incidence on grains, ns: two rays of each start at order 1, from cell to cell as far as they rise to the
+/// tops of the grains, or meet one.
 fn block_on_grains(
     campaign: &Campaign,
     plan: &Plan,
@@ -196,8 +196,11 @@ fn block_on_grains(
     (alpha, coverage): (glam::DVec2, f64),
 ) -> f64 {
     let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
-    let near = 9.0 * density(coverage);
-    let ray = |reach: f64| NS_PER_GRAIN_RAY + NS_PER_GRAIN * near * (1.0 + reach.min(1.0 / near.min(1.0)));
+    let (density, side) = (density(coverage), cell_side(density(coverage)));
+    let near = density * (side + 2.0).powi(2);
+    // A level ray meets a grain after 1/density radii or so.
+    let crossed = |reach: f64| 1.0 + reach.min(1.0 / density) / side;
+    let ray = |reach: f64| NS_PER_GRAIN_RAY + (NS_PER_CROSSED_CELL + NS_PER_GRAIN * near) * crossed(reach);
     let further = 0.4 * f64::from(campaign.trace.bounces - 1).min(3.0);
     let reach = alpha.max_element() * sin / cos;
     BLOCK as f64 * (NS_PER_START + ray(reach) + ray(alpha.max_element()) * (1.0 + further))

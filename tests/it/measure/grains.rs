@@ -89,3 +89,24 @@ fn a_coverage_in_a_list_is_measured_as_if_alone() {
     assert_eq!(list[1].table.campaign, alone.table.campaign);
     assert_ne!(hits_of(&list[0], 0), hits_of(&alone, 0));
 }
+
+/// Flattest and steepest, hardly and nearly covered, light along the normal and a hundredth of a degree above the horizon.
+/// Among few grains a ray runs 50,000 radii: it must not look at each.
+#[test]
+fn extremes_end_and_lose_nothing() {
+    for alpha in [1e-4, 10.0] {
+        for coverage in [1e-4, 0.999] {
+            let surface = format!("coverage = {coverage}\nalpha = {alpha}");
+            let text = text(&surface, "theta_i_deg = [0, 89.99]", 4, 2);
+            let measured = measured_with(&text, |plan| {
+                (plan.block_starts, plan.samples) = (4096, 4096);
+                plan.total_samples /= 16;
+            });
+            for stop in &measured.stops {
+                let ended = stop.orders.iter().sum::<u64>() + stop.cut + stop.hidden;
+                assert_eq!(ended, 2 * 4096, "{alpha} {coverage}");
+                assert!(stop.closure.iter().all(|closure| closure.is_finite()), "{alpha} {coverage}");
+            }
+        }
+    }
+}
