@@ -106,16 +106,11 @@ pub fn resolution(
     let truth = truth.ok_or_else(|| Error::Usage(format!("{}: {few}", campaign.name)))?;
     let truth = (&truth, expect::masking(campaign));
     let of_setting = |(setting, plan): &(Campaign, Plan)| {
-        let patches = match Patches::prepare(campaign, &mut Vec::new())? {
-            Patches::Grains { seed, coverages, side, pits, .. } => Patches::Grains {
-                seed,
-                coverages,
-                side,
-                pits,
-                as_heights: Some(setting.surface.cells as usize),
-            },
-            _ => Patches::prepare(setting, &mut Vec::new())?,
-        };
+        let grains = campaign.surface.kind.explicit_grains().is_some();
+        let mut patches = Patches::prepare(if grains { campaign } else { setting }, &mut Vec::new())?;
+        if let Patches::Grains { as_heights, .. } = &mut patches {
+            *as_heights = Some(setting.surface.cells as usize);
+        }
         row(setting, plan, patches, truth, progress)
     };
     settings.iter().map(of_setting).collect()
@@ -184,10 +179,9 @@ pub fn flatness(rows: &[ResolutionRow]) -> Option<Flatness> {
     };
     let mean = mean_of(&|row| row.error);
     let chi_square = all * mean_of(&|row| (row.error - mean).powi(2));
-    let log = |row: &ResolutionRow| row.correlation_cells.log2();
-    let middle = mean_of(&log);
-    let spread = all * mean_of(&|row| (log(row) - middle).powi(2));
-    let slope = all * mean_of(&|row| (log(row) - middle) * row.error) / spread;
+    let points =
+        rows.iter().zip(&weights).map(|(row, &weight)| (row.correlation_cells.log2(), row.error, weight));
+    let (slope, spread) = weighted_slope(&points.collect::<Vec<_>>());
     let dof = rows.len() - 1;
     Some(Flatness {
         mean,
@@ -209,16 +203,19 @@ pub fn convergence(rows: &[ResolutionRow]) -> Option<Convergence> {
     if rows.len() < 3 || !one_length || !known {
         return None;
     }
-    let points: Vec<(f64, f64, f64)> = rows
-        .iter()
-        .map(|row| (f64::from(row.cells).ln(), row.error.ln(), (row.error / row.error_se).powi(2)))
-        .collect();
-    let all: f64 = points.iter().map(|point| point.2).sum();
-    let mean = |of: fn(&(f64, f64, f64)) -> f64| points.iter().map(|p| p.2 * of(p)).sum::<f64>() / all;
-    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
-    let spread: f64 = points.iter().map(|p| p.2 * (p.0 - x).powi(2)).sum();
-    let slope = points.iter().map(|p| p.2 * (p.0 - x) * (p.1 - y)).sum::<f64>() / spread;
+    let point =
+        |row: &ResolutionRow| (f64::from(row.cells).ln(), row.error.ln(), (row.error / row.error_se).powi(2));
+    let (slope, spread) = weighted_slope(&rows.iter().map(point).collect::<Vec<_>>());
     Some(Convergence { power: -slope, power_se: spread.powf(-0.5) })
+}
+
+/// The slope of y on x by weighted least squares, and the weighted sum of squares of x about its mean: where weights are
+/// inverse variances, the slope's own. Points are (x, y, weight).
+fn weighted_slope(points: &[(f64, f64, f64)]) -> (f64, f64) {
+    let all: f64 = points.iter().map(|point| point.2).sum();
+    let middle = points.iter().map(|(x, _, weight)| weight * x).sum::<f64>() / all;
+    let spread: f64 = points.iter().map(|(x, _, weight)| weight * (x - middle).powi(2)).sum();
+    (points.iter().map(|(x, y, weight)| weight * (x - middle) * y).sum::<f64>() / spread, spread)
 }
 
 #[cfg(test)]
