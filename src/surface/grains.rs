@@ -35,6 +35,11 @@ pub fn usual_side(coverage: f64) -> f64 {
     (GRAINS / density(coverage)).sqrt().max(SHORTEST_SIDE)
 }
 
+/// How many grains a patch has in the mean; `side` as a campaign gives it.
+pub fn mean_count(side: Option<f64>, coverage: f64) -> f64 {
+    density(coverage) * side.unwrap_or_else(|| usual_side(coverage)).powi(2)
+}
+
 /// The share that a canonical direction `light` (any length, above the horizon) sees of what grains and plane would show
 /// it each by itself: 1 over 1 + lambda pi/2 (1 + |light|/light.z).
 pub fn share_seen(light: DVec3, coverage: f64) -> f64 {

@@ -15,7 +15,7 @@ use super::seen::SeenLight;
 use crate::campaign::{Campaign, GrainShape};
 use crate::error::Result;
 use crate::instrument::{Grid, GridKind, folded_stops};
-use crate::surface::grains::{density, usual_side};
+use crate::surface::grains::mean_count;
 use crate::table::{BrdfTable, Realisations, TableRows};
 
 /// Why a table of random heights without shadowing and masking misses its bar, and where to look.
@@ -232,8 +232,7 @@ fn independent_facets(campaign: &Campaign) -> Option<f64> {
     let surface = &campaign.surface;
     if let Some(pits) = surface.kind.explicit_grains().filter(|grains| grains.shape == GrainShape::Pits) {
         let coverage = pits.alphas[0].coverage?;
-        let side = pits.side.unwrap_or_else(|| usual_side(coverage));
-        return Some(density(coverage) * side * side);
+        return Some(mean_count(pits.side, coverage));
     }
     let along = f64::from(surface.cells) / surface.correlation_cells;
     surface.kind.is_random_heights().then_some(along * along)

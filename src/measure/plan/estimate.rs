@@ -2,10 +2,10 @@
 
 use super::decisions::Plan;
 use super::start_sampler::{StartSampler, aperture_fraction};
-use crate::campaign::{Alpha, Campaign, GrainShape, Grains, SurfaceKind};
+use crate::campaign::{Alpha, Campaign, GrainShape, SurfaceKind};
 use crate::measure::prepared_patch::CELLS_PER_START;
 use crate::sphere;
-use crate::surface::grains::{cell_side, density, usual_side};
+use crate::surface::grains::{cell_side, density, mean_count};
 use crate::surface::io::import;
 use crate::trace::{BLOCK, BatchedStarts};
 
@@ -120,7 +120,7 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
 pub(crate) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
     let cells = match &campaign.surface.kind {
         SurfaceKind::Grains(grains) if grains.shape != GrainShape::Heights => {
-            grains.alphas.iter().map(|alpha| grain_count(grains, *alpha)).sum()
+            grains.alphas.iter().filter_map(|alpha| Some(mean_count(grains.side, alpha.coverage?))).sum()
         }
         SurfaceKind::Smith(_) | SurfaceKind::Mirror | SurfaceKind::VGroove { .. } => 64.0,
         SurfaceKind::File(map) => {
@@ -136,13 +136,6 @@ pub(crate) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
         | SurfaceKind::Grains(_) => f64::from(campaign.surface.cells).powi(2),
     };
     (cells, 0.0)
-}
-
-/// How many grains a patch has for a roughness, in the mean.
-fn grain_count(grains: &Grains, alpha: Alpha) -> f64 {
-    let coverage = alpha.coverage.unwrap_or(0.5);
-    let side = grains.side.unwrap_or_else(|| usual_side(coverage));
-    density(coverage) * side * side
 }
 
 /// Lowest and highest height to be expected: measured on patches of 1024 x 1024 cells.
