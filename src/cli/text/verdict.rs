@@ -40,8 +40,8 @@ fn comparison_lines(verdict: &Verdict) -> Vec<String> {
     [vec![title], columns(&headings, &rows)].concat()
 }
 
-/// The nearest masking at an incidence; `alike` where all are below their floors, the two nearest are not distinguished by the
-/// paired test at the 5 % level, or all differ by less than a hundredth of the noise.
+/// The nearest masking at an incidence; `alike` where all are below their floors, the two nearest are not distinguished by
+/// the paired test at the 5 % level, or all differ by less than a hundredth of the noise.
 fn nearest_at(all: &[Comparison], stop: usize) -> String {
     let models: Vec<(&Figures, &[f64])> =
         all.iter().map(|c| (&c.stops[stop].figures, &c.stops[stop].by_part[..])).collect();

@@ -12,6 +12,9 @@ const PAGE_STYLE: &str = include_str!("../html/assets/page.css");
 /// Room for the words above a chart of the picture.
 const CAPTION: f64 = 30.0;
 
+/// How noise alone falls.
+const GUIDE: SeriesStyle = SeriesStyle { colour: "#777", dashes: "8 5", marker: Marker::Off, line: true };
+
 /// By this a picture is recognised as one of ours.
 pub const MARK: &str = "data-made-by=\"gonio bench\"";
 
@@ -74,9 +77,8 @@ pub fn together(benches: &[BenchAnswer]) -> String {
         series.push(Series::new(label, points, SeriesStyle { line: false, ..style }));
     }
     let (samples, errors) = (ends(samples.into_iter()), ends(errors.into_iter()));
-    let guide = SeriesStyle { colour: "#777", dashes: "8 5", marker: Marker::Off, line: true };
     let fall = |n: f64| errors[1] * (samples[0] / n).sqrt();
-    series.insert(0, Series::new("1/√N", curve(samples[0], samples[1], fall), guide));
+    series.insert(0, Series::new("1/√N", curve(samples[0], samples[1], fall), GUIDE));
     let chart = Chart {
         title: "Distance from the formula".into(),
         x: ChartAxis::decades("samples of one incidence, N", samples),
@@ -108,8 +110,7 @@ fn chart(ladder: &FittedLadder, rows: &[MeasuredRung]) -> Option<Chart> {
     let (first, last) = (*measured.first()?, *measured.last()?);
     let along = |error: &dyn Fn(f64) -> f64| curve(first[0], last[0], error);
     let from = ladder.fit.map_or(first[1], |fit| (fit.a / first[0]).sqrt());
-    let guide = SeriesStyle { colour: "#777", dashes: "8 5", marker: Marker::Off, line: true };
-    let mut series = vec![Series::new("1/√N", along(&|n| from * (first[0] / n).sqrt()), guide)];
+    let mut series = vec![Series::new("1/√N", along(&|n| from * (first[0] / n).sqrt()), GUIDE)];
     if let Some(LadderFit { a, b, .. }) = ladder.fit {
         let solid = SeriesStyle { dashes: "", ..model_style(1) };
         series.push(Series::new("√(a/N + b²)", along(&|n| (a / n + b * b).sqrt()), solid));
