@@ -33,9 +33,9 @@ pub struct Arguments {
     /// The page; a name that ends in .md: the provenance card [default: <stem>.html]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// The answer of `gonio bench`, for the plot of error against samples
+    /// An answer of `gonio bench`, for the plot of error against samples; several: one plot of them all
     #[arg(long, value_name = "FILE")]
-    bench: Option<PathBuf>,
+    bench: Vec<PathBuf>,
     /// Replace a file that is there and no page or card of this program
     #[arg(long)]
     force: bool,
@@ -45,8 +45,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let path = &arguments.table;
     let opened = table_file::open(path, verdict::row_bytes)?;
     let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));
-    paths::spare(&output, [Some(path), arguments.bench.as_ref()].into_iter().flatten(), "command")?;
-    let bench = arguments.bench.as_deref().map(bench_in).transpose()?;
+    paths::spare(&output, [path].into_iter().chain(&arguments.bench), "command")?;
+    let benches = arguments.bench.iter().map(|path| bench_in(path)).collect::<Result<Vec<_>>>()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
     if !arguments.force {
         let (mark, what) =
@@ -54,8 +54,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         paths::spare_foreign(&output, mark, what)?;
     }
     let text = match opened {
-        Opened::Whole(table) => whole(path, &table, is_card, bench.as_ref())?,
-        Opened::Rows(mut rows) => by_rows(&mut rows, is_card, bench.as_ref())?,
+        Opened::Whole(table) => whole(path, &table, is_card, &benches)?,
+        Opened::Rows(mut rows) => by_rows(&mut rows, is_card, &benches)?,
     };
     files::write_atomically(&output, text.as_bytes())?;
     Output::default().line(format_args!(
@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";
 
 /// The card or the page of a table in memory.
-fn whole(path: &Path, table: &BrdfTable, is_card: bool, bench: Option<&BenchAnswer>) -> Result<String> {
+fn whole(path: &Path, table: &BrdfTable, is_card: bool, benches: &[BenchAnswer]) -> Result<String> {
     let campaign = table_file::campaign_if_any(path, table)?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
     let summary = match summary_beside(path, table, || store::digest(table))? {
@@ -88,11 +88,11 @@ fn whole(path: &Path, table: &BrdfTable, is_card: bool, bench: Option<&BenchAnsw
     if is_card {
         return Ok(report::card(table, &store::digest(table)?, Facts::of(table), &summary));
     }
-    page_of(table, (campaign.as_ref(), prediction.as_ref()), &summary, bench)
+    page_of(table, (campaign.as_ref(), prediction.as_ref()), &summary, benches)
 }
 
 /// The card or the page of a table that does not fit the memory.
-fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&BenchAnswer>) -> Result<String> {
+fn by_rows(rows: &mut TableRows, is_card: bool, benches: &[BenchAnswer]) -> Result<String> {
     let path = rows.path().to_path_buf();
     let campaign = table_file::campaign_if_any(&path, rows.header())?;
     let digest = rows.digest().unwrap_or_default().to_string();
@@ -129,7 +129,7 @@ fn by_rows(rows: &mut TableRows, is_card: bool, bench: Option<&BenchAnswer>) -> 
     }
     let (table, kept) = report::thinned(rows, table_file::band_bytes())?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
-    page_of(&table, (campaign.as_ref(), prediction.as_ref()), &summary.thinned(&kept), bench)
+    page_of(&table, (campaign.as_ref(), prediction.as_ref()), &summary.thinned(&kept), benches)
 }
 
 /// A summary from the table alone.
@@ -150,10 +150,10 @@ fn page_of(
     table: &BrdfTable,
     (campaign, prediction): (Option<&Campaign>, Option<&Prediction>),
     summary: &Summary,
-    bench: Option<&BenchAnswer>,
+    benches: &[BenchAnswer],
 ) -> Result<String> {
     let specimen = campaign.map_or(Ok(Err(NO_CAMPAIGN.into())), specimen::remade)?;
-    Ok(report::page(&Page { bench, ..Page::of(table, campaign, prediction, summary, specimen) }))
+    Ok(report::page(&Page { benches, ..Page::of(table, campaign, prediction, summary, specimen) }))
 }
 
 /// The answer of `gonio bench` in a file. Errors: of a file that is none, or of another version.

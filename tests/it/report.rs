@@ -186,7 +186,7 @@ fn bench_of(rows: Value, ladders: Value) -> BenchAnswer {
 }
 
 /// The page of a made table under a name.
-fn page_of(made: &Made, name: &str, bench: Option<&BenchAnswer>) -> String {
+fn page_of(made: &Made, name: &str, benches: &[BenchAnswer]) -> String {
     let Made { table, campaign, prediction } = made;
     let verdict = examine_against(table, campaign, None, Some(prediction));
     let stops = StopSummary::of_bins(table);
@@ -197,13 +197,13 @@ fn page_of(made: &Made, name: &str, bench: Option<&BenchAnswer>) -> String {
         masking: Some("direction_correlated"),
         summary: &summary.expect("a summary"),
         specimen: Err("no patch: <none>".into()),
-        bench,
+        benches,
     })
 }
 
 #[test]
 fn a_page_asks_for_nothing_and_is_well_formed() {
-    let page = page_of(&made(1, 2, 1, [6, 12]), "plain", None);
+    let page = page_of(&made(1, 2, 1, [6, 12]), "plain", &[]);
     for word in ["http:", "https:", "src=", "<link", "@import", "url(", "fetch(", "XMLHttp", "import("] {
         assert!(!page.contains(word), "{word}");
     }
@@ -220,7 +220,7 @@ fn a_page_asks_for_nothing_and_is_well_formed() {
 
 #[test]
 fn names_are_text_wherever_they_stand() {
-    let page = page_of(&made(1, 2, 1, [6, 12]), "</script><script>alert(1)</script>&\"'", None);
+    let page = page_of(&made(1, 2, 1, [6, 12]), "</script><script>alert(1)</script>&\"'", &[]);
     assert!(!page.contains("alert(1)</script>") && !page.contains("<none>"));
     assert_eq!(data_of(&page)["name"], "</script><script>alert(1)</script>&\"'");
 }
@@ -228,7 +228,7 @@ fn names_are_text_wherever_they_stand() {
 #[test]
 fn the_inlined_values_are_the_tables_to_half_precision() {
     let made = made(3, 2, 1, [6, 12]);
-    let data = data_of(&page_of(&made, "halves", None));
+    let data = data_of(&page_of(&made, "halves", &[]));
     let layers = data["table"]["layers"].as_array().expect("layers");
     let names: Vec<&str> = layers.iter().filter_map(|layer| layer["name"].as_str()).collect();
     let models = ["model, separable", "model, height-correlated", "model, direction-correlated"];
@@ -248,7 +248,7 @@ fn the_inlined_values_are_the_tables_to_half_precision() {
 #[test]
 fn six_stops_of_90_by_360_bins_stay_below_6_mb() {
     for colours in [1, 3] {
-        let page = page_of(&made(colours, 6, 1, [90, 360]), "large", None);
+        let page = page_of(&made(colours, 6, 1, [90, 360]), "large", &[]);
         assert!(page.len() < 6_000_000, "{colours} colours: {} bytes", page.len());
         let table = &data_of(&page)["table"];
         assert_eq!(table["theta_edges"].as_array().map(Vec::len), Some(91));
@@ -261,7 +261,7 @@ fn six_stops_of_90_by_360_bins_stay_below_6_mb() {
 #[test]
 fn a_larger_table_is_reduced_and_the_page_says_so() {
     let made = made(3, 6, 12, [45, 180]);
-    let page = page_of(&made, "huge", None);
+    let page = page_of(&made, "huge", &[]);
     assert!(page.len() < 6_000_000, "{} bytes", page.len());
     let table = &data_of(&page)["table"];
     let edges = |key: &str| table[key].as_array().expect("edges").len() - 1;
@@ -297,7 +297,7 @@ fn what_a_table_lacks_is_said() {
         masking: None,
         summary: &summary_of("imported", &arm.table),
         specimen: Err("The table holds no campaign.".into()),
-        bench: Some(&bench_of(json!([]), json!([]))),
+        benches: &[bench_of(json!([]), json!([]))],
     };
     let text = page(&bare);
     for words in [
@@ -348,7 +348,7 @@ fn page_on(grid: Grid) -> String {
         masking: None,
         summary: &summary_of("other", &table),
         specimen: Err("The table holds no campaign.".into()),
-        bench: None,
+        benches: &[],
     })
 }
 
@@ -460,6 +460,12 @@ fn the_ladders_of_a_bench_are_plotted() {
         "slope": -0.47, "slope_se": 0.01 });
     let bench =
         bench_of(json!([row(100, 0.2), row(10_000, 0.022)]), json!([{ "varies": "samples", "fit": fit }]));
-    let page = page_of(&made(1, 2, 1, [6, 12]), "bench", Some(&bench));
+    let page = page_of(&made(1, 2, 1, [6, 12]), "bench", std::slice::from_ref(&bench));
     assert!(page.contains("Error: more samples in each, slope -0.470"));
+    // The proof is the first picture; several benches share a plot.
+    assert!(page.find("slope -0.470") < page.find("id=\"comparisons\""));
+    assert!(!page.contains("Distance from the formula"));
+    let two = page_of(&made(1, 2, 1, [6, 12]), "bench", &[bench.clone(), bench]);
+    assert_eq!(two.matches("b within [0, 2.0e-2]").count(), 2);
+    assert!(two.find("Distance from the formula") < two.find("slope -0.470"));
 }

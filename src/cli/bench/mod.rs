@@ -150,7 +150,7 @@ fn several(arguments: &Arguments) -> Result<u8> {
         let own = folder.join(&campaign.name);
         answers.push(of_one(arguments, (path, campaign), Some(&own), &mut out)?);
     }
-    files::write_atomically(&picture, ladders::together(&answers).as_bytes())?;
+    files::write_atomically(&picture, ladders::picture_together(&answers).as_bytes())?;
     if arguments.json {
         out.json(&answers)?;
     } else {

@@ -20,12 +20,12 @@ pub struct Page<'a> {
     pub summary: &'a Summary,
     /// The first patch.
     pub specimen: ShownSpecimen,
-    /// The answer of `gonio bench`, for the plot of error against samples.
-    pub bench: Option<&'a BenchAnswer>,
+    /// Answers of `gonio bench`, for the plots of error against samples.
+    pub benches: &'a [BenchAnswer],
 }
 
 impl<'a> Page<'a> {
-    /// The page of a table, alike for one just measured and for one from its file; without an answer of `gonio bench`.
+    /// The page of a table, alike for one just measured and for one from its file; without answers of `gonio bench`.
     pub fn of(
         table: &'a BrdfTable,
         campaign: Option<&'a Campaign>,
@@ -35,7 +35,7 @@ impl<'a> Page<'a> {
     ) -> Self {
         let realisations = campaign.map_or(0, |campaign| campaign.surface.realisations as usize);
         let scene = Scene { table, prediction, realisations };
-        Page { scene, campaign, masking: campaign.map(expect::masking), summary, specimen, bench: None }
+        Page { scene, campaign, masking: campaign.map(expect::masking), summary, specimen, benches: &[] }
     }
 
     /// Place of the masking that the surface is tested against, 0 where there is none.

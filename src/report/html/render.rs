@@ -40,6 +40,7 @@ pub fn page(page: &Page) -> String {
         ("TITLE", escaped(&page.summary.name)),
         ("STYLE", STYLE.to_string()),
         ("HEAD", head(page)),
+        ("PROOF", sections::proof(page)),
         ("FIGURES", figures(page)),
         ("SPECIMEN", sections::specimen(page)),
         ("PLOTS", sections::plots(page)),

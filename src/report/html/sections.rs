@@ -23,6 +23,30 @@ pub fn picture(specimen: &PatchPicture) -> Value {
     })
 }
 
+/// The first pictures of a page that has them: error against samples.
+pub fn proof(page: &Page) -> String {
+    let charts = convergence_charts(page);
+    if charts.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<section id=\"proof\" aria-label=\"Error against samples\">\n<h2>Error against samples</h2>\n{}</section>\n",
+        figures_of(charts.iter().map(Chart::svg))
+    )
+}
+
+/// All benches in one chart, the ladders of each, and what the run itself saw on its way.
+fn convergence_charts(page: &Page) -> Vec<Chart> {
+    let several = (page.benches.len() > 1).then(|| ladders::together(page.benches)).flatten();
+    let ladders = page.benches.iter().flat_map(ladders::charts);
+    several.into_iter().chain(ladders).chain(convergence::looks(&page.scene, &page.summary.stops)).collect()
+}
+
+fn figures_of(pictures: impl IntoIterator<Item = String>) -> String {
+    let figures: String = pictures.into_iter().map(|svg| format!("<figure>{svg}</figure>\n")).collect();
+    format!("<div class=\"charts\">\n{figures}</div>\n")
+}
+
 /// The patch, its certificate and its slopes.
 pub fn specimen(page: &Page) -> String {
     let specimen = match &page.specimen {
@@ -90,30 +114,22 @@ pub fn plots(page: &Page) -> String {
             "One azimuth of the light (or none of its own): no plot of anisotropy against azimuth.".into(),
         ),
     }
-    if let Some(bench) = page.bench {
-        let charts = ladders::charts(bench);
-        shown.extend(charts.iter().map(Chart::svg));
-        if charts.is_empty() {
-            absent.push("Error against samples: the bench holds no rung with an error above 0.".into());
-        }
-    }
-    match convergence::looks(scene, &page.summary.stops) {
-        Some(chart) => shown.push(chart.svg()),
-        None if page.bench.is_some() => {}
-        None => absent.push(
+    if convergence_charts(page).is_empty() {
+        absent.push(if page.benches.is_empty() {
             "Error against samples: a campaign with stop.relative_error notes it on its way; `gonio bench` measures it, \
              for `gonio report --bench FILE`."
-                .into(),
-        ),
+                .into()
+        } else {
+            "Error against samples: the bench holds no rung with an error above 0.".into()
+        });
     }
     let scaled = page.campaign.is_some_and(|campaign| campaign.surface.kind.alphas().is_some());
     match masking::chart(scene, &page.summary.stops, scaled) {
         Some(chart) => shown.push(chart.svg()),
         None => absent.push(no_masking(page).into()),
     }
-    let figures: String = shown.iter().map(|svg| format!("<figure>{svg}</figure>\n")).collect();
     let absent: String = absent.iter().map(|why: &String| format!("<li>{}</li>", escaped(why))).collect();
-    format!("<div class=\"charts\">\n{figures}</div>\n<ul class=\"absent\">{absent}</ul>")
+    format!("{}<ul class=\"absent\">{absent}</ul>", figures_of(shown))
 }
 
 /// Why there is no plot of masking given the normal.

@@ -53,7 +53,8 @@ fn document(inner: &str, [width, height]: [f64; 2]) -> String {
 }
 
 /// The last ladder of each bench in one chart: measured errors and their fits, next to how noise alone falls.
-pub fn together(benches: &[BenchAnswer]) -> String {
+/// `None` where no ladder has an error above 0.
+pub fn together(benches: &[BenchAnswer]) -> Option<Chart> {
     let mut series = Vec::new();
     let (mut samples, mut errors) = (Vec::new(), Vec::new());
     for (index, bench) in benches.iter().enumerate() {
@@ -76,22 +77,29 @@ pub fn together(benches: &[BenchAnswer]) -> String {
         let label = format!("{}: {fitted}", bench.name);
         series.push(Series::new(label, points, SeriesStyle { line: false, ..style }));
     }
+    if series.is_empty() {
+        return None;
+    }
     let (samples, errors) = (ends(samples.into_iter()), ends(errors.into_iter()));
     let fall = |n: f64| errors[1] * (samples[0] / n).sqrt();
     series.insert(0, Series::new("1/√N", curve(samples[0], samples[1], fall), GUIDE));
-    let chart = Chart {
+    Some(Chart {
         title: "Distance from the formula".into(),
         x: ChartAxis::decades("samples of one incidence, N", samples),
         y: ChartAxis::decades("flux-weighted L1 of order 1", errors),
         series,
-    };
+    })
+}
+
+/// All benches in one picture that stands alone.
+pub fn picture_together(benches: &[BenchAnswer]) -> String {
     let mut inner = Drawing::default();
-    inner.add(format_args!(
-        "<g class=\"chart\">{}\n{}</g>",
-        heading(&escaped(&chart.title)),
-        chart.content()
-    ));
-    document(&inner.text(), chart.size())
+    let chart = together(benches);
+    if let Some(chart) = &chart {
+        let title = heading(&escaped(&chart.title));
+        inner.add(format_args!("<g class=\"chart\">{title}\n{}</g>", chart.content()));
+    }
+    document(&inner.text(), chart.map_or([0.0; 2], |chart| chart.size()))
 }
 
 /// What the errors are of, and what the ladder's fit gives.
