@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::reader::{Bounds, GivenValue, Slot, TableReader};
+use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use super::{arms, optics, surface};
 use crate::campaign::presets;
 use crate::campaign::presets::Preset;
@@ -161,15 +161,23 @@ fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolu
     if !surface.kind.is_random_heights() {
         lengths.absent("belongs to heights on a grid; grains have a size of their own")?;
     }
-    let cells = cells.or(vec![surface.cells], |i| all(i, |i| i.count(8..=16384)));
-    let longest = cells.iter().flatten().min().map_or(2048.0, |&cells| f64::from(cells) / 8.0);
+    let sizes = cells.or(vec![surface.cells], |i| all(i, |i| i.count(8..=16384)));
+    let longest = sizes.iter().flatten().min().map_or(2048.0, |&cells| f64::from(cells) / 8.0);
     let bounds = Bounds::closed(longest.min(2.0), longest).advice(
         "a shorter correlation is not resolved by the cells",
         "an eighth of the smallest patch at most",
     );
-    let own = vec![surface.correlation_cells];
-    let correlation_cells = lengths.or(own, |i| all(i, |i| i.float(&bounds)));
-    Some(Resolution { cells: cells?, correlation_cells: correlation_cells? })
+    let own = surface.correlation_cells;
+    let too_long = surface.kind.is_random_heights() && own > longest;
+    if let (true, None, Some(cells)) = (too_long, lengths.given(), cells.given()) {
+        return cells.refuse(format!(
+            "the smallest patch has no room for the surface's correlation_cells = {}: an eighth of its cells at most; \
+             take larger patches, or list bench.correlation_cells",
+            plain(own)
+        ));
+    }
+    let correlation_cells = lengths.or(vec![own], |i| all(i, |i| i.float(&bounds)));
+    Some(Resolution { cells: sizes?, correlation_cells: correlation_cells? })
 }
 
 /// Every element of a list that is not empty.

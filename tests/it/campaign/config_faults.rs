@@ -365,6 +365,8 @@ fn a_bench_varies_only_what_a_patch_can_have() {
     for (list, key, phrase) in [
         ("cells = []", "bench.cells", "at least one number"),
         ("cells = [4]", "bench.cells", "whole number in [8, 16384]"),
+        // Found by the fuzzer: the surface's own correlation was not held to the patches of the bench.
+        ("cells = [50, 32.0]", "bench.cells", "no room for the surface's correlation_cells = 8"),
         (
             "cells = [64, 256]\ncorrelation_cells = [16]",
             "bench.correlation_cells",
