@@ -13,17 +13,14 @@ use gonio::rng::{Purpose, StreamId, stream};
 use gonio::sphere;
 use gonio::surface::grains::{GrainField, usual_side};
 use gonio::trace::{
-    BLOCK, Bounce, GrainSampler, Outcome, PatchSymmetry, PathEnd, RaysFromAbove, Traced, TracedGrains,
+    BLOCK, GrainSampler, Mirrors, Outcome, PatchSymmetry, PathEnd, RaysFromAbove, Traced, TracedGrains,
 };
 use rand_pcg::Pcg64Dxsm;
 
 const REPLICATES: usize = 24;
 
-struct Unseen;
-
-impl Bounce for Unseen {
-    fn bounce(&mut self, _wi: DVec3, _wo: DVec3) {}
-}
+/// Nothing is recorded of a bounce.
+const UNSEEN: Mirrors<fn(DVec3, DVec3)> = Mirrors(|_, _| ());
 
 fn numbers(block: u64) -> Pcg64Dxsm {
     stream(StreamId { seed: 1, purpose: Purpose::Bench, realisation: 0, stop: 0, block })
@@ -57,7 +54,7 @@ fn from_grains(sample: &TracedGrains, wi: DVec3, rng: &mut Pcg64Dxsm, arrive: &m
     let flux = starts.flux_fraction(BLOCK);
     starts.each(BLOCK, rng, |start| {
         if !start.is_buried(sample.field)
-            && let PathEnd::Out { wo, .. } = sample.trace(start, wi, 1, &mut Unseen)
+            && let PathEnd::Out { wo, .. } = sample.trace(start, wi, 1, &mut UNSEEN.clone())
         {
             arrive(wo, flux);
         }
@@ -73,7 +70,7 @@ fn from_above(
 ) {
     RaysFromAbove { field: sample.field, light }.each(BLOCK, rng, |met| {
         let Outcome::Hit(place) = met else { return };
-        if let PathEnd::Out { wo, .. } = sample.trace_lit(place, wi, (1, false), &mut Unseen) {
+        if let PathEnd::Out { wo, .. } = sample.trace_lit(place, wi, (1, false), &mut UNSEEN.clone()) {
             arrive(wo, 1.0 / BLOCK as f64);
         }
     });

@@ -21,6 +21,8 @@ pub enum Purpose {
     Test = 4,
     /// The seeds of the runs of a ladder.
     Bench = 5,
+    /// Which way paths go at facets that leave it to chance.
+    Facets = 7,
     /// The realisations into which a value and its error are split.
     Split = 6,
 }
@@ -42,14 +44,43 @@ pub struct StreamId {
 
 /// The generator of a stream.
 pub fn stream(id: StreamId) -> Pcg64Dxsm {
-    let word = |salt: u64| {
-        [id.seed, id.purpose as u64, id.realisation, id.stop, id.block]
-            .iter()
-            .fold(mix(salt), |hash, &part| mix(hash ^ mix(part.wrapping_add(0x9E37_79B9_7F4A_7C15))))
-    };
-    let wide = |a: u64, b: u64| (u128::from(word(a)) << 64) | u128::from(word(b));
+    let wide = |a: u64, b: u64| (u128::from(word(id, a)) << 64) | u128::from(word(id, b));
     Pcg64Dxsm::new(wide(1, 2), wide(3, 4))
 }
+
+fn word(id: StreamId, salt: u64) -> u64 {
+    [id.seed, id.purpose as u64, id.realisation, id.stop, id.block]
+        .iter()
+        .fold(mix(salt), |hash, &part| mix(hash ^ mix(part.wrapping_add(SPLIT_STEP))))
+}
+
+/// A hash of a stream's address, for draws by number.
+pub fn key(id: StreamId) -> u64 {
+    word(id, 5)
+}
+
+/// Uniform numbers of one path by its number in a block: paths may be followed in any order.
+#[derive(Debug, Clone, Copy)]
+pub struct PathDraws {
+    state: u64,
+}
+
+impl PathDraws {
+    /// Those of a path; `block_key` is the [`key`] of its block.
+    pub fn new(block_key: u64, path: u64) -> Self {
+        PathDraws { state: mix(block_key ^ mix(path.wrapping_add(SPLIT_STEP))) }
+    }
+
+    /// The next number in [0, 1), of 53 bits: SplitMix64 (Steele, Lea, Flood 2014).
+    // Tested by `draws_of_paths_are_uniform_and_independent`.
+    pub fn uniform(&mut self) -> f64 {
+        self.state = self.state.wrapping_add(SPLIT_STEP);
+        (mix(self.state) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+    }
+}
+
+/// The odd step of SplitMix64: 2^64 over the golden ratio.
+const SPLIT_STEP: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// A hash of an incidence's angles (degrees, in the sample's frame): adding an incidence leaves the others as they were.
 pub fn incidence_key(theta_i_deg: f64, phi_i_deg: f64) -> u64 {
@@ -100,6 +131,25 @@ mod tests {
         let dof = 16_383.0f64;
         let z = (chi2 - dof) / (2.0 * dof).sqrt();
         assert!(z.abs() < 4.5, "z = {z}");
+    }
+
+    /// As above, on pairs (draw n of path k, the same of path k + 1) and (draw n, draw n + 1 of one path).
+    #[test]
+    fn draws_of_paths_are_uniform_and_independent() {
+        let mut counts = [vec![0u32; 16_384], vec![0u32; 16_384]];
+        let block = key(id(0, 0));
+        let cell = |a: f64, b: f64| (a * 128.0) as usize * 128 + (b * 128.0) as usize;
+        for path in 0..1u64 << 20 {
+            let (mut own, mut next) = (PathDraws::new(block, path), PathDraws::new(block, path + 1));
+            let (first, second) = (own.uniform(), own.uniform());
+            counts[0][cell(first, next.uniform())] += 1;
+            counts[1][cell(first, second)] += 1;
+        }
+        for counts in counts {
+            let chi2: f64 = counts.iter().map(|&c| (f64::from(c) - 64.0).powi(2) / 64.0).sum();
+            let z = (chi2 - 16_383.0) / (2.0 * 16_383.0f64).sqrt();
+            assert!(z.abs() < 4.5, "z = {z}");
+        }
     }
 
     #[test]

@@ -17,7 +17,7 @@ use blocks::{Blocks, HEADING, compared};
 use glam::{DVec2, DVec3};
 use gonio::sphere;
 use gonio::trace::{
-    BLOCK, BatchedStarts, Bounce, GridTraversal, Kernel, MaxPyramid, PatchSymmetry, PathEnd, PathWaves,
+    BLOCK, BatchedStarts, GridTraversal, Kernel, MaxPyramid, Mirrors, PatchSymmetry, PathEnd, PathWaves,
     SimdTraversal, SlopeIndex, SlopeSampler, SurfacePoint, TracedPatch, View, Wave,
 };
 use patches::{numbers, patch};
@@ -27,12 +27,7 @@ const ALPHA: f64 = 0.2;
 const REPLICATES: usize = 24;
 
 /// Nothing is recorded of a bounce.
-#[derive(Clone, Copy)]
-struct Unseen;
-
-impl Bounce for Unseen {
-    fn bounce(&mut self, _wi: DVec3, _wo: DVec3) {}
-}
+const UNSEEN: Mirrors<fn(DVec3, DVec3)> = Mirrors(|_, _| ());
 
 /// Calls `arrive` with every arrival of samples of this flux.
 fn arrivals(
@@ -43,8 +38,8 @@ fn arrivals(
 ) {
     let view_of = vec![0; starts.len()];
     let wave = Wave { surface_samples: starts, view_of: &view_of, views: &[view], bounces: 1 };
-    let (mut seen, mut endings) = (vec![Unseen; starts.len()], Vec::new());
-    PathWaves::default().trace(over, &wave, &mut seen, &mut endings);
+    let (mut seen, mut endings) = (vec![UNSEEN; starts.len()], Vec::new());
+    PathWaves::default().trace(&[*over; 2], &wave, &mut seen, &mut endings);
     for ending in endings {
         if let PathEnd::Out { wo, .. } = ending {
             arrive(wo, flux);
@@ -56,11 +51,7 @@ fn main() {
     let field = patch(CELLS);
     let (index, lanes) = (SlopeIndex::new(&field).expect("periodic"), MaxPyramid::new(&field).expect("2^10"));
     let over = SimdTraversal::new(GridTraversal::new(&field), &lanes, Kernel::widest());
-    let sample = TracedPatch {
-        traversal: *over.traversal(),
-        alpha: DVec2::splat(ALPHA),
-        image: PatchSymmetry::default(),
-    };
+    let sample = TracedPatch::opaque(*over.traversal(), DVec2::splat(ALPHA), PatchSymmetry::default());
     println!("theta_i  {HEADING}");
     for theta in [0.0, 30.0, 60.0, 75.0] {
         let wi = sphere::direction_deg(theta, 20.0);

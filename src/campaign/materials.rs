@@ -62,7 +62,70 @@ pub fn names_with_index() -> [&'static str; 8] {
 /// n and k of a material by its name, at increasing wavelengths.
 pub fn index_of(name: &str) -> Option<Vec<Medium>> {
     let (_, rows) = INDICES.iter().find(|(known, _)| *known == name)?;
-    Some(rows.iter().map(|&[nm, eta, k]| Medium { wavelength_nm: Some(nm), eta, k }).collect())
+    Some(media(rows))
+}
+
+fn media(rows: &[[f64; 3]]) -> Vec<Medium> {
+    rows.iter().map(|&[nm, eta, k]| Medium { wavelength_nm: Some(nm), eta, k }).collect()
+}
+
+/// Clear materials: n^2 - 1 = sum b l^2/(l^2 - c) with (b, c) for l in um, over these wavelengths in nm.
+///
+/// Glass: BK7 of the Schott catalogue. Plastic: PMMA, Sultanova, Kasarova, Nikolov 2009 (Acta Phys. Pol. A 116, 585).
+/// Diamond: Peter 1923 (Z. Phys. 15, 358). Water: Daimon and Masumura 2007 (Appl. Opt. 46, 3811), 20 degrees C.
+// Tested by `clear_materials_have_the_published_indices`.
+pub const CLEAR: [ClearMaterial; 4] = [
+    (
+        "glass",
+        &[(1.03961212, 0.00600069867), (0.231792344, 0.0200179144), (1.01046945, 103.560653)],
+        [310.0, 2500.0],
+    ),
+    ("plastic", &[(1.1819, 0.011313)], [436.8, 1052.0]),
+    ("diamond", &[(4.3356, 0.011236), (0.3306, 0.030625)], [226.0, 10_000.0]),
+    (
+        "water",
+        &[
+            (0.5684027565, 0.005101829712),
+            (0.1726177391, 0.01821153936),
+            (0.02086189578, 0.02620722293),
+            (0.1130748688, 10.69792721),
+        ],
+        [182.0, 1129.0],
+    ),
+];
+
+/// Its name, its terms, and where they hold.
+pub type ClearMaterial = (&'static str, &'static [(f64, f64)], [f64; 2]);
+
+/// Warren and Brandt 2008 (J. Geophys. Res. 113, D14220): nm, n, and no k.
+const ICE: [[f64; 3]; 7] = [
+    [400.0, 1.3194, 0.0],
+    [450.0, 1.3157, 0.0],
+    [500.0, 1.3130, 0.0],
+    [550.0, 1.3110, 0.0],
+    [600.0, 1.3094, 0.0],
+    [650.0, 1.3080, 0.0],
+    [700.0, 1.3069, 0.0],
+];
+
+/// The names of clear materials.
+pub(crate) fn clear_names() -> Vec<&'static str> {
+    CLEAR.iter().map(|(name, ..)| *name).chain(["ice"]).collect()
+}
+
+/// The index of a clear material by its name.
+pub(crate) fn clear(name: &str) -> Option<Dispersion> {
+    if name == "ice" {
+        return Some(Dispersion::of(&media(&ICE)));
+    }
+    let (_, terms, range) = CLEAR.iter().find(|(known, ..)| *known == name)?;
+    Some(Dispersion::sellmeier(terms.to_vec(), *range))
+}
+
+/// n of a clear material at the wavelengths that stand for B, G and R.
+pub fn clear_rgb_of(name: &str) -> Option<Vec<Medium>> {
+    let known = clear(name)?;
+    RGB_NM.iter().map(|&nm| known.at(nm)).collect()
 }
 
 /// The wavelengths that stand for B, G and R, nm.

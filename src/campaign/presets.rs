@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::parse::angles::{AxisRules, HALF_TURN, PHI, THETA_I, THETA_R, TO_SIXTY, axis};
 use super::parse::arms::{APERTURE, OPEN, above_horizon, klems_light, light_azimuth, table_fits};
 use super::parse::reader::{Slot, TableReader};
-use super::schema::{Azimuth, BinLayout, LightArm, PhiFrom, SensorArm};
+use super::schema::{Azimuth, BinLayout, LightArm, PhiFrom, SensorArm, SensorSide};
 
 /// What a preset imitates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -173,8 +173,8 @@ fn rgl(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
 fn hemisphere(rows: &Slot<'_>, theta_r: u32, columns: &Slot<'_>, phi_r: u32) -> Option<SensorArm> {
     let theta_r_bins = rows.or(theta_r, |i| i.count(1..=9000));
     let phi_r_bins = columns.or(phi_r, |i| i.count(1..=36_000));
-    let bins = BinLayout::Centred;
-    Some(SensorArm::Hemisphere { theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins })
+    let (side, bins) = (SensorSide::Reflection, BinLayout::Centred);
+    Some(SensorArm::Hemisphere { side, theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins })
 }
 
 /// The keys of an instrument that measures pairs of directions: of the light, and theta_r, phi_r and aperture.

@@ -4,8 +4,8 @@ use std::fmt::{Debug, Display};
 
 use super::parse::{arms, campaign, grains, height_map, optics, surface};
 use super::schema::{
-    Alpha, Azimuth, Campaign, Expect, GrainShape, Grains, HeightMap, LightArm, Medium, Optics,
-    RefractiveIndex, SensorArm, Surface, SurfaceKind,
+    Alpha, Azimuth, Campaign, Expect, GrainShape, Grains, HeightMap, LightArm, LightSide, Medium, Optics,
+    RefractiveIndex, SensorArm, SensorSide, Surface, SurfaceKind,
 };
 
 /// The campaign as resolved, in the schema that [`parse`](super::parse()) reads: parsing it gives the campaign again.
@@ -20,7 +20,7 @@ pub fn to_toml(campaign: &Campaign) -> String {
     text.line("name", quoted(&campaign.name));
     text.line("seed", campaign.seed);
     surface_table(&mut text, &campaign.surface);
-    light_table(&mut text, &campaign.light);
+    light_table(&mut text, &campaign.light, &campaign.optics.light_sides());
     sensor_table(&mut text, &campaign.sensor);
     optics_table(&mut text, &campaign.optics);
     text.table("trace");
@@ -171,7 +171,7 @@ fn file_table(text: &mut Text, map: &HeightMap) {
     text.line("tiles", map.tiles);
 }
 
-fn light_table(text: &mut Text, light: &LightArm) {
+fn light_table(text: &mut Text, light: &LightArm, sides: &[LightSide]) {
     text.table("light");
     if light.azimuth != Azimuth::KlemsFull {
         text.floats("theta_i_deg", &light.theta_i_deg);
@@ -188,15 +188,21 @@ fn light_table(text: &mut Text, light: &LightArm) {
         text.line("average_azimuth", light.average_azimuth);
     }
     text.floats("aperture_deg", light.aperture_deg);
+    if sides != [LightSide::Front] {
+        text.line("side", word(&arms::LIGHT_SIDES, &sides));
+    }
 }
 
 fn sensor_table(text: &mut Text, sensor: &SensorArm) {
     match sensor {
-        SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
+        SensorArm::Hemisphere { side, theta_r_bins, phi_r_bins, bins } => {
             text.table("sensor.hemisphere");
             text.line("theta_r_bins", theta_r_bins);
             text.line("phi_r_bins", phi_r_bins);
             text.line("bins", word(&arms::LAYOUTS, bins));
+            if *side != SensorSide::Reflection {
+                text.line("side", word(&arms::SENSOR_SIDES, side));
+            }
         }
         SensorArm::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from } => {
             text.table("sensor.arm");
@@ -217,11 +223,19 @@ fn optics_table(text: &mut Text, optics: &Optics) {
         return;
     }
     text.table("optics");
+    match optics.each()[0] {
+        Optics::Dielectric(_) => return clear_lines(text, optics),
+        Optics::Diffuse { albedo } => {
+            text.line("facet", quoted("diffuse"));
+            return text.floats("albedo", albedo);
+        }
+        _ => {}
+    }
     match optics {
         Optics::Schlick { material: Some(name), .. } => text.line("material", quoted(name)),
         Optics::Schlick { material: None, f0 } => text.floats("f0", f0),
         Optics::Index(index) => index_lines(text, index),
-        Optics::PerfectMirror => {}
+        Optics::PerfectMirror | Optics::Dielectric(_) | Optics::Diffuse { .. } => {}
         Optics::Several(all) => several_lines(text, all),
     }
     let (law, polarisations) = optics::law_of(optics);
@@ -230,6 +244,25 @@ fn optics_table(text: &mut Text, optics: &Optics) {
         [one] => text.line("polarisation", word(&optics::POLARISATIONS, &one)),
         _ => text.line("polarisation", words(polarisations.iter().map(|p| word(&optics::POLARISATIONS, p)))),
     }
+}
+
+/// Clear materials; the sides of the light stand in `[light]`.
+fn clear_lines(text: &mut Text, optics: &Optics) {
+    text.line("facet", quoted("dielectric"));
+    let each = optics.each();
+    let mut clear =
+        each.iter().filter_map(|one| if let Optics::Dielectric(clear) = one { Some(clear) } else { None });
+    let Some(first) = clear.next() else { return };
+    let mut names: Vec<&str> = each.iter().filter_map(|one| one.material()).collect();
+    names.dedup();
+    let nm: Vec<f64> = first.media.iter().filter_map(|medium| medium.wavelength_nm).collect();
+    match names[..] {
+        [] if nm.is_empty() => return text.floats("eta", first.media[0].eta),
+        [] => text.floats("eta", first.media.iter().map(|medium| medium.eta).collect::<Vec<f64>>()),
+        [name] => text.line("material", quoted(name)),
+        _ => text.line("materials", words(names.iter().map(|name| quoted(name)))),
+    }
+    text.floats("wavelength_nm", nm);
 }
 
 /// The numbers themselves for an index that came from a file or the campaign: a table needs no other file.

@@ -2,7 +2,7 @@
 
 use super::grid::{Grid, GridKind};
 use super::klems::{FULL, middles, patches};
-use crate::campaign::{Azimuth, BinLayout, Campaign, PhiFrom, SensorArm};
+use crate::campaign::{Azimuth, BinLayout, Campaign, PhiFrom, SensorArm, SensorSide};
 
 /// The geometry of the table that a campaign asks for.
 pub fn grid_of(campaign: &Campaign) -> Grid {
@@ -15,8 +15,8 @@ pub fn grid_of(campaign: &Campaign) -> Grid {
     };
     let empty = Grid { kind: GridKind::Hemisphere, phi_r_relative: relative, ..stops };
     match &campaign.sensor {
-        SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins } => Grid {
-            theta_r_edges_deg: theta_edges(*theta_r_bins, *bins),
+        SensorArm::Hemisphere { side, theta_r_bins, phi_r_bins, bins } => Grid {
+            theta_r_edges_deg: edges_of_side(theta_edges(*theta_r_bins, *bins), *side),
             phi_r_edges_deg: phi_edges(*phi_r_bins, *bins),
             ..empty
         },
@@ -29,6 +29,16 @@ pub fn grid_of(campaign: &Campaign) -> Grid {
             ..empty
         },
         SensorArm::KlemsFull => Grid { kind: GridKind::Patches, patches_deg: patches(&FULL), ..empty },
+    }
+}
+
+/// The edges of a hemisphere above, those below it in the same distances from the pole, or both.
+fn edges_of_side(above: Vec<f64>, side: SensorSide) -> Vec<f64> {
+    let below = above.iter().rev().map(|edge| 180.0 - edge);
+    match side {
+        SensorSide::Reflection => above,
+        SensorSide::Transmission => below.collect(),
+        SensorSide::Both => above.iter().copied().chain(below.skip(1)).collect(),
     }
 }
 

@@ -11,10 +11,12 @@ use crate::sphere;
 /// counts in: the stage's, or the light's when the azimuth is relative.
 #[derive(Debug, Clone)]
 pub enum Sensor {
-    /// Every direction above the horizon falls into exactly one bin.
+    /// Every direction of the hemispheres that it covers falls into exactly one bin.
     Hemisphere {
         /// Edges of the rows.
         theta: Edges,
+        /// Rows above the horizon; the others lie below it.
+        above: usize,
         /// Edges of the columns.
         phi: Edges,
     },
@@ -86,6 +88,7 @@ impl Sensor {
         match grid.kind {
             GridKind::Hemisphere => Sensor::Hemisphere {
                 theta: Edges::new(&grid.theta_r_edges_deg),
+                above: grid.theta_r_edges_deg[1..].iter().filter(|&&edge| edge <= 90.0).count(),
                 phi: Edges::new(&grid.phi_r_edges_deg),
             },
             GridKind::Arm => {
@@ -123,7 +126,7 @@ impl Sensor {
         }
     }
 
-    /// Whether any bin holds `wo`, a unit vector with wo.z > 0.
+    /// Whether any bin holds `wo`, a unit vector.
     pub fn sees(&self, wo: DVec3) -> bool {
         let mut seen = false;
         self.each_bin(wo, |_| seen = true);
@@ -134,8 +137,9 @@ impl Sensor {
     /// the plane at the azimuth of half `about_deg`, in [0, 720).
     // Tested by `images_fall_where_they_fall_alone`.
     pub fn each_bin_of_both(&self, wo: DVec3, image: DVec3, about_deg: f64, mut visit: impl FnMut(usize)) {
-        if let Sensor::Hemisphere { theta, phi } = self {
-            let (first, azimuth) = (row(wo, theta) * phi.len(), quick_atan2_deg(wo.y, wo.x));
+        if let Sensor::Hemisphere { theta, above, phi } = self {
+            let Some(row) = row(wo, theta, *above) else { return };
+            let (first, azimuth) = (row * phi.len(), quick_atan2_deg(wo.y, wo.x));
             let turned = about_deg - azimuth;
             let mirrored = if turned < 0.0 { turned + 360.0 } else { turned % 360.0 };
             visit(first + column(wo, azimuth, phi));
@@ -146,12 +150,13 @@ impl Sensor {
         }
     }
 
-    /// Calls `visit(bin)` for every bin that holds `wo`, a unit vector with wo.z > 0.
+    /// Calls `visit(bin)` for every bin that holds `wo`, a unit vector.
     pub fn each_bin(&self, wo: DVec3, mut visit: impl FnMut(usize)) {
         match self {
-            Sensor::Hemisphere { theta, phi } => {
+            Sensor::Hemisphere { theta, above, phi } => {
+                let Some(row) = row(wo, theta, *above) else { return };
                 let azimuth = quick_atan2_deg(wo.y, wo.x);
-                visit(row(wo, theta) * phi.len() + column(wo, azimuth, phi));
+                visit(row * phi.len() + column(wo, azimuth, phi));
             }
             Sensor::Arm { caps, chord2, reach } => {
                 // Which caps come into question; the chord decides.
@@ -164,8 +169,9 @@ impl Sensor {
                 }
             }
             Sensor::Patches(patches) => {
-                // An angle of 90 degrees is the rounding of one just below.
-                let theta = sphere::theta(wo).to_degrees().min(90.0f64.next_down());
+                // An angle of 90 degrees is the rounding of one just off it, on the side that wo.z says.
+                let theta = sphere::theta(wo).to_degrees();
+                let theta = if wo.z > 0.0 { theta.min(90.0f64.next_down()) } else { theta.max(90.0) };
                 let phi = sphere::phi(wo).to_degrees();
                 let holds = |&[t1, t2, p1, p2]: &[f64; 4]| {
                     let phi = p1 + (phi - p1).rem_euclid(360.0);
@@ -182,9 +188,14 @@ fn near_polar_deg(wo: DVec3) -> f64 {
     quick_atan2_deg((wo.x * wo.x + wo.y * wo.y).sqrt(), wo.z)
 }
 
-/// The row of a hemisphere that holds `wo`.
-fn row(wo: DVec3, theta: &Edges) -> usize {
-    theta.find_quickly(near_polar_deg(wo), || sphere::theta(wo).to_degrees())
+/// The row that holds `wo`, of which `above` lie above the horizon; `None` where those of its hemisphere are none.
+///
+/// The sign of wo.z decides the hemisphere: an angle of 90 degrees is the rounding of one just off it.
+fn row(wo: DVec3, theta: &Edges, above: usize) -> Option<usize> {
+    let rows = if wo.z > 0.0 { 0..above } else { above..theta.len() };
+    let last = rows.end.checked_sub(1).filter(|last| rows.start <= *last)?;
+    let found = theta.find_quickly(near_polar_deg(wo), || sphere::theta(wo).to_degrees());
+    Some(found.clamp(rows.start, last))
 }
 
 /// The column of a hemisphere that holds `wo`, whose azimuth is about `near`, in [0, 360) degrees.
@@ -255,6 +266,28 @@ mod tests {
     }
 
     #[test]
+    fn each_hemisphere_has_rows_of_its_own() {
+        let with = |edges: &[f64]| Sensor::new(&Grid { theta_r_edges_deg: edges.to_vec(), ..centred() });
+        let both = with(&[0.0, 45.0, 90.0, 135.0, 180.0]);
+        let rows =
+            |sensor: &Sensor, theta| bins(sensor, theta, 0.0).iter().map(|bin| bin / 36).collect::<Vec<_>>();
+        for (theta, row) in
+            [(1.0, 0), (89.999_999_999, 1), (90.000_000_001, 2), (134.0, 2), (135.1, 3), (180.0, 3)]
+        {
+            assert_eq!(rows(&both, theta), [row], "{theta}");
+        }
+        // Angles that round to 90 degrees: the sign of z decides.
+        for (z, row) in [(1e-300, 1), (-1e-300, 2)] {
+            let mut found = vec![];
+            both.each_bin(DVec3::new(1.0, 0.0, z), |bin| found.push(bin / 36));
+            assert_eq!(found, [row]);
+        }
+        assert!(rows(&with(&[0.0, 45.0, 90.0]), 120.0).is_empty());
+        assert!(rows(&with(&[90.0, 135.0, 180.0]), 60.0).is_empty());
+        assert_eq!(rows(&with(&[90.0, 135.0, 180.0]), 100.0), [0]);
+    }
+
+    #[test]
     fn the_quick_angle_keeps_its_bound() {
         for step in 0..1_000_000 {
             let (sin, cos) = (f64::from(step) * TAU / 1e6).sin_cos();
@@ -284,7 +317,7 @@ mod tests {
     #[test]
     fn the_quick_way_finds_the_bins_of_the_exact_angles() {
         let sensor = Sensor::new(&centred());
-        let Sensor::Hemisphere { theta, phi } = &sensor else { panic!("a hemisphere") };
+        let Sensor::Hemisphere { theta, phi, .. } = &sensor else { panic!("a hemisphere") };
         // Directions on edges, a rounding beside them, and between them.
         let edges = [0.0, 2.5, 7.5, 85.0, 90.0 - 1e-9, 1.0, 33.3];
         let azimuths = (0..720).map(|k| f64::from(k) * 0.5);

@@ -37,7 +37,8 @@ pub struct Grid {
     pub phi_i_deg: Vec<f64>,
     /// Whether phi_r counts from the light's azimuth.
     pub phi_r_relative: bool,
-    /// Hemisphere: edges of the rows, increasing, the last 90.
+    /// Hemisphere: edges of the rows, increasing, the last 90; on both sides of the surface 90 is among them and the last
+    /// 180. Beyond 90: light that has gone through.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub theta_r_edges_deg: Vec<f64>,
     /// Hemisphere: edges of the columns, increasing, last - first = 360.
@@ -75,7 +76,7 @@ pub struct Grid {
     pub phi_d_deg: Vec<f64>,
 }
 
-/// One sensor bin as a part of the hemisphere, in the stage's frame, radians.
+/// One sensor bin as a part of one hemisphere, in the stage's frame, radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Region {
     /// theta in [lower, upper), phi in [lower, upper); phi may start below 0 or end above 2 pi.
@@ -85,7 +86,7 @@ pub enum Region {
         /// Azimuth, [lower, upper].
         phi: [f64; 2],
     },
-    /// The cone of `half_angle` about `axis`, wholly above the horizon.
+    /// The cone of `half_angle` about `axis`, wholly above the horizon or below it.
     Cap {
         /// Unit vector.
         axis: DVec3,
@@ -95,17 +96,27 @@ pub enum Region {
 }
 
 impl Region {
-    /// Integral of cos(theta) over the region, sr.
+    /// Integral of |cos(theta)| over the region, sr.
     ///
-    /// Rectangle: dphi (sin^2 t2 - sin^2 t1)/2 = dphi sin(t2 + t1) sin(t2 - t1)/2. Cap: pi sin^2(a) axis.z.
+    /// Rectangle: dphi |sin^2 t2 - sin^2 t1|/2 = dphi |sin(t2 + t1) sin(t2 - t1)|/2. Cap: pi sin^2(a) |axis.z|.
     /// Both forms are free of cancellation.
     // Tested by `projected_solid_angles_sum_to_pi`, `a_cap_is_a_projected_disc`.
     pub fn projected_solid_angle(&self) -> f64 {
         match *self {
             Region::Rectangle { theta: [t1, t2], phi: [p1, p2] } => {
-                0.5 * (p2 - p1) * (t2 + t1).sin() * (t2 - t1).sin()
+                0.5 * (p2 - p1) * ((t2 + t1).sin() * (t2 - t1).sin()).abs()
             }
-            Region::Cap { axis, half_angle } => std::f64::consts::PI * half_angle.sin().powi(2) * axis.z,
+            Region::Cap { axis, half_angle } => {
+                std::f64::consts::PI * half_angle.sin().powi(2) * axis.z.abs()
+            }
+        }
+    }
+
+    /// Whether it lies below the horizon: where light goes that has gone through the surface.
+    pub fn is_below(&self) -> bool {
+        match self {
+            Region::Rectangle { theta: [t1, _], .. } => *t1 >= HORIZON,
+            Region::Cap { axis, .. } => axis.z < 0.0,
         }
     }
 
@@ -120,7 +131,21 @@ impl Region {
     }
 }
 
+/// 90 degrees as edges of bins have it.
+const HORIZON: f64 = std::f64::consts::FRAC_PI_2;
+
 impl Grid {
+    /// Whether some bins lie below the horizon.
+    pub fn looks_below(&self) -> bool {
+        match self.kind {
+            GridKind::Hemisphere => self.theta_r_edges_deg.last().is_some_and(|&last| last > 90.0),
+            GridKind::Arm => self.theta_r_deg.iter().any(|theta| theta.abs() > 90.0),
+            GridKind::Patches => self.patches_deg.iter().any(|patch| patch[0] >= 90.0),
+            GridKind::Points => self.points_deg.iter().any(|point| point[0] > 90.0),
+            GridKind::HalfDifference => false,
+        }
+    }
+
     /// Number of incidences; of half/difference angles, of half vectors.
     pub fn stops(&self) -> usize {
         if self.kind == GridKind::HalfDifference {

@@ -6,7 +6,7 @@ use super::accumulate::tally::Tally;
 use super::block_arms::{BlockArms, starts_stream};
 use super::block_tracer::{BlockTracer, with_waves};
 use super::context::Context;
-use super::optics::BounceRecorder;
+use super::optics::FacetWay;
 use super::prepared_patch::{Heights, IntoApertures, PatchSampler, PlacedGrains};
 use crate::rng;
 use crate::trace::{
@@ -17,6 +17,8 @@ use crate::trace::{
 /// The address of some blocks, and the surface that they are measured on.
 pub(super) struct Work<'a> {
     pub sampler: &'a PatchSampler<'a>,
+    /// How paths are followed from each surface sample.
+    pub ways: &'a [FacetWay],
     pub stop: usize,
     pub realisation: u64,
     pub blocks: &'a [u64],
@@ -42,7 +44,6 @@ impl Context<'_> {
                 each(&mut |block| self.block_into_apertures(work, block, into, tally));
             }
         }
-        (self.session.progress)(self.plan.block_starts * work.blocks.len() as u64);
     }
 
     /// Paths through a law.
@@ -50,14 +51,12 @@ impl Context<'_> {
         let arms = self.arms(work, block);
         let mut rng = rng::stream(self.starts_stream(work, block));
         let flux = 1.0 / self.plan.block_starts as f64;
-        let mut followed = BlockTracer::one(self, (arms, work.stop), flux, tally);
+        let mut followed = BlockTracer::one(self, work, arms, flux, tally);
         for _ in 0..self.plan.block_starts {
             if followed.is_given_up() {
                 return;
             }
-            let mut light = BounceRecorder::new(self.plan.sums.needs_angles());
-            let ending = walk.trace(arms.wi, self.campaign.trace.bounces, &mut rng, &mut light);
-            followed.end(ending, &light);
+            followed.follow_law(walk, &mut rng);
         }
     }
 
@@ -66,7 +65,7 @@ impl Context<'_> {
         let (count, arms) = (self.plan.block_starts, self.arms(work, block));
         let sample = grains.sample(&arms);
         let starts = GrainSampler::new(grains.field, sample.to_field(arms.wi));
-        let mut followed = BlockTracer::one(self, (arms, work.stop), starts.flux_fraction(count), tally);
+        let mut followed = BlockTracer::one(self, work, arms, starts.flux_fraction(count), tally);
         let mut rng = rng::stream(self.starts_stream(work, block));
         starts.each(count, &mut rng, |start| match start.is_buried(grains.field) {
             true => followed.bury(),
@@ -79,7 +78,7 @@ impl Context<'_> {
         let (count, arms) = (self.plan.block_starts, self.arms(work, block));
         let sample = grains.sample(&arms);
         let mut rng = rng::stream(self.starts_stream(work, block));
-        let mut followed = BlockTracer::one(self, (arms, work.stop), 1.0 / count as f64, tally);
+        let mut followed = BlockTracer::one(self, work, arms, 1.0 / count as f64, tally);
         let light = sample.to_field(arms.wi);
         RaysFromAbove { field: grains.field, light }
             .each(count, &mut rng, |met| followed.follow_lit(&sample, met));
@@ -94,7 +93,7 @@ impl Context<'_> {
         let light = sample.to_field(arms.wi);
         let starts = AreaSampler::new(&heights.patch.field, heights.patch.window, light);
         let flux = starts.flux_fraction(plan.block_starts);
-        let mut followed = BlockTracer::one(self, (arms, work.stop), flux, tally);
+        let mut followed = BlockTracer::one(self, work, arms, flux, tally);
         if flux == 0.0 {
             // A part of an open map may lean away from the light with every facet: nothing falls on it.
             return followed.all_turned_away(plan.block_starts);
@@ -107,7 +106,7 @@ impl Context<'_> {
     /// Samples along all facets in the order of their slopes: blocks together.
     fn blocks_by_slope(&self, work: &Work, heights: &Heights, index: &SlopeIndex, tally: &mut Tally) {
         let (field, count) = (&heights.patch.field, self.plan.block_starts);
-        let mut followed = BlockTracer::new(self, work.stop, tally);
+        let mut followed = BlockTracer::new(self, work, tally);
         let (mut views, mut together) = (Vec::new(), BatchedStarts::default());
         for &block in work.blocks {
             let arms = self.arms(work, block);
@@ -143,7 +142,7 @@ impl Context<'_> {
             return self.block_by_place(work, block, heights, tally);
         }
         let mut rng = rng::stream(self.starts_stream(work, block));
-        let mut followed = BlockTracer::one(self, (arms, stop), fraction, tally);
+        let mut followed = BlockTracer::one(self, work, arms, fraction, tally);
         follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |visit| {
             selection.each(step, &mut rng, |start| visit(0, start));
         });

@@ -30,6 +30,8 @@ pub struct BlockArms {
     pub mirror: (f64, f64),
     /// Twice that azimuth, in [0, 720) degrees.
     pub mirror_deg: f64,
+    /// For the draws at the facets of the block's paths.
+    pub facets_key: u64,
 }
 
 impl BlockArms {
@@ -59,6 +61,10 @@ impl BlockArms {
             to_bins: sphere::sin_cos_deg(turn_to_bins),
             mirror: sphere::sin_cos_deg(2.0 * phi_in_bins),
             mirror_deg: 2.0 * sphere::reduced_deg(phi_in_bins),
+            facets_key: rng::key(StreamId {
+                purpose: Purpose::Facets,
+                ..starts_stream(campaign, plan, stop, realisation, block)
+            }),
         }
     }
 

@@ -5,14 +5,20 @@ use std::cell::RefCell;
 use std::time::{Duration, Instant};
 
 use glam::{DVec2, DVec3};
+use rand_pcg::Pcg64Dxsm;
 
 use super::accumulate::fresnel_sums::PathWeights;
 use super::accumulate::tally::{Tally, to_units};
+use super::block::Work;
 use super::block_arms::BlockArms;
 use super::context::Context;
-use super::optics::BounceRecorder;
+use super::optics::{FacetWay, PathLight};
 use crate::campaign::Campaign;
-use crate::trace::{Outcome, PathEnd, PathWaves, SimdTraversal, SurfacePoint, Traced, View, Wave};
+use crate::optics::FacetKind;
+use crate::rng::PathDraws;
+use crate::trace::{
+    Outcome, PathEnd, PathWaves, SimdTraversal, SmithWalk, SplitEnd, SurfacePoint, Traced, View, Wave,
+};
 
 /// Samples that are followed together: their rays fit the cache of a core.
 const WAVE: usize = 4096;
@@ -37,11 +43,13 @@ pub(super) fn with_waves<T>(count: usize, work: impl FnOnce(&mut [WaveMemory]) -
 #[derive(Default)]
 pub(super) struct WaveMemory {
     starts: Vec<SurfacePoint>,
-    /// Which turn each surface sample belongs to.
+    /// Which turn each surface sample belongs to, and its number there.
     turns: Vec<u16>,
+    numbers: Vec<u64>,
     paths: PathWaves,
-    lights: Vec<BounceRecorder>,
+    lights: Vec<PathLight>,
     endings: Vec<PathEnd>,
+    splits: Vec<SplitEnd>,
 }
 
 /// One block among those that are followed together. All of its samples carry the same flux.
@@ -57,12 +65,26 @@ pub(super) struct Turn {
     part_units: u128,
     /// The light's azimuth in the field, a unit vector; `None` before the first start.
     along: Option<DVec2>,
+    /// Starts that were followed.
+    started: u64,
+}
+
+/// What a path brings to where it ends.
+struct Carried {
+    /// Flux, as a fraction of the incident flux.
+    flux: f64,
+    /// The same in the tally's units.
+    units: u128,
+    /// What of it goes into a bin.
+    part: f64,
+    part_units: u128,
 }
 
 /// What the paths of some blocks of an incidence add to.
 pub(super) struct BlockTracer<'a> {
     context: &'a Context<'a>,
     stop: usize,
+    ways: &'a [FacetWay],
     tally: &'a mut Tally,
     turns: Vec<Turn>,
     /// The turn of the path at hand.
@@ -79,21 +101,23 @@ pub(super) struct BlockTracer<'a> {
 
 impl<'a> BlockTracer<'a> {
     /// Of an incidence, without blocks yet.
-    pub fn new(context: &'a Context<'a>, stop: usize, tally: &'a mut Tally) -> Self {
+    pub fn new(context: &'a Context<'a>, work: &Work<'a>, tally: &'a mut Tally) -> Self {
         let (rays, weights) = (RayCounts::default(), PathWeights::default());
         let begin = Instant::now();
         let (turns, given_up) = (Vec::new(), false);
-        BlockTracer { context, stop, tally, turns, at: 0, counted: 0, begin, given_up, rays, weights }
+        let Work { stop, ways, .. } = *work;
+        BlockTracer { context, stop, ways, tally, turns, at: 0, counted: 0, begin, given_up, rays, weights }
     }
 
     /// One block whose paths carry `flux` each.
     pub fn one(
         context: &'a Context<'a>,
-        (arms, stop): (BlockArms, usize),
+        work: &Work<'a>,
+        arms: BlockArms,
         flux: f64,
         tally: &'a mut Tally,
     ) -> Self {
-        let mut one = BlockTracer::new(context, stop, tally);
+        let mut one = BlockTracer::new(context, work, tally);
         one.take(arms, flux);
         one
     }
@@ -102,7 +126,7 @@ impl<'a> BlockTracer<'a> {
     pub fn take(&mut self, arms: BlockArms, flux: f64) {
         let part = if self.context.plan.folded[self.stop] { 0.5 * flux } else { flux };
         let (units, part_units) = (to_units(flux), to_units(part));
-        self.turns.push(Turn { arms, flux, units, part, part_units, along: None });
+        self.turns.push(Turn { arms, flux, units, part, part_units, along: None, started: 0 });
     }
 
     fn turn(&self) -> &Turn {
@@ -128,14 +152,68 @@ impl<'a> BlockTracer<'a> {
             return self.leave_out(1);
         }
         let slope = surface.slope(&start);
-        let mut light = BounceRecorder::new(self.context.plan.sums.needs_angles());
-        let ending = if trace.visibility {
-            surface.trace(start, wi, trace.bounces, &mut light)
-        } else {
-            surface.trace_unobstructed(&start, wi, &mut light)
-        };
-        self.look(|w| surface.to_field(w), slope, ending);
-        self.end(ending, &light);
+        let draws = self.draws();
+        for (number, &way) in self.ways.iter().enumerate() {
+            let mut light = self.light(way, draws);
+            let ending = match self.split_eta(way) {
+                Some(eta) => {
+                    let split = if trace.visibility {
+                        surface.trace_split(&start, wi, eta)
+                    } else {
+                        surface.split_unobstructed(&start, wi, eta)
+                    };
+                    self.end_split(&split, &light);
+                    split.reflected
+                }
+                None => {
+                    let ending = if trace.visibility {
+                        surface.trace(start, wi, trace.bounces, &mut light)
+                    } else {
+                        surface.trace_unobstructed(&start, wi, &mut light)
+                    };
+                    self.end(ending, &light);
+                    ending
+                }
+            };
+            if number == 0 {
+                self.look(|w| surface.to_field(w), slope, ending);
+            }
+        }
+    }
+
+    /// Follows paths through a law, whose draws decide facets and heights.
+    pub fn follow_law(&mut self, walk: &SmithWalk, rng: &mut Pcg64Dxsm) {
+        let (bounces, wi) = (self.context.campaign.trace.bounces, self.turn().arms.wi);
+        let draws = self.draws();
+        for &way in self.ways {
+            let mut light = self.light(way, draws);
+            match self.split_eta(way) {
+                Some(eta) => self.end_split(&walk.trace_split(wi, eta, rng), &light),
+                None => {
+                    let ending = walk.trace(wi, bounces, rng, &mut light);
+                    self.end(ending, &light);
+                }
+            }
+        }
+    }
+
+    /// The numbers that decide at the facets of the next path of the turn.
+    fn draws(&mut self) -> PathDraws {
+        let turn = &mut self.turns[self.at];
+        turn.started += 1;
+        PathDraws::new(turn.arms.facets_key, turn.started)
+    }
+
+    fn light(&self, way: FacetWay, draws: PathDraws) -> PathLight {
+        PathLight::new(way, draws, self.context.plan.sums.needs_angles())
+    }
+
+    /// The index of clear facets where both parts of the light are followed: at order 1, without chance.
+    fn split_eta(&self, way: FacetWay) -> Option<f64> {
+        match way.kind {
+            FacetKind::Clear { eta } if self.context.campaign.trace.bounces == 1 => Some(eta),
+            _ => None,
+        }
     }
 
     /// Follows what a ray from above met: a surface sample that the light sees.
@@ -143,21 +221,38 @@ impl<'a> BlockTracer<'a> {
         if self.is_given_up() {
             return;
         }
-        let mut light = BounceRecorder::new(self.context.plan.sums.needs_angles());
         let (bounces, wi) = (self.context.campaign.trace.bounces, self.turn().arms.wi);
-        let ending = match met {
-            Outcome::Hit(start) => surface.trace_lit(start, wi, (bounces, false), &mut light),
-            // Nothing lets a ray through.
-            Outcome::Escaped | Outcome::LeftDomain | Outcome::Lost => PathEnd::Lost,
-        };
-        self.end(ending, &light);
+        let draws = self.draws();
+        for &way in self.ways {
+            let mut light = self.light(way, draws);
+            match (met, self.split_eta(way)) {
+                (Outcome::Hit(start), Some(eta)) => {
+                    self.end_split(&surface.split_lit(&start, wi, eta, false), &light);
+                }
+                (Outcome::Hit(start), None) => {
+                    let ending = surface.trace_lit(start, wi, (bounces, false), &mut light);
+                    self.end(ending, &light);
+                }
+                // Nothing lets a ray through.
+                _ => self.end(PathEnd::Lost, &light),
+            }
+        }
     }
 
     /// Counts a surface sample that something else of the surface lies over.
     pub fn bury(&mut self) {
         self.counted += 1;
         self.rays.skipped += 1;
-        self.tally.hidden.add(self.turn().units);
+        let paths = self.paths();
+        // Of both parts of split light one has it all.
+        self.tally.hidden.count += paths;
+        self.tally.hidden.flux += self.turn().units * self.ways.len() as u128;
+    }
+
+    /// Paths that are counted for each start.
+    fn paths(&self) -> u64 {
+        let parts = |&way: &FacetWay| if self.split_eta(way).is_some() { 2 } else { 1 };
+        self.ways.iter().map(parts).sum()
     }
 
     /// Takes a surface sample of a turn for the next wave, which is followed through the lanes when it is full; paths end in
@@ -165,7 +260,7 @@ impl<'a> BlockTracer<'a> {
     pub fn follow_later(
         &mut self,
         views: &[View],
-        over: &SimdTraversal,
+        over: &[SimdTraversal; 2],
         (turn, start): (usize, SurfacePoint),
         wave: &mut WaveMemory,
     ) {
@@ -174,35 +269,61 @@ impl<'a> BlockTracer<'a> {
         if self.misses(|| Some(sample.reflected(*wi, &start))) {
             return self.leave_out(1);
         }
+        self.turns[turn].started += 1;
         wave.starts.push(start);
         wave.turns.push(turn as u16);
+        wave.numbers.push(self.turns[turn].started);
         if wave.starts.len() == WAVE {
             self.follow_wave(views, over, wave);
         }
     }
 
     /// Follows the samples that `memory` holds.
-    pub fn follow_wave(&mut self, views: &[View], over: &SimdTraversal, memory: &mut WaveMemory) {
-        let WaveMemory { starts, turns, paths, lights, endings } = memory;
-        if self.is_given_up() {
-            starts.clear();
-            turns.clear();
-            return;
+    pub fn follow_wave(&mut self, views: &[View], over: &[SimdTraversal; 2], memory: &mut WaveMemory) {
+        if !self.is_given_up() {
+            for (number, &way) in self.ways.iter().enumerate() {
+                self.follow_way(views, over, (way, number == 0), memory);
+            }
         }
-        let weighed = self.context.plan.sums.needs_angles();
+        memory.starts.clear();
+        memory.turns.clear();
+        memory.numbers.clear();
+    }
+
+    /// The same in one way; in the `first` it is noted what the light sees.
+    fn follow_way(
+        &mut self,
+        views: &[View],
+        over: &[SimdTraversal; 2],
+        (way, first): (FacetWay, bool),
+        memory: &mut WaveMemory,
+    ) {
+        let WaveMemory { starts, turns, numbers, paths, lights, endings, splits } = memory;
+        let of_path = |(&turn, &number): (&u16, &u64)| {
+            let key = self.turns[usize::from(turn)].arms.facets_key;
+            self.light(way, PathDraws::new(key, number))
+        };
         lights.clear();
-        lights.resize_with(starts.len(), || BounceRecorder::new(weighed));
+        lights.extend(turns.iter().zip(&*numbers).map(of_path));
         let bounces = self.context.campaign.trace.bounces;
         let wave = Wave { surface_samples: starts, view_of: turns, views, bounces };
-        paths.trace(over, &wave, lights, endings);
-        for (((start, &turn), &ending), light) in starts.iter().zip(&*turns).zip(&*endings).zip(&*lights) {
-            self.at = usize::from(turn);
-            let sample = &views[self.at].sample;
-            self.look(|w| sample.to_field(w), sample.slope(start), ending);
-            self.end(ending, light);
+        let split = self.split_eta(way);
+        match split {
+            Some(eta) => paths.trace_split(over, &wave, eta, splits),
+            None => paths.trace(over, &wave, lights, endings),
         }
-        starts.clear();
-        turns.clear();
+        for (k, ((start, &turn), light)) in starts.iter().zip(&*turns).zip(&*lights).enumerate() {
+            self.at = usize::from(turn);
+            let ending = if split.is_some() { splits[k].reflected } else { endings[k] };
+            if first {
+                let sample = &views[self.at].sample;
+                self.look(|w| sample.to_field(w), sample.slope(start), ending);
+            }
+            match split {
+                Some(_) => self.end_split(&splits[k], light),
+                None => self.end(ending, light),
+            }
+        }
     }
 
     /// Notes whether the light sees the facet of a start, where facets of every slope are started on.
@@ -243,7 +364,7 @@ impl<'a> BlockTracer<'a> {
     /// Counts all samples of a block none of whose facets is facing the light: they carry nothing.
     pub fn all_turned_away(&mut self, starts: u64) {
         self.counted += starts;
-        self.tally.hidden.add_many(starts, 0);
+        self.tally.hidden.add_many(starts * self.paths(), 0);
         self.rays.skipped += starts;
     }
 
@@ -255,12 +376,39 @@ impl<'a> BlockTracer<'a> {
     }
 
     /// Counts a path.
-    pub fn end(&mut self, ending: PathEnd, light: &BounceRecorder) {
+    fn end(&mut self, ending: PathEnd, light: &PathLight) {
         self.counted += 1;
         self.rays.count(&ending, self.context.campaign);
-        let units = self.turn().units;
+        let &Turn { flux, units, part, part_units, .. } = self.turn();
+        self.end_with(ending, light, &Carried { flux, units, part, part_units });
+    }
+
+    /// Counts both parts of the light of a path, each with its share of the flux.
+    fn end_split(&mut self, ends: &SplitEnd, light: &PathLight) {
+        let campaign = self.context.campaign;
+        self.counted += 1;
+        self.rays.count(&ends.reflected, campaign);
+        self.rays.count_further(&ends.refracted, campaign);
+        let &Turn { flux, units, part, part_units, .. } = self.turn();
+        let carried = |share: f64| {
+            let (flux, part) = (share * flux, share * part);
+            Carried { flux, units: to_units(flux), part, part_units: to_units(part) }
+        };
+        let up = carried(ends.reflectance);
+        // Both parts are the whole, to the last unit.
+        let down = Carried {
+            units: units - up.units,
+            part_units: part_units - up.part_units,
+            ..carried(1.0 - ends.reflectance)
+        };
+        self.end_with(ends.reflected, light, &up);
+        self.end_with(ends.refracted, light, &down);
+    }
+
+    fn end_with(&mut self, ending: PathEnd, light: &PathLight, carried: &Carried) {
+        let units = carried.units;
         match ending {
-            PathEnd::Out { wo, order } => self.arrive(wo, order, light, false),
+            PathEnd::Out { wo, order } => self.arrive(wo, order, light, (carried, false)),
             PathEnd::Shadowed => self.tally.hidden.add(units),
             PathEnd::Truncated { .. } => self.tally.cut.add(units),
             PathEnd::LeftDomain { wo, order, further } => {
@@ -269,7 +417,7 @@ impl<'a> BlockTracer<'a> {
                     self.tally.left(&self.context.plan.sums).cut.add(units);
                 }
                 if let Some(wo) = wo {
-                    self.arrive(wo, order, light, true);
+                    self.arrive(wo, order, light, (carried, true));
                 }
             }
             PathEnd::Absorbed { .. } => self.tally.absorbed.add(units),
@@ -279,15 +427,17 @@ impl<'a> BlockTracer<'a> {
 
     /// A path that leaves: into its order, and into its bins, mirrored ones too where the incidence is folded. One that
     /// left an open map on its way goes into the sums of those.
-    fn arrive(&mut self, wo: DVec3, order: u32, light: &BounceRecorder, left_map: bool) {
+    fn arrive(&mut self, wo: DVec3, order: u32, light: &PathLight, (carried, left_map): (&Carried, bool)) {
         let (context, weights) = (self.context, &mut self.weights);
         let tally = if left_map { self.tally.left(&context.plan.sums) } else { &mut *self.tally };
-        let Turn { arms, flux, units, part, part_units, .. } = &self.turns[self.at];
-        context.plan.sums.weigh(light.angles(), order, weights);
-        let out = &mut tally.orders[order as usize - 1];
+        let Carried { flux, units, part, part_units } = carried;
+        let arms = &self.turns[self.at].arms;
+        context.plan.sums.weigh(light, order, weights);
+        let orders = if wo.z > 0.0 { &mut tally.orders } else { &mut tally.through };
+        let out = &mut orders[order as usize - 1];
         out.count += 1;
         out.flux += units;
-        for (sum, weight) in out.weighted.iter_mut().zip(&weights.order) {
+        for (sum, weight) in out.weighted[weights.order_first..].iter_mut().zip(&weights.order) {
             *sum += to_units(flux * weight);
         }
         let share = |weight: &f64| to_units(part * weight);
@@ -297,7 +447,7 @@ impl<'a> BlockTracer<'a> {
                 &mut tally.multiple[weights.first..]
             } else {
                 tally.single[bin] += part_units;
-                &mut tally.first[..]
+                &mut tally.first[weights.first..]
             };
             for (sums, weight) in sums.iter_mut().zip(&weights.bins) {
                 sums[bin] += share(weight);
@@ -327,6 +477,18 @@ struct RayCounts {
 }
 
 impl RayCounts {
+    /// The second part of split light: its ray alone.
+    fn count_further(&mut self, ending: &PathEnd, campaign: &Campaign) {
+        let traced = match ending {
+            PathEnd::Shadowed | PathEnd::Lost | PathEnd::Absorbed { .. } => return,
+            PathEnd::Truncated { down } => !down,
+            PathEnd::Out { .. } | PathEnd::LeftDomain { .. } => true,
+        };
+        let traced = traced && campaign.trace.visibility;
+        self.traced += u64::from(traced);
+        self.skipped += u64::from(!traced);
+    }
+
     fn count(&mut self, ending: &PathEnd, campaign: &Campaign) {
         let bounces = u64::from(campaign.trace.bounces);
         // The light's ray, and one after each bounce.

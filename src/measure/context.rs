@@ -4,6 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::cost::{Clocks, Cost};
+use super::optics::{FacetWay, ways_of};
 use super::persist::run_state::RunState;
 use super::plan::Plan;
 use super::session::{Session, locked};
@@ -20,6 +21,8 @@ pub(super) struct Context<'a> {
     pub session: &'a Session<'a>,
     pub sensor: Sensor,
     pub kernel: Kernel,
+    /// How paths are followed from the surface samples.
+    pub ways: Vec<FacetWay>,
     pub run_state: Mutex<RunState>,
     pub clocks: Mutex<Clocks>,
     rays: AtomicU64,
@@ -39,6 +42,7 @@ impl<'a> Context<'a> {
             session,
             sensor: Sensor::new(&plan.grid),
             kernel: Kernel::widest(),
+            ways: ways_of(&campaign.optics),
             clocks: Mutex::new(Clocks::new(run_state.cost.clone())),
             rays: AtomicU64::new(run_state.cost.rays_traced),
             skipped: AtomicU64::new(run_state.cost.rays_skipped),

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::accumulate::tally::Tally;
 use super::block::Work;
 use super::context::Context;
-use super::prepared_patch::{PatchSampler, PreparedPatch};
+use super::prepared_patch::{LitSampler, PreparedPatch};
 use super::session::locked;
 use crate::error::Result;
 
@@ -33,14 +33,14 @@ impl Context<'_> {
             };
             (table.alpha, table.open_stops().map(missing).collect::<Vec<_>>())
         };
-        let sampler = patch.sampler(self, alpha, place.1);
+        let samplers = patch.samplers(self, alpha, place.1);
         let in_all = missing.iter().map(|(_, missing)| missing.len()).sum();
         missing.par_iter().try_for_each(|(stop, missing)| {
             missing
-                .par_chunks(sampler.blocks_together(in_all, self.plan))
+                .par_chunks(samplers[0].0.blocks_together(in_all, self.plan))
                 .try_fold(
                     || Pending::new(self, place, *stop),
-                    |pending, blocks| pending.with(&sampler, blocks),
+                    |pending, blocks| pending.with(&samplers, blocks),
                 )
                 .try_for_each(|pending| pending?.flush())
         })
@@ -63,16 +63,19 @@ impl<'a> Pending<'a> {
     }
 
     /// With some more blocks, unless the run is interrupted: long ones are not waited for.
-    fn with(mut self, sampler: &PatchSampler, blocks: &[u64]) -> Result<Self> {
+    fn with(mut self, samplers: &[LitSampler], blocks: &[u64]) -> Result<Self> {
         let Pending { context, place, stop, .. } = self;
         if context.session.is_over() {
             return Ok(self);
         }
         let tally = self.tally.get_or_insert_with(|| Tally::new(context.plan.bins, &context.plan.sums));
-        context.blocks(&Work { sampler, stop, realisation: place.1, blocks }, tally);
+        for (sampler, ways) in samplers {
+            context.blocks(&Work { sampler, ways, stop, realisation: place.1, blocks }, tally);
+        }
+        (context.session.progress)(context.plan.block_starts * blocks.len() as u64);
         self.blocks.extend(blocks);
-        let starts = self.blocks.len() as u64 * context.plan.block_starts;
-        if context.session.is_over() && tally.starts() < starts {
+        let paths = self.blocks.len() as u64 * context.plan.block_paths();
+        if context.session.is_over() && tally.paths() < paths {
             // Given up half-way, and what this thread kept to itself with it: half a second's work.
             return Ok(Pending::new(context, place, stop));
         }

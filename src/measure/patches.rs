@@ -88,6 +88,21 @@ pub enum Specimen {
     },
 }
 
+impl Specimen {
+    /// The other side of the same surface, in a frame whose z points down.
+    pub fn upside_down(&self) -> Self {
+        match self {
+            Specimen::Patch(patch) => {
+                Specimen::Patch(Patch { field: patch.field.upside_down(), ..patch.clone() })
+            }
+            Specimen::Grains(fields) => Specimen::Grains(
+                fields.iter().map(|(coverage, field)| (*coverage, field.upside_down())).collect(),
+            ),
+            Specimen::Statistical { .. } => self.clone(),
+        }
+    }
+}
+
 /// One realisation's patch.
 #[derive(Debug, Clone)]
 pub struct Patch {

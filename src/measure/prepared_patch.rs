@@ -4,9 +4,10 @@ use glam::DVec2;
 
 use super::block_arms::BlockArms;
 use super::context::Context;
+use super::optics::FacetWay;
 use super::patches::{Patch, Specimen, grains_of};
 use super::plan::{Apertures, Plan, StartSampler};
-use crate::campaign::{Alpha, Campaign};
+use crate::campaign::{Alpha, Campaign, LightSide};
 use crate::surface::grains::GrainField;
 use crate::trace::{
     BatchedStarts, GridTraversal, MaxPyramid, SimdTraversal, SlopeIndex, SmithWalk, TilePeaks, TracedGrains,
@@ -21,11 +22,22 @@ const WORK_PER_THREAD: usize = 4;
 /// A specimen, with what tracing makes of its heights.
 pub(super) struct PreparedPatch {
     pub specimen: Specimen,
+    front: PreparedSide,
+    /// The specimen upside down, where light goes through its facets.
+    back: Option<(Specimen, PreparedSide)>,
+}
+
+/// What tracing makes of one side of a specimen.
+#[derive(Default)]
+struct PreparedSide {
     lanes: Option<MaxPyramid>,
     /// For the f64 walk, where there are no lanes.
     peaks: Option<TilePeaks>,
     index: Option<SlopeIndex>,
 }
+
+/// The sampler of a side of a patch that the light comes from, and the ways in which its paths are followed.
+pub(super) type LitSampler<'a> = (PatchSampler<'a>, Vec<FacetWay>);
 
 /// The plan's sampler on one patch, for one roughness.
 pub(super) enum PatchSampler<'a> {
@@ -49,8 +61,10 @@ pub(super) struct PlacedGrains<'a> {
 pub(super) struct Heights<'a> {
     pub patch: &'a Patch,
     pub traversal: GridTraversal<'a>,
-    /// The same in lanes, where they serve.
-    pub lanes: Option<SimdTraversal<'a>>,
+    /// The other side; the same where no path goes there.
+    below: GridTraversal<'a>,
+    /// Both in lanes, where they serve.
+    pub lanes: Option<[SimdTraversal<'a>; 2]>,
     /// World slope per canonical slope.
     pub alpha: DVec2,
 }
@@ -66,24 +80,43 @@ pub(super) struct IntoApertures<'a> {
 
 impl PreparedPatch {
     pub fn new(specimen: Specimen, campaign: &Campaign, plan: &Plan) -> Self {
-        let Specimen::Patch(patch) = &specimen else {
-            return PreparedPatch { specimen, lanes: None, peaks: None, index: None };
-        };
-        let visibility = campaign.trace.visibility;
-        let index = if plan.start_sampler.is_indexed() { SlopeIndex::new(&patch.field) } else { None };
-        let lanes = if visibility { MaxPyramid::new(&patch.field) } else { None };
-        let peaks = (visibility && lanes.is_none()).then(|| TilePeaks::new(&patch.field));
-        PreparedPatch { lanes, peaks, index, specimen }
+        let lit = campaign.optics.light_sides();
+        let prepared =
+            |specimen: &Specimen, side| PreparedSide::new(specimen, campaign, plan, lit.contains(&side));
+        let back = campaign.optics.lets_through().then(|| specimen.upside_down());
+        let back = back.map(|back| {
+            let prepared = prepared(&back, LightSide::Back);
+            (back, prepared)
+        });
+        PreparedPatch { front: prepared(&specimen, LightSide::Front), back, specimen }
     }
 
-    /// The sampler of the run's plan for one roughness of this realisation.
-    pub fn sampler<'a>(
+    /// The samplers of the run's plan for one roughness of this realisation: one for each side that light comes from.
+    pub fn samplers<'a>(
         &'a self,
         context: &'a Context,
         alpha: Option<Alpha>,
         realisation: u64,
+    ) -> Vec<LitSampler<'a>> {
+        let of_side = |light: LightSide| {
+            let ways = context.ways.iter().copied().filter(|way| way.light == light).collect();
+            (self.sampler(context, light, alpha, realisation), ways)
+        };
+        context.campaign.optics.light_sides().into_iter().map(of_side).collect()
+    }
+
+    /// The sampler of the run's plan for one roughness of this realisation, under light from one side.
+    fn sampler<'a>(
+        &'a self,
+        context: &'a Context,
+        light: LightSide,
+        alpha: Option<Alpha>,
+        realisation: u64,
     ) -> PatchSampler<'a> {
-        let patch = match &self.specimen {
+        let front = (&self.specimen, &self.front);
+        let back = self.back.as_ref().map_or(front, |(specimen, side)| (specimen, side));
+        let ((specimen, side), other) = if light == LightSide::Front { (front, back) } else { (back, front) };
+        let patch = match specimen {
             Specimen::Patch(patch) => patch,
             Specimen::Statistical { law, independent_heights } => {
                 let (law, independent_heights) = (*law, *independent_heights);
@@ -103,11 +136,17 @@ impl PreparedPatch {
                 });
             }
         };
-        let traversal = GridTraversal::new(&patch.field);
-        let traversal = self.peaks.as_ref().map_or(traversal, |peaks| traversal.with_peaks(peaks));
-        let lanes = self.lanes.as_ref().map(|lanes| SimdTraversal::new(traversal, lanes, context.kernel));
-        let heights = Heights { patch, traversal, lanes, alpha: patch.alpha(alpha) };
-        match (&context.plan.start_sampler, &self.index) {
+        let traversal = side.traversal(patch);
+        let (below, below_side) = match other {
+            (Specimen::Patch(below), below_side) => (below_side.traversal(below), below_side),
+            _ => (traversal, side),
+        };
+        let lanes = |side: &'a PreparedSide, traversal| {
+            side.lanes.as_ref().map(|lanes| SimdTraversal::new(traversal, lanes, context.kernel))
+        };
+        let lanes = lanes(side, traversal).zip(lanes(below_side, below)).map(<[SimdTraversal; 2]>::from);
+        let heights = Heights { patch, traversal, below, lanes, alpha: patch.alpha(alpha) };
+        match (&context.plan.start_sampler, &side.index) {
             (StartSampler::BySlope, Some(index)) => PatchSampler::BySlope(heights, index),
             (StartSampler::IntoApertures(apertures), Some(index)) => {
                 let of_stop = |stop: usize| {
@@ -119,6 +158,24 @@ impl PreparedPatch {
             }
             _ => PatchSampler::ByPlace(heights),
         }
+    }
+}
+
+impl PreparedSide {
+    /// Of a specimen on whose facets paths start (`lit`), or only go on.
+    fn new(specimen: &Specimen, campaign: &Campaign, plan: &Plan, lit: bool) -> Self {
+        let Specimen::Patch(patch) = specimen else { return PreparedSide::default() };
+        let visibility = campaign.trace.visibility;
+        let indexed = lit && plan.start_sampler.is_indexed();
+        let index = if indexed { SlopeIndex::new(&patch.field) } else { None };
+        let lanes = if visibility { MaxPyramid::new(&patch.field) } else { None };
+        let peaks = (visibility && lanes.is_none()).then(|| TilePeaks::new(&patch.field));
+        PreparedSide { lanes, peaks, index }
+    }
+
+    fn traversal<'a>(&'a self, patch: &'a Patch) -> GridTraversal<'a> {
+        let traversal = GridTraversal::new(&patch.field);
+        self.peaks.as_ref().map_or(traversal, |peaks| traversal.with_peaks(peaks))
     }
 }
 
@@ -156,7 +213,7 @@ impl PatchSampler<'_> {
 impl Heights<'_> {
     /// The patch as it lies in the instrument for a block.
     pub fn sample(&self, arms: &BlockArms) -> TracedPatch<'_> {
-        TracedPatch { traversal: self.traversal, alpha: self.alpha, image: arms.image }
+        TracedPatch { traversal: self.traversal, below: self.below, alpha: self.alpha, image: arms.image }
     }
 
     /// The fraction of a block's incident flux that one of its samples carries: about that of a block whose samples lie

@@ -82,11 +82,11 @@ impl Tables {
         tally: Tally,
         plan: &Plan,
     ) -> Result<(), Error> {
-        let (wanted, starts) = (blocks.len() as u64 * plan.block_starts, tally.starts());
-        if tally.lost > 0 || starts != wanted {
+        let (wanted, paths) = (blocks.len() as u64 * plan.block_paths(), tally.paths());
+        if tally.lost > 0 || paths != wanted {
             let lost = tally.lost;
             return Err(Error::Internal(format!(
-                "realisation {realisation}, stop {stop}, blocks {blocks:?}: {lost} rays lost, {starts} of {wanted} starts \
+                "realisation {realisation}, stop {stop}, blocks {blocks:?}: {lost} rays lost, {paths} of {wanted} paths \
                  counted"
             )));
         }
@@ -267,7 +267,9 @@ impl Sum {
     fn is_sound(&self, shape: &Tally, plan: &Plan, planned: u64) -> bool {
         let starts = self.done.is_sound(planned).then(|| self.done.count() * plan.block_starts);
         match (&self.tally, starts) {
-            (Some(tally), Some(starts)) => tally.has_shape_of(shape) && tally.is_sound(starts),
+            (Some(tally), Some(starts)) => {
+                tally.has_shape_of(shape) && tally.is_sound(starts, plan.sums.paths_of_a_start())
+            }
             (None, starts) => starts == Some(0),
             (Some(_), None) => false,
         }

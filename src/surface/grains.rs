@@ -121,6 +121,11 @@ impl GrainField {
         GrainField { first: counts, placed, ..field }
     }
 
+    /// Pits of these grains, grains of these pits: the other side of the same surface.
+    pub fn upside_down(&self) -> Self {
+        GrainField { up: -self.up, ..self.clone() }
+    }
+
     /// Calls `visit` with every cell that a grain's disc reaches into.
     fn each_place(&self, mut visit: impl FnMut(usize, PlacedGrain)) {
         let size = self.cell_side();

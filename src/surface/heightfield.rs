@@ -71,6 +71,11 @@ impl Heightfield {
         self.periodic
     }
 
+    /// The same surface seen from below, in a frame whose z points down.
+    pub fn upside_down(&self) -> Self {
+        Heightfield { heights: self.heights.iter().map(|h| -h).collect(), ..*self }
+    }
+
     /// The heights, row by row.
     pub fn heights(&self) -> &[f64] {
         &self.heights

@@ -37,13 +37,14 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
     }
     match grid.kind {
         GridKind::Hemisphere => {
-            axis("theta_r_edges_deg", &grid.theta_r_edges_deg, 2, 0.0..=90.0)?;
+            axis("theta_r_edges_deg", &grid.theta_r_edges_deg, 2, 0.0..=180.0)?;
             increasing("theta_r_edges_deg", &grid.theta_r_edges_deg)?;
+            off_horizon(&grid.theta_r_edges_deg)?;
             axis("phi_r_edges_deg", &grid.phi_r_edges_deg, 2, -720.0..=720.0)?;
             increasing("phi_r_edges_deg", &grid.phi_r_edges_deg)?;
         }
         GridKind::Arm => {
-            axis("theta_r_deg", &grid.theta_r_deg, 1, -90.0..=90.0)?;
+            axis("theta_r_deg", &grid.theta_r_deg, 1, -180.0..=180.0)?;
             axis("phi_r_deg", &grid.phi_r_deg, 1, -360.0..=360.0)?;
             axis("aperture_deg", grid.aperture_deg.as_slice(), 1, 0.0..=90.0)?;
         }
@@ -83,6 +84,18 @@ fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusiv
         Some(value) => {
             Err(wrong!("{GRID}: {name} = {value} lies outside [{}, {}]", range.start(), range.end()))
         }
+        None => Ok(()),
+    }
+}
+
+/// A bin on both sides of the surface has no meaning.
+fn off_horizon(edges: &[f64]) -> Checked<()> {
+    match edges.windows(2).find(|pair| pair[0] < 90.0 && 90.0 < pair[1]) {
+        Some(pair) => Err(wrong!(
+            "{GRID}: theta_r_edges_deg: the horizon, 90, lies between {} and {}",
+            pair[0],
+            pair[1]
+        )),
         None => Ok(()),
     }
 }

@@ -10,7 +10,7 @@ pub mod symmetry;
 pub use grains::patch::TracedGrains;
 pub use grains::point::GrainPoint;
 pub use grains::starts::{GrainSampler, RaysFromAbove};
-pub use path::single::{Bounce, PathEnd, Traced, TracedPatch};
+pub use path::single::{Mirrors, Onward, PathEnd, Scatter, SplitEnd, Traced, TracedPatch};
 pub use path::smith_walk::SmithWalk;
 pub use path::wavefront::{PathWaves, View, Wave};
 pub use ray::grid_traversal::GridTraversal;

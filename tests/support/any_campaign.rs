@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use gonio::campaign::materials::{MATERIALS, names_with_index, rgb_of};
+use gonio::campaign::materials::{CLEAR, MATERIALS, clear_rgb_of, names_with_index, rgb_of};
 use gonio::campaign::*;
 use proptest::collection::{btree_set, vec};
 use proptest::prelude::*;
@@ -14,13 +14,14 @@ const KLEMS_RINGS: [f64; 9] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 82
 /// A campaign that a file in `folder` could hold, resolved.
 pub fn any_campaign() -> impl Strategy<Value = Campaign> {
     surface().prop_flat_map(|surface| {
-        let arms = light(&surface).prop_flat_map(|light| (sensor(&light), Just(light)));
-        let kind = surface.kind.clone();
-        let path = optics().prop_flat_map(move |optics| (trace(&kind, &optics), Just(optics)));
+        let (kind, light) = (surface.kind.clone(), light(&surface));
+        let path = (optics(), light).prop_flat_map(move |(optics, light)| {
+            (trace(&kind, &optics), sensor(&light, optics.lets_through()), Just(optics), Just(light))
+        });
         let name = "[a-zA-Z0-9_][a-zA-Z0-9_.-]{0,20}";
         let rest = (name, any::<u64>(), stop(&surface), expect(), bench(&surface));
-        (Just(surface.clone()), arms, path, rest).prop_map(
-            |(surface, (sensor, light), (trace, optics), (name, seed, stop, expect, bench))| Campaign {
+        (Just(surface.clone()), path, rest).prop_map(
+            |(surface, (trace, sensor, optics, light), (name, seed, stop, expect, bench))| Campaign {
                 name,
                 seed,
                 surface,
@@ -191,20 +192,26 @@ fn light(surface: &Surface) -> impl Strategy<Value = LightArm> + use<> {
     })
 }
 
-fn sensor(light: &LightArm) -> impl Strategy<Value = SensorArm> + use<> {
+fn sensor(light: &LightArm, through: bool) -> impl Strategy<Value = SensorArm> + use<> {
     let bins = select(vec![BinLayout::Centred, BinLayout::Aligned]);
     let origins = if light.azimuth == Azimuth::Relative {
         vec![PhiFrom::Light]
     } else {
         vec![PhiFrom::Light, PhiFrom::Sample]
     };
-    let arm = (angles(-899_999..899_999), angles(0..3_600_000), 0.1..1.0, select(origins));
+    let sides = [SensorSide::Reflection, SensorSide::Transmission, SensorSide::Both];
+    let sides = select(if through { sides.to_vec() } else { sides[..1].to_vec() });
+    let polar = prop_oneof![angles(-899_999..899_999), angles(900_001..1_800_000)];
+    let polar = if through { polar.boxed() } else { angles(-899_999..899_999).boxed() };
+    let arm = (polar, angles(0..3_600_000), 0.1..1.0, select(origins));
     prop_oneof![
-        (1u32..=900, 1u32..=3600, bins).prop_map(|(theta_r_bins, phi_r_bins, bins)| {
-            SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins }
+        (sides, 1u32..=900, 1u32..=3600, bins).prop_map(|(side, theta_r_bins, phi_r_bins, bins)| {
+            SensorArm::Hemisphere { side, theta_r_bins, phi_r_bins, bins }
         }),
         arm.prop_map(|(theta_r_deg, phi_r_deg, share, phi_r_from)| {
-            let aperture_deg = aperture(&theta_r_deg, share);
+            let from_pole: Vec<f64> =
+                theta_r_deg.iter().map(|t| f64::min(t.abs(), 180.0 - t.abs())).collect();
+            let aperture_deg = aperture(&from_pole, share);
             SensorArm::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from }
         }),
         Just(SensorArm::KlemsFull),
@@ -219,7 +226,35 @@ fn optics() -> impl Strategy<Value = Optics> {
         [0.0..=1.0, 0.0..=1.0, 0.0..=1.0].prop_map(|f0| Optics::Schlick { material: None, f0 }),
         all.prop_map(move |all| one_or_several(all.into_iter().map(named).collect())),
         indices(),
+        clear(),
+        [0.0..=1.0, 0.0..=1.0, 0.0..=1.0].prop_map(|albedo| Optics::Diffuse { albedo }),
     ]
+}
+
+/// Clear materials under light from each of some sides.
+fn clear() -> impl Strategy<Value = Optics> {
+    let medium = |wavelength_nm, eta| Medium { wavelength_nm, eta, k: 0.0 };
+    let eta = || prop_oneof![1e-2..=0.999, 1.001..=100.0];
+    let listed = (btree_set(1u32..=1_000_000, 1..6), vec(eta(), 6)).prop_map(move |(nm, etas)| {
+        let media = nm.into_iter().zip(etas).map(|(nm, eta)| medium(Some(f64::from(nm)), eta));
+        vec![(None, media.collect())]
+    });
+    let single = eta().prop_map(move |eta| vec![(None, vec![medium(None, eta)])]);
+    let names = CLEAR.map(|(name, ..)| name).to_vec();
+    let named = subsequence(names, 1..=CLEAR.len()).prop_map(|names| {
+        let media = |name: &str| clear_rgb_of(name).expect("an index");
+        names.into_iter().map(|name| (Some(name.to_string()), media(name))).collect()
+    });
+    let sides = subsequence(vec![LightSide::Front, LightSide::Back], 1..=2);
+    (prop_oneof![listed, single, named], sides).prop_map(|(materials, sides)| {
+        let of_side = |&light: &LightSide| {
+            let all = materials.iter().map(move |(material, media): &(Option<String>, Vec<Medium>)| {
+                Optics::Dielectric(Dielectric { material: material.clone(), media: media.clone(), light })
+            });
+            all.collect::<Vec<_>>()
+        };
+        one_or_several(sides.iter().flat_map(of_side).collect())
+    })
 }
 
 fn one_or_several(mut all: Vec<Optics>) -> Optics {

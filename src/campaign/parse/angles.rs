@@ -38,6 +38,15 @@ pub(crate) const THETA_R: AxisRules = AxisRules {
     wraps: false,
 };
 
+/// Polar angles of a sensor arm that goes below the surface as well.
+pub(crate) const THETA_R_THROUGH: AxisRules = AxisRules {
+    bounds: Bounds::closed(-180.0, 180.0).low_open().advice(
+        "180 is the same direction",
+        "angles beyond 90 are of light that has gone through, up to 180",
+    ),
+    wraps: false,
+};
+
 /// Polar angles of an instrument that goes no lower than 60 degrees.
 pub(crate) const TO_SIXTY: AxisRules = AxisRules {
     bounds: Bounds::closed(0.0, 60.0)

@@ -1,12 +1,26 @@
 //! `[light]` and `[sensor]`: the two arms of the goniometer.
 
-use super::angles::{PHI, THETA_I, THETA_R, axis};
+use super::angles::{PHI, THETA_I, THETA_R, THETA_R_THROUGH, axis};
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
-use crate::campaign::schema::{Azimuth, BinLayout, LightArm, PhiFrom, SensorArm};
+use crate::campaign::schema::{Azimuth, BinLayout, LightArm, LightSide, PhiFrom, SensorArm, SensorSide};
 
 /// Words for [`BinLayout`].
 pub(crate) const LAYOUTS: [(&str, BinLayout); 2] =
     [("centred", BinLayout::Centred), ("aligned", BinLayout::Aligned)];
+
+/// Words for [`SensorSide`].
+pub(crate) const SENSOR_SIDES: [(&str, SensorSide); 3] = [
+    ("reflection", SensorSide::Reflection),
+    ("transmission", SensorSide::Transmission),
+    ("both", SensorSide::Both),
+];
+
+/// Words for the sides that light comes from.
+pub(crate) const LIGHT_SIDES: [(&str, &[LightSide]); 3] = [
+    ("front", &[LightSide::Front]),
+    ("back", &[LightSide::Back]),
+    ("both", &[LightSide::Front, LightSide::Back]),
+];
 
 /// Words for [`PhiFrom`].
 pub(crate) const PHI_FROM: [(&str, PhiFrom); 2] = [("light", PhiFrom::Light), ("sample", PhiFrom::Sample)];
@@ -34,8 +48,14 @@ pub(crate) const OPEN: Bounds =
 
 /// Reads `[light]`. `isotropic` is unknown where the surface has faults of its own.
 pub(crate) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<LightArm> {
-    let [theta_i, phi_i, azimuth, average, aperture] =
-        slot.table()?.keys(["theta_i_deg", "phi_i_deg", "azimuth", "average_azimuth", "aperture_deg"]);
+    let [theta_i, phi_i, azimuth, average, aperture, _] = slot.table()?.keys([
+        "theta_i_deg",
+        "phi_i_deg",
+        "azimuth",
+        "average_azimuth",
+        "aperture_deg",
+        "side",
+    ]);
     if azimuth.given().and_then(GivenValue::as_text) == Some(KLEMS) {
         let why = "has no meaning with azimuth = \"klems_full\": the basis names the incidences";
         let absent = [&theta_i, &phi_i, &average].map(|slot| slot.absent(why));
@@ -52,6 +72,23 @@ pub(crate) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<LightArm
     above_horizon(&aperture, "source cone", &theta_i_deg, aperture_deg)?;
     Some(LightArm { theta_i_deg, azimuth: azimuth?, average_azimuth: average_azimuth?, aperture_deg })
 }
+
+/// The sides of `[light]` that light comes from, one table each.
+pub(crate) fn light_sides(slot: &Slot<'_>, through: bool) -> Option<Vec<LightSide>> {
+    let side = match slot.given() {
+        Some(light) if light.is_table() => light.table()?.slot("side"),
+        _ => return Some(vec![LightSide::Front]),
+    };
+    let sides = side.or(&[LightSide::Front][..], |i| i.choice(&LIGHT_SIDES))?;
+    if !through && sides != [LightSide::Front] {
+        return side
+            .refuse(format!("must be \"front\": there is no light inside these facets; {CLEAR_FACETS}"));
+    }
+    Some(sides.to_vec())
+}
+
+/// What lets light through.
+const CLEAR_FACETS: &str = "optics.facet = \"dielectric\" lets it through";
 
 /// Incidences in the middle of the patches of the Klems full basis.
 pub(crate) fn klems_light(aperture: &Slot<'_>) -> Option<LightArm> {
@@ -92,12 +129,12 @@ pub(crate) fn light_azimuth(
     }
 }
 
-/// Reads `[sensor]`. `light` is unknown where it has faults of its own.
-pub(crate) fn sensor(slot: &Slot<'_>, light: Option<&LightArm>) -> Option<SensorArm> {
+/// Reads `[sensor]`. `light` is unknown where it has faults of its own; `through`: whether light goes through facets.
+pub(crate) fn sensor(slot: &Slot<'_>, light: Option<&LightArm>, through: bool) -> Option<SensorArm> {
     let kinds = slot.table()?.keys(["hemisphere", "arm", "patches"]);
     let read = |item: &GivenValue<'_>| match item.name() {
-        "hemisphere" => hemisphere_bins(item.table()?),
-        "arm" => arm_positions(item.table()?, light),
+        "hemisphere" => hemisphere_bins(item.table()?, through),
+        "arm" => arm_positions(item.table()?, light, through),
         _ => patches(item.table()?),
     };
     let given: Vec<&Slot<'_>> = kinds.iter().filter(|slot| slot.given().is_some()).collect();
@@ -127,25 +164,31 @@ fn patches(table: TableReader<'_>) -> Option<SensorArm> {
     Some(SensorArm::KlemsFull)
 }
 
-fn hemisphere_bins(table: TableReader<'_>) -> Option<SensorArm> {
-    let [theta_r_bins, phi_r_bins, bins] = table.keys(["theta_r_bins", "phi_r_bins", "bins"]);
+fn hemisphere_bins(table: TableReader<'_>, through: bool) -> Option<SensorArm> {
+    let [theta_r_bins, phi_r_bins, bins, side_slot] =
+        table.keys(["theta_r_bins", "phi_r_bins", "bins", "side"]);
     let theta_r_bins = theta_r_bins.or(18, |i| i.count(1..=9000));
     let phi_r_bins = phi_r_bins.or(36, |i| i.count(1..=36000));
     let bins = bins.or(BinLayout::Centred, |i| i.choice(&LAYOUTS));
-    Some(SensorArm::Hemisphere { theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins: bins? })
+    let side = side_slot.or(SensorSide::Reflection, |i| i.choice(&SENSOR_SIDES))?;
+    if side != SensorSide::Reflection && !through {
+        return side_slot
+            .refuse(format!("must be \"reflection\": no light goes through these facets; {CLEAR_FACETS}"));
+    }
+    Some(SensorArm::Hemisphere { side, theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins: bins? })
 }
 
-fn arm_positions(table: TableReader<'_>, light: Option<&LightArm>) -> Option<SensorArm> {
+fn arm_positions(table: TableReader<'_>, light: Option<&LightArm>, through: bool) -> Option<SensorArm> {
     let [theta_r, phi_r, aperture, from] =
         table.keys(["theta_r_deg", "phi_r_deg", "aperture_deg", "phi_r_from"]);
     let theta_r_deg = theta_r
         .required("the sensor's polar angles, such as [-60, 0, 60] or { from = -60, to = 60, step = 10 }")
-        .and_then(|i| axis(i, &THETA_R));
+        .and_then(|i| axis(i, if through { &THETA_R_THROUGH } else { &THETA_R }));
     let phi_r_deg = phi_r.or(vec![0.0], |i| axis(i, &PHI));
     let aperture_deg = aperture.required("the half-angle of the aperture").and_then(|i| i.float(&OPEN));
     let phi_r_from = azimuth_origin(&from, light);
     let (theta_r_deg, aperture_deg) = (theta_r_deg?, aperture_deg?);
-    above_horizon(&aperture, "aperture", &theta_r_deg, aperture_deg)?;
+    off_horizon(&aperture, "aperture", &theta_r_deg, aperture_deg)?;
     Some(SensorArm::Arm { theta_r_deg, phi_r_deg: phi_r_deg?, aperture_deg, phi_r_from: phi_r_from? })
 }
 
@@ -173,6 +216,20 @@ pub(crate) fn above_horizon(slot: &Slot<'_>, what: &str, angles: &[f64], apertur
     ))
 }
 
+/// The same for angles of both hemispheres.
+fn off_horizon(slot: &Slot<'_>, what: &str, angles: &[f64], aperture_deg: f64) -> Option<()> {
+    let (above, below): (Vec<f64>, Vec<f64>) = angles.iter().partition(|angle| angle.abs() <= 90.0);
+    above_horizon(slot, what, &above, aperture_deg)?;
+    let nearest = below.iter().fold(180.0, |nearest: f64, angle| nearest.min(angle.abs()));
+    if nearest - aperture_deg > 90.0 {
+        return Some(());
+    }
+    slot.refuse(format!(
+        "the {what} at theta = {} reaches the horizon; angle less aperture must stay beyond 90",
+        plain(nearest)
+    ))
+}
+
 /// A fault where the table has more entries than an image can hold, counted without overflow.
 pub(crate) fn table_fits(item: &GivenValue<'_>, light: &LightArm, sensor: &SensorArm) -> Option<()> {
     let (theta_i, phi_i) = match &light.azimuth {
@@ -181,9 +238,10 @@ pub(crate) fn table_fits(item: &GivenValue<'_>, light: &LightArm, sensor: &Senso
         Azimuth::KlemsFull => (KLEMS_PATCHES, 1),
     };
     let (rows, columns) = match sensor {
-        SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
+        SensorArm::Hemisphere { side, theta_r_bins, phi_r_bins, bins } => {
             let extra = u64::from(*bins == BinLayout::Centred);
-            (u64::from(*theta_r_bins) + extra, u64::from(*phi_r_bins))
+            let hemispheres = if *side == SensorSide::Both { 2 } else { 1 };
+            (hemispheres * (u64::from(*theta_r_bins) + extra), u64::from(*phi_r_bins))
         }
         SensorArm::Arm { theta_r_deg, phi_r_deg, .. } => (theta_r_deg.len() as u64, phi_r_deg.len() as u64),
         SensorArm::KlemsFull => (KLEMS_PATCHES, 1),

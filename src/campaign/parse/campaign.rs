@@ -40,6 +40,8 @@ pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign
     ]);
     let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
     let seed = seed.or(1, |i| i.whole(0..=u64::MAX));
+    let through = optics::lets_through(&optics);
+    let sides = arms::light_sides(&light, through);
     let mut artist_f0 = None;
     let surface = surface::surface(&surface, folder, &mut artist_f0);
     let isotropic = surface.as_ref().map(|s| s.kind.is_isotropic());
@@ -53,14 +55,14 @@ pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign
         }
         None => {
             let light = arms::light(&light, isotropic);
-            let sensor = arms::sensor(&sensor, light.as_ref());
+            let sensor = arms::sensor(&sensor, light.as_ref(), through);
             (light, sensor, None)
         }
     };
     let statistical = surface.as_ref().is_some_and(|s| matches!(s.kind, SurfaceKind::Smith(_)));
     let trace = self::trace(&trace, statistical);
     let orders = trace.as_ref().map(|trace| trace.bounces);
-    let optics = optics::optics(&optics, artist_f0, &optics::Around { folder, orders });
+    let optics = optics::optics(&optics, artist_f0, &optics::Around { folder, orders, sides: sides? });
     let realisations = surface.as_ref().map_or(u32::MAX, |s| s.realisations);
     let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
     let bench = bench.or(None, |i| resolution(i, surface.as_ref()).map(Some));

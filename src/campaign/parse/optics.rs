@@ -6,7 +6,9 @@ use super::index_file;
 use super::index_file::{Dispersion, ETA, K, WAVELENGTH};
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use crate::campaign::materials;
-use crate::campaign::schema::{FresnelLaw, Medium, Optics, Polarisation, RefractiveIndex};
+use crate::campaign::schema::{
+    Dielectric, FresnelLaw, LightSide, Medium, Optics, Polarisation, RefractiveIndex,
+};
 
 const REFLECTANCE: Bounds = Bounds::closed(0.0, 1.0);
 
@@ -18,6 +20,18 @@ pub(crate) const LAWS: [(&str, FresnelLaw); 2] =
 pub(crate) const POLARISATIONS: [(&str, Polarisation); 3] =
     [("none", Polarisation::None), ("s", Polarisation::S), ("p", Polarisation::P)];
 
+/// What facets do.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Facet {
+    Mirror,
+    Dielectric,
+    Diffuse,
+}
+
+/// Words for it.
+const FACETS: [(&str, Facet); 3] =
+    [("mirror", Facet::Mirror), ("dielectric", Facet::Dielectric), ("diffuse", Facet::Diffuse)];
+
 /// Most colours of a table.
 const MOST_COLOURS: usize = 100;
 
@@ -27,6 +41,14 @@ pub(crate) struct Around<'a> {
     pub folder: &'a Path,
     /// Highest order, where it is known.
     pub orders: Option<u32>,
+    /// Where the light comes from.
+    pub sides: Vec<LightSide>,
+}
+
+/// Whether `[optics]` asks for facets that let light through.
+pub(crate) fn lets_through(slot: &Slot<'_>) -> bool {
+    let table = slot.given().filter(|item| item.is_table()).and_then(GivenValue::table);
+    table.is_some_and(|table| table.slot("facet").given().and_then(GivenValue::as_text) == Some("dielectric"))
 }
 
 /// Reads `[optics]`; `artist_f0` is what the facets of `[surface.artist]` reflect.
@@ -53,20 +75,33 @@ struct MaterialKeys<'a> {
 }
 
 fn given(table: TableReader<'_>, around: &Around<'_>) -> Option<Optics> {
-    let [material, materials, f0, eta, k, file, wavelength, fresnel, polarisation] = table.keys([
-        "material",
-        "materials",
-        "f0",
-        "eta",
-        "k",
-        "file",
-        "wavelength_nm",
-        "fresnel",
-        "polarisation",
-    ]);
+    let [material, materials, f0, eta, k, file, wavelength, fresnel, polarisation, facet, albedo] = table
+        .keys([
+            "material",
+            "materials",
+            "f0",
+            "eta",
+            "k",
+            "file",
+            "wavelength_nm",
+            "fresnel",
+            "polarisation",
+            "facet",
+            "albedo",
+        ]);
+    let source = MaterialKeys { material, materials, f0, eta, k, file, wavelength };
+    match facet.or(Facet::Mirror, |i| i.choice(&FACETS))? {
+        Facet::Mirror => albedo.absent("belongs to facet = \"diffuse\"")?,
+        Facet::Dielectric => {
+            let why = "belongs to facet = \"mirror\": clear facets follow Fresnel's equations, unpolarised";
+            let absent = [&fresnel, &polarisation].map(|slot| slot.absent(why));
+            let albedo = albedo.absent("belongs to facet = \"diffuse\"");
+            return source.clear(around).filter(|_| absent.iter().all(Option::is_some) && albedo.is_some());
+        }
+        Facet::Diffuse => return source.diffuse(&albedo, &[&fresnel, &polarisation]),
+    }
     let law = fresnel.or(FresnelLaw::Schlick, |i| i.choice(&LAWS));
     let polarisations = polarisation.or(vec![Polarisation::None], polarisations);
-    let source = MaterialKeys { material, materials, f0, eta, k, file, wavelength };
     // A law that cannot be read leaves the materials as they are: no fault follows from another one.
     let materials = source.read(law.unwrap_or(FresnelLaw::Schlick), around);
     let (law, polarisations) = (law?, polarisations?);
@@ -108,6 +143,58 @@ fn polarisations(item: &GivenValue<'_>) -> Option<Vec<Polarisation>> {
 }
 
 impl MaterialKeys<'_> {
+    /// Facets that scatter evenly.
+    fn diffuse(&self, albedo: &Slot<'_>, others: &[&Slot<'_>]) -> Option<Optics> {
+        let MaterialKeys { material, materials, f0, eta, k, file, wavelength } = self;
+        let all =
+            [material, materials, f0, eta, k, file, wavelength].into_iter().chain(others.iter().copied());
+        let why = "has no meaning with facet = \"diffuse\"; albedo says what its facets reflect";
+        let absent: Vec<Option<()>> = all.map(|slot| slot.absent(why)).collect();
+        let albedo =
+            albedo.required("what a facet reflects, such as 0.8 or [r, g, b]").and_then(reflectances);
+        absent.into_iter().collect::<Option<Vec<()>>>()?;
+        Some(Optics::Diffuse { albedo: albedo? })
+    }
+
+    /// Clear facets, one table for each material and side of the light.
+    fn clear(&self, around: &Around<'_>) -> Option<Optics> {
+        self.f0.absent("belongs to facet = \"mirror\": give the index, eta or a material")?;
+        self.k.absent("belongs to facet = \"mirror\": nothing goes through what absorbs")?;
+        let named = |item: &GivenValue<'_>| {
+            let name = item.text()?;
+            let Some(known) = materials::clear(name) else {
+                let names = materials::clear_names().join(", ");
+                return item
+                    .refuse(format!("is no clear material known here: {names}; or give eta, or a file"));
+            };
+            let media = self.chosen(&known, Some(&materials::RGB_NM))?;
+            Some((Some(name.to_string()), media))
+        };
+        let given = [&self.material, &self.materials, &self.eta, &self.file];
+        let given: Vec<&GivenValue<'_>> = given.into_iter().filter_map(Slot::given).collect();
+        let all = match given[..] {
+            [] => self
+                .eta
+                .refuse("required: eta, material or file: the index of the inside over the outside")?,
+            [item] => match item.name() {
+                "material" => vec![named(item)?],
+                "materials" => distinct(item, item.each(named)?, |a, b| a.0 == b.0)?,
+                "file" => vec![(None, without_absorption(item, self.file(item, around)?)?)],
+                _ => vec![(None, self.listed(item)?)],
+            },
+            [first, second, ..] => {
+                second.refuse(format!("ambiguous: give {} or {}, never both", first.name(), second.name()))?
+            }
+        };
+        let of_side = |light: LightSide| {
+            all.iter().map(move |(material, media)| {
+                Optics::Dielectric(Dielectric { material: material.clone(), media: media.clone(), light })
+            })
+        };
+        let mut each: Vec<Optics> = around.sides.iter().flat_map(|&side| of_side(side)).collect();
+        if each.len() == 1 { each.pop() } else { Some(Optics::Several(each)) }
+    }
+
     /// Every material with a table of its own.
     fn read(&self, law: FresnelLaw, around: &Around<'_>) -> Option<Vec<Optics>> {
         let ways = [&self.material, &self.materials, &self.f0, &self.eta, &self.file];
@@ -159,17 +246,7 @@ impl MaterialKeys<'_> {
     }
 
     fn several(&self, item: &GivenValue<'_>, law: FresnelLaw) -> Option<Vec<Optics>> {
-        let all = item.each(|i| self.named(i, law))?;
-        for (k, optics) in all.iter().enumerate() {
-            if all[..k].iter().any(|other| other.material() == optics.material()) {
-                return item.list()?[k].refuse("is there already: one table is made for each material");
-            }
-        }
-        if all.is_empty() {
-            item.refuse("must not be empty; one table is made for each material")
-        } else {
-            Some(all)
-        }
+        distinct(item, item.each(|i| self.named(i, law))?, |a, b| a.material() == b.material())
     }
 
     /// `file`: all its lines, or the wavelengths that are asked for.
@@ -241,6 +318,35 @@ impl MaterialKeys<'_> {
         }
         Some((0..count).map(|at| medium(Some(nm[at]), n[at], k[at])).collect())
     }
+}
+
+/// At least one material, each once.
+fn distinct<T>(item: &GivenValue<'_>, all: Vec<T>, same: impl Fn(&T, &T) -> bool) -> Option<Vec<T>> {
+    for (k, one) in all.iter().enumerate() {
+        if all[..k].iter().any(|other| same(other, one)) {
+            return item.list()?[k].refuse("is there already: one table is made for each material");
+        }
+    }
+    if all.is_empty() {
+        return item.refuse("must not be empty; one table is made for each material");
+    }
+    Some(all)
+}
+
+/// Largest k of a medium that is clear: over a facet of many wavelengths hardly anything is lost, and F differs by less
+/// than 1e-7.
+const CLEAR_K: f64 = 1e-6;
+
+/// Media of a file for clear facets: their k must be as good as none.
+fn without_absorption(item: &GivenValue<'_>, media: Vec<Medium>) -> Option<Vec<Medium>> {
+    if let Some(absorbs) = media.iter().find(|medium| medium.k > CLEAR_K) {
+        let (k, nm) = (
+            plain(absorbs.k),
+            absorbs.wavelength_nm.map_or(String::new(), |nm| format!(" at {} nm", plain(nm))),
+        );
+        return item.refuse(format!("has k = {k}{nm}; clear facets absorb nothing: k <= {CLEAR_K}"));
+    }
+    Some(media.into_iter().map(|medium| Medium { k: 0.0, ..medium }).collect())
 }
 
 const NO_SURFACE: &str = "eta = 1 with k = 0 is no surface: it reflects nothing";

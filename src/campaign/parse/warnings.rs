@@ -25,7 +25,7 @@ pub(crate) fn note(report: &Report<'_>, campaign: &Campaign) {
 fn mirror_on_an_edge(campaign: &Campaign) -> Option<f64> {
     let kind = &campaign.surface.kind;
     let plane = kind.explicit_grains().is_some() && !kind.has_absorbing_base();
-    let SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins: BinLayout::Aligned } = &campaign.sensor
+    let SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins: BinLayout::Aligned, .. } = &campaign.sensor
     else {
         return None;
     };

@@ -7,7 +7,7 @@ pub(crate) mod sample;
 
 use serde::Serialize;
 
-pub use optics::{FresnelLaw, Medium, Optics, Polarisation, RefractiveIndex};
+pub use optics::{Dielectric, FresnelLaw, LightSide, Medium, Optics, Polarisation, RefractiveIndex};
 pub use sample::*;
 
 /// A whole campaign file.
@@ -23,7 +23,7 @@ pub struct Campaign {
     pub light: LightArm,
     /// The sensor arm.
     pub sensor: SensorArm,
-    /// What a facet reflects.
+    /// What a facet does to light.
     pub optics: Optics,
     /// How paths are followed.
     pub trace: Trace,
@@ -64,9 +64,11 @@ pub enum Azimuth {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SensorArm {
-    /// Bins over the whole hemisphere.
+    /// Bins over a whole hemisphere, or both.
     Hemisphere {
-        /// Rows: the step is 90/rows degrees, 1 to 9000.
+        /// Which of both.
+        side: SensorSide,
+        /// Rows of a hemisphere: the step is 90/rows degrees, 1 to 9000.
         theta_r_bins: u32,
         /// Columns: the step is 360/columns degrees, 1 to 36000.
         phi_r_bins: u32,
@@ -75,17 +77,30 @@ pub enum SensorArm {
     },
     /// Single positions with a circular aperture: every pair of the two lists.
     Arm {
-        /// Polar angles in (-90, 90); negative ones lie on the far side of the azimuth.
+        /// Polar angles in (-90, 90); negative ones lie on the far side of the azimuth. Of clear facets those in (90, 180]
+        /// too: light that has gone through.
         theta_r_deg: Vec<f64>,
         /// Azimuths in [0, 360).
         phi_r_deg: Vec<f64>,
-        /// Half-angle of the aperture, > 0; it stays above the horizon.
+        /// Half-angle of the aperture, > 0; it stays off the horizon.
         aperture_deg: f64,
         /// What the azimuths count from.
         phi_r_from: PhiFrom,
     },
     /// The 145 patches of the Klems full basis, on the stage's azimuths.
     KlemsFull,
+}
+
+/// Which light a sensor over a hemisphere collects, seen from the side of the light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SensorSide {
+    /// What comes back: theta_r below 90.
+    Reflection,
+    /// What has gone through: theta_r beyond 90.
+    Transmission,
+    /// Both: theta_r from 0 to 180.
+    Both,
 }
 
 /// Where the edges of the hemisphere's bins are.

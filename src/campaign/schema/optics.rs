@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// What a facet reflects.
+/// What a facet does to light.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Optics {
@@ -17,6 +17,13 @@ pub enum Optics {
     },
     /// A material whose index of refraction is known.
     Index(RefractiveIndex),
+    /// Clear facets: what Fresnel's equations do not reflect goes through.
+    Dielectric(Dielectric),
+    /// Facets that scatter light evenly (Lambert's law).
+    Diffuse {
+        /// Reflectance of a facet for R, G, B, each in [0, 1].
+        albedo: [f64; 3],
+    },
     /// Several materials, each with a table of its own, from the same paths. Never one of these inside; all with the
     /// same law.
     Several(Vec<Optics>),
@@ -33,6 +40,27 @@ pub struct RefractiveIndex {
     pub law: FresnelLaw,
     /// What light is counted.
     pub polarisation: Polarisation,
+}
+
+/// A clear material, at one or more wavelengths, and where the light comes from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Dielectric {
+    /// The material's name, where one was given.
+    pub material: Option<String>,
+    /// One colour of the table each, in the order of their wavelengths; k = 0, eta of the inside over the outside.
+    pub media: Vec<Medium>,
+    /// The side that the light comes from.
+    pub light: LightSide,
+}
+
+/// A side of the surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LightSide {
+    /// From outside, above the surface.
+    Front,
+    /// From inside the material, below it.
+    Back,
 }
 
 /// An index of refraction eta + i k, relative to the outer medium.
@@ -81,11 +109,33 @@ impl Optics {
     /// colour is `Y`; three are R, G and B, the longest wavelength first.
     pub fn wavelengths_nm(&self) -> Vec<f64> {
         match self {
-            Optics::Index(index) if !matches!(index.media.len(), 1 | 3) => {
-                index.media.iter().filter_map(|medium| medium.wavelength_nm).collect()
+            Optics::Index(RefractiveIndex { media, .. }) | Optics::Dielectric(Dielectric { media, .. })
+                if !matches!(media.len(), 1 | 3) =>
+            {
+                media.iter().filter_map(|medium| medium.wavelength_nm).collect()
             }
             _ => vec![],
         }
+    }
+
+    /// The sides that light comes from, each once.
+    pub fn light_sides(&self) -> Vec<LightSide> {
+        let side = |one: &&Optics| match one {
+            Optics::Dielectric(clear) => clear.light,
+            _ => LightSide::Front,
+        };
+        let all: Vec<LightSide> = self.each().iter().map(side).collect();
+        [LightSide::Front, LightSide::Back].into_iter().filter(|side| all.contains(side)).collect()
+    }
+
+    /// Whether facets send light into the mirror direction alone.
+    pub fn mirrors(&self) -> bool {
+        !self.each().iter().any(|one| matches!(one, Optics::Dielectric(_) | Optics::Diffuse { .. }))
+    }
+
+    /// Whether light goes through the facets.
+    pub fn lets_through(&self) -> bool {
+        self.each().iter().any(|one| matches!(one, Optics::Dielectric(_)))
     }
 
     /// The material's name, where it has one.
@@ -93,7 +143,8 @@ impl Optics {
         match self {
             Optics::Schlick { material, .. } => material.as_deref(),
             Optics::Index(index) => index.material.as_deref(),
-            Optics::PerfectMirror | Optics::Several(_) => None,
+            Optics::Dielectric(clear) => clear.material.as_deref(),
+            Optics::PerfectMirror | Optics::Diffuse { .. } | Optics::Several(_) => None,
         }
     }
 
@@ -101,8 +152,9 @@ impl Optics {
     pub fn colours(&self) -> usize {
         match self {
             Optics::PerfectMirror => 1,
-            Optics::Schlick { .. } => 3,
+            Optics::Schlick { .. } | Optics::Diffuse { .. } => 3,
             Optics::Index(index) => index.media.len(),
+            Optics::Dielectric(clear) => clear.media.len(),
             Optics::Several(all) => all.iter().map(Optics::colours).sum(),
         }
     }
@@ -119,6 +171,11 @@ impl Optics {
                 let parts = [index.material.as_deref(), polarisation];
                 parts.into_iter().flatten().collect::<Vec<_>>().join("_")
             }
+            Optics::Dielectric(clear) => {
+                let side = if clear.light == LightSide::Front { "front" } else { "back" };
+                let parts = [clear.material.as_deref(), Some(side)];
+                parts.into_iter().flatten().collect::<Vec<_>>().join("_")
+            }
             other => other.material().unwrap_or_default().to_string(),
         }
     }
@@ -132,6 +189,8 @@ impl Optics {
             Optics::Schlick { material: Some(name), f0 } => format!("{name}, Schlick, F0 {f0:?}"),
             Optics::Schlick { material: None, f0 } => format!("Schlick, F0 {f0:?}"),
             Optics::Index(index) => index.described(),
+            Optics::Dielectric(clear) => clear.described(),
+            Optics::Diffuse { albedo } => format!("facets scatter evenly, albedo {albedo:?}"),
             Optics::Several(all) => {
                 let each: Vec<String> = all.iter().map(Optics::described).collect();
                 format!("a table each for {}", each.join("; "))
@@ -145,16 +204,7 @@ impl RefractiveIndex {
         let material = self.material.as_ref().map_or(String::new(), |name| format!("{name}, "));
         let law =
             if self.law == FresnelLaw::Exact { "Fresnel's equations" } else { "Schlick from the index" };
-        let index = |medium: &Medium| match medium.k {
-            0.0 => format!("n = {}", medium.eta),
-            k => format!("n = {} + {k} i", medium.eta),
-        };
-        let nm: Vec<f64> = self.media.iter().filter_map(|medium| medium.wavelength_nm).collect();
-        let at = match nm[..] {
-            [] => index(&self.media[0]),
-            [one] => format!("{} at {one} nm", index(&self.media[0])),
-            [first, .., last] => format!("n and k at {} wavelengths from {first} to {last} nm", nm.len()),
-        };
+        let at = described(&self.media);
         let polarised = match self.polarisation {
             Polarisation::None => "",
             Polarisation::S => ", s-polarised about the plane of wi and wo",
@@ -165,10 +215,40 @@ impl RefractiveIndex {
 
     /// The media in the order of the table's colours: R, G, B where there are three.
     pub fn by_colour(&self) -> Vec<Medium> {
-        let mut media = self.media.clone();
-        if media.len() == 3 {
-            media.reverse();
-        }
-        media
+        by_colour(&self.media)
     }
+}
+
+impl Dielectric {
+    fn described(&self) -> String {
+        let material = self.material.as_ref().map_or(String::new(), |name| format!("{name}, "));
+        let side = if self.light == LightSide::Front { "" } else { ", light from inside" };
+        format!("{material}clear, {}{side}", described(&self.media))
+    }
+
+    /// The media in the order of the table's colours: R, G, B where there are three.
+    pub fn by_colour(&self) -> Vec<Medium> {
+        by_colour(&self.media)
+    }
+}
+
+fn described(media: &[Medium]) -> String {
+    let index = |medium: &Medium| match medium.k {
+        0.0 => format!("n = {}", medium.eta),
+        k => format!("n = {} + {k} i", medium.eta),
+    };
+    let nm: Vec<f64> = media.iter().filter_map(|medium| medium.wavelength_nm).collect();
+    match nm[..] {
+        [] => index(&media[0]),
+        [one] => format!("{} at {one} nm", index(&media[0])),
+        [first, .., last] => format!("n and k at {} wavelengths from {first} to {last} nm", nm.len()),
+    }
+}
+
+fn by_colour(media: &[Medium]) -> Vec<Medium> {
+    let mut media = media.to_vec();
+    if media.len() == 3 {
+        media.reverse();
+    }
+    media
 }

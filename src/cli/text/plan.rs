@@ -3,7 +3,7 @@
 use super::output::{bytes, duration, grouped, wrapped};
 use crate::campaign::{
     Alpha, Azimuth, BinLayout, Campaign, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset, SensorArm,
-    SmithHeights, SmithNdf, SurfaceKind,
+    SensorSide, SmithHeights, SmithNdf, SurfaceKind,
 };
 use crate::measure::{Disk, Plan, Saving};
 use crate::validate::prediction::aperture::ApertureBias;
@@ -162,14 +162,19 @@ fn stops(campaign: &Campaign, plan: &Plan) -> String {
 
 fn sensor(campaign: &Campaign) -> String {
     match &campaign.sensor {
-        SensorArm::Hemisphere { theta_r_bins, phi_r_bins, bins } => {
+        SensorArm::Hemisphere { side, theta_r_bins, phi_r_bins, bins } => {
             let layout = match bins {
                 BinLayout::Centred => "centred on",
                 BinLayout::Aligned => "edges on",
             };
             let step = |whole: f64, count: u32| (whole / f64::from(count) * 1e4).round() / 1e4;
             let (theta, phi) = (step(90.0, *theta_r_bins), step(360.0, *phi_r_bins));
-            format!("{layout} multiples of {theta} (theta_r) and {phi} degrees (phi_r)")
+            let side = match side {
+                SensorSide::Reflection => "",
+                SensorSide::Transmission => "; light that has gone through alone",
+                SensorSide::Both => "; light that comes back and that has gone through",
+            };
+            format!("{layout} multiples of {theta} (theta_r) and {phi} degrees (phi_r){side}")
         }
         SensorArm::Arm { aperture_deg, theta_r_deg, phi_r_deg, phi_r_from } => {
             let from = if *phi_r_from == PhiFrom::Light { "the light" } else { "the sample" };

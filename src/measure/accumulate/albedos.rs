@@ -10,7 +10,12 @@ type KnownMean = (Option<f64>, Option<f64>);
 impl StopResult {
     /// Whether the light saw no surface sample: then nothing is known of the albedo.
     pub fn is_dark(&self) -> bool {
-        self.orders.iter().sum::<u64>() + self.cut + self.left_map + self.outside + self.absorbed == 0
+        self.orders.iter().chain(&self.through).sum::<u64>()
+            + self.cut
+            + self.left_map
+            + self.outside
+            + self.absorbed
+            == 0
     }
 
     /// Albedo of order 1.
@@ -21,6 +26,24 @@ impl StopResult {
     /// Albedo of all orders.
     pub fn total(&self) -> KnownMean {
         let of = |realisation: usize| self.albedo_by_order.iter().map(|order| order[realisation]).sum();
+        self.covered((0..self.closure.len()).map(of), self.lost_light[1])
+    }
+
+    /// Share of the light that has gone through the surface at order 1; `None` where none does.
+    pub fn single_transmittance(&self) -> KnownMean {
+        match self.transmittance_by_order.first() {
+            Some(first) => self.covered(first.iter().copied(), self.lost_light[0]),
+            None => (None, None),
+        }
+    }
+
+    /// The same after all orders.
+    pub fn total_transmittance(&self) -> KnownMean {
+        if self.transmittance_by_order.is_empty() {
+            return (None, None);
+        }
+        let of =
+            |realisation: usize| self.transmittance_by_order.iter().map(|order| order[realisation]).sum();
         self.covered((0..self.closure.len()).map(of), self.lost_light[1])
     }
 

@@ -21,13 +21,17 @@ pub struct StopResult {
     /// Fraction of the incident flux in each order, one value for each realisation: \[order\]\[realisation\], mean of the
     /// colours. No realisation where only the light towards the apertures is followed.
     pub albedo_by_order: Vec<Vec<f64>>,
-    /// All orders, the cut paths and the absorbed ones with F = 1: \[realisation\]; empty where only the light towards the apertures is
-    /// followed.
+    /// The same of light that has gone through the surface; no order where none does.
+    pub transmittance_by_order: Vec<Vec<f64>>,
+    /// All orders on both sides, the cut paths and the absorbed ones, with F = 1 or as clear facets split it:
+    /// \[realisation\]; empty where only the light towards the apertures is followed.
     pub closure: Vec<f64>,
     /// Whether F = 1.
     pub perfect: bool,
     /// Paths that leave, by order.
     pub orders: Vec<u64>,
+    /// Those that leave on the other side than the light's, by order.
+    pub through: Vec<u64>,
     /// Paths beyond the last order.
     pub cut: u64,
     /// Samples that the light does not see.
@@ -129,8 +133,8 @@ fn empty_bin_errors(plan: &Plan, flux: &[Vec<TallyFlux>], sizes: &[Vec<f64>]) ->
         let counted: (u64, f64) = flux
             .iter()
             .flat_map(|stops| {
-                let Tally { orders, outside, left_map, .. } = stops[stop].tally;
-                let orders = orders.iter().map(|order| (order.count, order.flux));
+                let Tally { outside, left_map, .. } = stops[stop].tally;
+                let orders = stops[stop].tally.leaving().map(|order| (order.count, order.flux));
                 let fates = [outside, left_map].map(|fate| (fate.count, fate.flux));
                 orders.chain(fates).map(|(count, units)| (count, stops[stop].of(units)))
             })
@@ -154,22 +158,27 @@ fn stop_result(
     let orders = tallies[0].orders.len();
     // The light beyond the apertures is not known.
     let whole = if plan.apertures_only { &[] } else { &realisations[..] };
-    let of_order = |k: usize| {
-        let albedo = |flux: &TallyFlux| {
-            stats::mean(&colours.iter().map(|&colour| flux.order(k, colour)).collect::<Vec<_>>())
+    let mean_of_colours = |of: &dyn Fn(&TallyFlux, ColourSource) -> f64| {
+        let mean = |flux: &TallyFlux| {
+            stats::mean(&colours.iter().map(|&colour| of(flux, colour)).collect::<Vec<_>>())
         };
-        whole.iter().map(albedo).collect()
+        whole.iter().map(mean).collect()
     };
+    let through = tallies[0].through.len();
+    let paths = plan.sums.paths_for_flux() as f64;
     let closure = |flux: &TallyFlux| {
-        (0..orders).map(|order| flux.order(order, ColourSource::Unit)).sum::<f64>()
-            + flux.truncated()
-            + flux.absorbed()
+        let unit = |order| flux.order(order, ColourSource::Unit) + flux.through(order, ColourSource::Unit);
+        ((0..orders).map(unit).sum::<f64>() + flux.truncated() + flux.absorbed()) / paths
     };
     StopResult {
-        albedo_by_order: (0..orders).map(of_order).collect(),
+        albedo_by_order: (0..orders).map(|k| mean_of_colours(&|flux, c| flux.order(k, c))).collect(),
+        transmittance_by_order: (0..through)
+            .map(|k| mean_of_colours(&|flux, c| flux.through(k, c)))
+            .collect(),
         closure: whole.iter().map(closure).collect(),
         perfect: colours == [ColourSource::Unit],
         orders: (0..orders).map(|k| tallies.iter().map(|tally| tally.orders[k].count).sum()).collect(),
+        through: (0..through).map(|k| tallies.iter().map(|tally| tally.through[k].count).sum()).collect(),
         cut: tallies.iter().map(|tally| tally.cut.count).sum(),
         hidden: tallies.iter().map(|tally| tally.hidden.count).sum(),
         left_map: tallies.iter().map(|tally| tally.left_map.count).sum(),

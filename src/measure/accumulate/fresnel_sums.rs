@@ -7,8 +7,7 @@
 use std::ops::Range;
 
 use crate::campaign::{Campaign, FresnelLaw, Optics};
-use crate::measure::optics::reflectances_of;
-use crate::optics::FacetAngle;
+use crate::measure::optics::{PathLight, reflectances_of};
 use crate::optics::fresnel::Fresnel;
 use crate::optics::parts;
 use crate::optics::reflectance::Reflectance;
@@ -25,6 +24,8 @@ enum SumKind {
     Parts,
     /// The reflectance in every colour.
     Colours,
+    /// Paths of every colour by themselves.
+    Paths,
 }
 
 /// The sums of a campaign.
@@ -54,13 +55,20 @@ pub enum ColourSource {
         /// Its place among the colours of all materials.
         place: usize,
     },
+    /// Paths of its own.
+    Followed {
+        /// Its place among the colours of all materials.
+        place: usize,
+    },
 }
 
 /// The weights of one path, for sums of shares of its flux.
 #[derive(Debug, Clone, Default)]
 pub struct PathWeights {
-    /// Into the sums of its order.
+    /// Into the sums of its order, from `order_first` on.
     pub order: Vec<f64>,
+    /// The first of these sums.
+    pub order_first: usize,
     /// Into the sums of its bins, from `first` on.
     pub bins: Vec<f64>,
     /// The first of these sums.
@@ -74,10 +82,13 @@ impl FresnelSums {
         let schlick = |optics: &&Optics| match optics {
             Optics::Schlick { .. } => true,
             Optics::Index(index) => index.law == FresnelLaw::Schlick,
-            Optics::PerfectMirror | Optics::Several(_) => false,
+            Optics::PerfectMirror | Optics::Dielectric(_) | Optics::Diffuse { .. } | Optics::Several(_) => {
+                false
+            }
         };
         let sums = match campaign.optics {
             Optics::PerfectMirror => SumKind::Counts,
+            _ if campaign.optics.lets_through() => SumKind::Paths,
             _ if campaign.trace.bounces <= HIGHEST && campaign.optics.each().iter().all(schlick) => {
                 SumKind::Parts
             }
@@ -94,7 +105,8 @@ impl FresnelSums {
 
     /// The same with the reflectance of every colour followed along the path, as tests compare it with.
     pub fn traced(self) -> Self {
-        FresnelSums { sums: if self.sums == SumKind::Counts { self.sums } else { SumKind::Colours }, ..self }
+        let follow = matches!(self.sums, SumKind::Counts | SumKind::Paths);
+        FresnelSums { sums: if follow { self.sums } else { SumKind::Colours }, ..self }
     }
 
     /// Highest order.
@@ -109,7 +121,21 @@ impl FresnelSums {
 
     /// Whether paths need the angles at their facets.
     pub fn needs_angles(&self) -> bool {
-        self.sums != SumKind::Counts
+        !matches!(self.sums, SumKind::Counts | SumKind::Paths)
+    }
+
+    /// Whether every colour has paths of its own, which may go through the surface.
+    pub fn goes_through(&self) -> bool {
+        self.sums == SumKind::Paths
+    }
+
+    /// Paths that are counted for each start: at clear facets one for each colour, and at order 1 both parts of it.
+    pub fn paths_of_a_start(&self) -> u64 {
+        match (self.sums, self.bounces) {
+            (SumKind::Paths, 1) => 2 * self.reflectances.len() as u64,
+            (SumKind::Paths, _) => self.reflectances.len() as u64,
+            _ => 1,
+        }
     }
 
     /// Whether every colour has sums of its own.
@@ -119,7 +145,13 @@ impl FresnelSums {
 
     /// Whether Schlick's reflectance for any F0 follows from the sums.
     pub fn serves_any_f0(&self) -> bool {
-        self.sums == SumKind::Parts || (self.sums == SumKind::Colours && self.bounces == 1)
+        let matt = self.reflectances.iter().any(|one| matches!(one.fresnel, Fresnel::Even { .. }));
+        self.sums == SumKind::Parts || (self.sums == SumKind::Colours && self.bounces == 1 && !matt)
+    }
+
+    /// How often the flux of a start is counted: once for each colour that has paths of its own.
+    pub fn paths_for_flux(&self) -> u64 {
+        if self.sums == SumKind::Paths { self.reflectances.len() as u64 } else { 1 }
     }
 
     /// Sums of order 1 for each bin, next to the flux with F = 1: (1-c)^5, and traced colours.
@@ -128,6 +160,7 @@ impl FresnelSums {
             SumKind::Counts => 0,
             SumKind::Parts => 1,
             SumKind::Colours => 1 + self.reflectances.len(),
+            SumKind::Paths => self.reflectances.len(),
         }
     }
 
@@ -150,7 +183,7 @@ impl FresnelSums {
         let size = |group: usize| match self.sums {
             SumKind::Counts => 1,
             SumKind::Parts => 1 + self.degree(group),
-            SumKind::Colours => self.reflectances.len(),
+            SumKind::Colours | SumKind::Paths => self.reflectances.len(),
         };
         let first = (0..group).map(size).sum();
         first..first + size(group)
@@ -166,7 +199,7 @@ impl FresnelSums {
         match self.sums {
             SumKind::Counts => 0,
             SumKind::Parts => order + 1,
-            SumKind::Colours => self.reflectances.len(),
+            SumKind::Colours | SumKind::Paths => self.reflectances.len(),
         }
     }
 
@@ -175,6 +208,7 @@ impl FresnelSums {
         let first: usize = self.of_material[..material].iter().sum();
         let colour = |place: usize| match (self.sums, self.reflectances[place].fresnel) {
             (SumKind::Counts, _) => ColourSource::Unit,
+            (SumKind::Paths, _) => ColourSource::Followed { place },
             (SumKind::Parts, Fresnel::Schlick { f0 }) => ColourSource::Schlick { f0 },
             _ => ColourSource::Traced { place },
         };
@@ -186,14 +220,22 @@ impl FresnelSums {
         (0..self.of_material.len()).flat_map(|material| self.colours(material)).collect()
     }
 
-    /// The weights of a path with these angles at its facets, which left after `order` bounces.
-    pub fn weigh(&self, angles: &[FacetAngle], order: u32, weights: &mut PathWeights) {
-        let PathWeights { order: of_order, bins, first } = weights;
+    /// The weights of a path which left after `order` facets.
+    pub fn weigh(&self, light: &PathLight, order: u32, weights: &mut PathWeights) {
+        let angles = light.angles();
+        let PathWeights { order: of_order, order_first, bins, first } = weights;
         bins.clear();
         of_order.clear();
+        *order_first = 0;
         let group = if self.by_order { (order as usize).saturating_sub(2) } else { 0 };
         *first = if order > 1 { self.group(group).start } else { 0 };
         match self.sums {
+            SumKind::Paths => {
+                of_order.push(1.0);
+                bins.push(1.0);
+                *order_first = light.place();
+                *first += light.place();
+            }
             SumKind::Counts if order == 1 => {}
             SumKind::Counts => bins.push(1.0),
             SumKind::Parts => {

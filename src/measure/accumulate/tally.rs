@@ -33,8 +33,10 @@ pub struct Tally {
     pub multiple: Vec<Vec<u128>>,
     /// Arrivals by bin.
     pub hits: Vec<u64>,
-    /// Paths that leave, by order - 1.
+    /// Paths that leave on the light's side, by order - 1.
     pub orders: Vec<Order>,
+    /// Those that leave on the other side; empty where no light goes through.
+    pub through: Vec<Order>,
     /// Paths beyond the last order.
     pub cut: FluxCount,
     /// Samples that the light does not see.
@@ -79,12 +81,14 @@ impl Tally {
     pub fn new(bins: usize, sums: &FresnelSums) -> Self {
         let of_bins = |sums: usize| vec![vec![0u128; bins]; sums];
         let order = |order: usize| Order { weighted: vec![0; sums.order_sums(order)], ..Order::default() };
+        let through = if sums.goes_through() { sums.bounces() } else { 0 };
         Tally {
             single: vec![0; bins],
             first: of_bins(sums.first_sums()),
             multiple: of_bins(sums.multiple_sums()),
             hits: vec![0; bins],
             orders: (1..=sums.bounces()).map(order).collect(),
+            through: (1..=through).map(order).collect(),
             cut: FluxCount::default(),
             hidden: FluxCount::default(),
             left_map: FluxCount::default(),
@@ -106,7 +110,8 @@ impl Tally {
         for (mine, theirs) in self.hits.iter_mut().zip(&other.hits) {
             *mine += theirs;
         }
-        for (mine, theirs) in self.orders.iter_mut().zip(&other.orders) {
+        let through = self.through.iter_mut().zip(&other.through);
+        for (mine, theirs) in self.orders.iter_mut().zip(&other.orders).chain(through) {
             mine.count += theirs.count;
             mine.flux += theirs.flux;
             add(&mut mine.weighted, &theirs.weighted);
@@ -135,15 +140,17 @@ impl Tally {
             && planes(&self.first) == planes(&other.first)
             && planes(&self.multiple) == planes(&other.multiple)
             && orders(&self.orders) == orders(&other.orders)
+            && orders(&self.through) == orders(&other.through)
             && self.left.iter().all(|left| left.left.is_none() && left.has_shape_of(other))
     }
 
-    /// Whether these may be the sums of so many samples: each has one fate, and no sum can overflow by what is added.
-    pub fn is_sound(&self, starts: u64) -> bool {
-        let counts =
-            self.fates().into_iter().map(|fate| fate.count).chain(self.orders.iter().map(|o| o.count));
-        counts.map(u128::from).sum::<u128>() == u128::from(starts)
-            && self.sums_are_sound(starts)
+    /// Whether these may be the sums of so many samples, of `paths` each: every path has one fate, and no sum can overflow
+    /// by what is added.
+    pub fn is_sound(&self, starts: u64, paths: u64) -> bool {
+        let all = u128::from(starts) * u128::from(paths);
+        let counts = self.fates().into_iter().map(|fate| fate.count).chain(self.leaving().map(|o| o.count));
+        counts.map(u128::from).sum::<u128>() == all
+            && self.sums_are_sound(u64::try_from(all).unwrap_or(u64::MAX))
             && self.left.iter().all(|left| left.sums_are_sound(self.left_map.count))
     }
 
@@ -151,15 +158,20 @@ impl Tally {
         [self.cut, self.hidden, self.left_map, self.outside, self.absorbed]
     }
 
-    /// Whether no sum by bin or by fate is larger than `starts` paths make it.
-    fn sums_are_sound(&self, starts: u64) -> bool {
+    /// Paths that leave on either side, by order.
+    pub fn leaving(&self) -> impl Iterator<Item = &Order> {
+        self.orders.iter().chain(&self.through)
+    }
+
+    /// Whether no sum by bin or by fate is larger than so many paths make it.
+    fn sums_are_sound(&self, paths: u64) -> bool {
         let planes = self.first.iter().chain(&self.multiple).chain([&self.single]);
         let fates = self.fates();
-        let fluxes = fates.iter().map(|fate| &fate.flux).chain(self.orders.iter().map(|order| &order.flux));
-        let weighted = self.orders.iter().flat_map(|order| &order.weighted);
+        let fluxes = fates.iter().map(|fate| &fate.flux).chain(self.leaving().map(|order| &order.flux));
+        let weighted = self.leaving().flat_map(|order| &order.weighted);
         // A path arrives in a bin once, its mirror image once more.
-        self.hits.iter().all(|&hits| hits <= 2 * starts)
-            && self.seen.is_sound(starts)
+        self.hits.iter().all(|&hits| hits / 2 <= paths)
+            && self.seen.is_sound(paths)
             && self.lost == 0
             && planes.flatten().chain(fluxes).chain(weighted).all(|&units| units <= u128::MAX / 4)
     }
@@ -176,9 +188,9 @@ impl Tally {
         self.single.len() * (1 + self.first.len() + self.multiple.len()) + left
     }
 
-    /// All starts that were counted.
-    pub fn starts(&self) -> u64 {
-        let out: u64 = self.orders.iter().map(|order| order.count).sum();
+    /// All paths that were counted.
+    pub fn paths(&self) -> u64 {
+        let out: u64 = self.leaving().map(|order| order.count).sum();
         out + self.fates().iter().map(|fate| fate.count).sum::<u64>() + self.lost
     }
 }

@@ -1,7 +1,7 @@
 //! The sums of one incidence and realisation as fractions of the incident flux: what colours are made of.
 
 use super::fresnel_sums::{ColourSource, FresnelSums};
-use super::tally::{Tally, from_units};
+use super::tally::{Order, Tally, from_units};
 use crate::optics::parts;
 
 /// A tally, read as fractions of what fell on the patch in its blocks.
@@ -35,6 +35,7 @@ impl<'a> TallyFlux<'a> {
             ColourSource::Unit => self.of(single[bin]),
             ColourSource::Schlick { f0 } => f0 * self.of(single[bin]) + (1.0 - f0) * self.of(first[0][bin]),
             ColourSource::Traced { place } => self.of(first[1 + place][bin]),
+            ColourSource::Followed { place } => self.of(first[place][bin]),
         }
     }
 
@@ -51,19 +52,31 @@ impl<'a> TallyFlux<'a> {
             ColourSource::Schlick { f0 } => {
                 parts::at_f0(multiple[sums].iter().map(|sum| self.of(sum[bin])), f0)
             }
-            ColourSource::Traced { place } => self.of(multiple[sums.start + place][bin]),
+            ColourSource::Traced { place } | ColourSource::Followed { place } => {
+                self.of(multiple[sums.start + place][bin])
+            }
         }
     }
 
     /// Flux of paths that leave after `order` + 1 bounces, in one colour.
     pub fn order(&self, order: usize, colour: ColourSource) -> f64 {
-        let order = &self.tally.orders[order];
+        self.of_order(&self.tally.orders[order], colour)
+    }
+
+    /// The same of paths that have gone through the surface.
+    pub fn through(&self, order: usize, colour: ColourSource) -> f64 {
+        self.tally.through.get(order).map_or(0.0, |order| self.of_order(order, colour))
+    }
+
+    fn of_order(&self, order: &Order, colour: ColourSource) -> f64 {
         match colour {
             ColourSource::Unit => self.of(order.flux),
             ColourSource::Schlick { f0 } => {
                 parts::at_f0(order.weighted.iter().map(|&units| self.of(units)), f0)
             }
-            ColourSource::Traced { place } => self.of(order.weighted[place]),
+            ColourSource::Traced { place } | ColourSource::Followed { place } => {
+                self.of(order.weighted[place])
+            }
         }
     }
 

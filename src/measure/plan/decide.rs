@@ -140,9 +140,10 @@ fn decided(campaign: &Campaign) -> (Plan, Memory) {
     let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
     let folded = folded_stops(campaign, &grid);
     let realisations = campaign.surface.realisations;
-    // The statistical surface does not know where a path goes before it has left.
+    // The statistical surface does not know where a path goes before it has left, and facets must leave no choice.
     let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
-    let apertures_only = grid.kind == GridKind::Arm && campaign.trace.bounces == 1 && explicit;
+    let known = explicit && campaign.optics.mirrors();
+    let apertures_only = grid.kind == GridKind::Arm && campaign.trace.bounces == 1 && known;
     let total = [grid.stops() as u128, u128::from(realisations), u128::from(samples), roughnesses as u128];
     let start_sampler = StartSampler::decided(campaign, &grid, &folded, (samples, apertures_only));
     let mut plan = Plan {

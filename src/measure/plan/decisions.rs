@@ -81,6 +81,11 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// Paths that a block counts.
+    pub(crate) fn block_paths(&self) -> u64 {
+        self.block_starts * self.sums.paths_of_a_start()
+    }
+
     /// The bands of incidences whose tables are written one after the other; one where all fit the memory.
     pub fn bands(&self) -> Vec<Range<usize>> {
         rows::bands(self.stops, 1, self.band_stops as u64, 1)

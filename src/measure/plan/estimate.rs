@@ -87,7 +87,11 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let cells = plan.cells as u128;
     let lanes = if campaign.trace.visibility { LANES } else { 0 };
     let by_slope = plan.start_sampler == StartSampler::BySlope;
-    let mounted = HEIGHTS + lanes + if plan.start_sampler.is_indexed() { INDEX } else { 0 };
+    let index = if plan.start_sampler.is_indexed() { INDEX } else { 0 };
+    let lit = campaign.optics.light_sides().len() as u128;
+    // Of clear facets both sides of a patch are there.
+    let sides = if campaign.optics.lets_through() { 2 } else { 1 };
+    let mounted = sides * (HEIGHTS + lanes) + lit * index;
     let rounds = campaign.stop.relative_error.is_some() || campaign.stop.seconds.is_some();
     // Patches that are looked at again are all kept.
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
@@ -177,7 +181,10 @@ fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
         Some(coverage) => block_on_grains(campaign, plan, stop, (alpha, coverage)),
         None => block(campaign, plan, stop, alpha),
     };
-    plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
+    let ways = plan.sums.paths_of_a_start() as f64;
+    // Both parts of split light share the light's ray.
+    let ways = if campaign.trace.bounces == 1 && ways > 1.0 { 0.75 * ways } else { ways };
+    ways * plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
 }
 
 /// One block of an incidence on grains, ns: two rays of each start at order 1, from cell to cell as far as they rise to the

@@ -24,6 +24,8 @@ fn of_rays(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, S
     if !explicit {
         return;
     }
+    // Of clear facets both parts of the light have a ray.
+    let rays = if plan.sums.goes_through() { "four" } else { "three" };
     let (above, all) = plan.start_sampler.count_from_above();
     let share =
         |some: usize| if some == all { String::new() } else { format!(", at {some} of {all} incidences") };
@@ -31,14 +33,14 @@ fn of_rays(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str, S
         skip(
             "primary rays",
             "paths start on the facets, in proportion to the area turned to the light",
-            format!("one ray of three at order 1{}", share(all - above)),
+            format!("one ray of {rays} at order 1{}", share(all - above)),
         );
     }
     if above > 0 {
         skip(
             "the light's ray of each sample",
             "what a ray from above meets first is lit",
-            format!("one ray of three at order 1{}", share(above)),
+            format!("one ray of {rays} at order 1{}", share(above)),
         );
     }
     if !campaign.trace.visibility {
@@ -152,6 +154,16 @@ fn of_materials(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &s
             "F = 1: tallies are counts",
             "three products and a rounding for each arrival".into(),
         );
+        return;
+    }
+    if plan.sums.goes_through() {
+        if campaign.trace.bounces == 1 {
+            skip(
+                "the choice between both parts of the light at a facet",
+                "each part is followed with its share of the flux",
+                "all noise of that choice".into(),
+            );
+        }
         return;
     }
     let colours = format!("{} of {} traces", plan.colours - 1, plan.colours);

@@ -18,7 +18,7 @@ pub struct TracedGrains<'a> {
     pub alpha: DVec2,
     /// Which mirror image of the field lies there.
     pub image: PatchSymmetry,
-    /// Whether the plane between the grains reflects; else light ends there.
+    /// Whether the plane between the grains is as the grains are; else light ends there.
     pub mirror_base: bool,
 }
 
@@ -33,16 +33,21 @@ impl Traced for TracedGrains<'_> {
         -place.normal.truncate() / place.normal.z
     }
 
-    fn reflect(&self, back: DVec3, place: &GrainPoint) -> Option<DVec3> {
+    fn normal(&self, place: &GrainPoint, _: bool) -> Option<DVec3> {
         if place.grain.is_none() && !self.mirror_base {
             return None;
         }
         let across = self.alpha * self.image.from_field(place.normal.truncate());
-        let normal = across.extend(place.normal.z);
-        Some((2.0 * back.dot(normal) / normal.length_squared()) * normal - back)
+        Some(across.extend(place.normal.z))
     }
 
-    fn traverse(&self, from: &GrainPoint, w: DVec3) -> Outcome<GrainPoint> {
-        traverse(self.field, from, self.to_field(w))
+    fn other_side(&self, place: &GrainPoint) -> GrainPoint {
+        place.upside_down()
+    }
+
+    fn traverse(&self, from: &GrainPoint, w: DVec3, below: bool) -> Outcome<GrainPoint> {
+        // Grains seen from inside are pits, and pits are grains.
+        let up = if below { -self.field.up() } else { self.field.up() };
+        traverse(self.field, up, from, self.to_field(w))
     }
 }

@@ -30,6 +30,13 @@ impl GrainPoint {
         GrainPoint { at, z: 0.0, normal: DVec3::Z, grain: None }
     }
 
+    /// The same point seen from the other side of the surface, in its frame.
+    pub fn upside_down(&self) -> Self {
+        let normal =
+            if self.grain.is_some() { (-self.normal.truncate()).extend(self.normal.z) } else { self.normal };
+        GrainPoint { z: -self.z, normal, ..*self }
+    }
+
     /// Whether a grain lies over it.
     pub fn is_buried(&self, field: &GrainField) -> bool {
         field.buries(self.at, self.z, self.grain)

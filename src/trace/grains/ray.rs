@@ -12,15 +12,16 @@ use crate::trace::ray::surface_point::Outcome;
 /// Cells that a ray crosses at most: one in a million million rises so slowly.
 const MOST_CELLS: u32 = 1 << 26;
 
-/// What a ray from `from` along `d` (canonical, any length, away from the surface) meets first.
+/// What a ray from `from` along `d` (canonical, any length, away from the surface) meets first; `up` is 1 among grains, -1
+/// in pits.
 ///
 /// - Of every grain that comes nearer than its radius, t = c/(-b + sqrt(a (1 - p^2))) with a = d.d, b = o.d, c = o.o - 1
 ///   and p the distance of the ray from the centre, o the start seen from there: no difference of near numbers. A start
 ///   inside by rounding, in a seam of two grains, meets the second one at once if it goes deeper, else leaves it.
 /// - Below height 1 a ray that rises may meet grains up to there; one that sinks meets the plane.
 // Tested by `hits_are_those_of_a_search_through_all_grains`, `no_ray_is_lost_in_a_seam`.
-pub fn traverse(field: &GrainField, from: &GrainPoint, d: DVec3) -> Outcome<GrainPoint> {
-    if field.up() < 0.0 {
+pub fn traverse(field: &GrainField, up: f64, from: &GrainPoint, d: DVec3) -> Outcome<GrainPoint> {
+    if up < 0.0 {
         return pits::traverse(field, from, d);
     }
     // A level ray goes on until it meets a grain.

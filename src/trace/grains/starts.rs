@@ -92,7 +92,7 @@ impl RaysFromAbove<'_> {
         for _ in 0..count {
             let at = self.field.on_patch(next() * self.field.side());
             let top = GrainPoint { z: self.field.up().max(0.0), ..GrainPoint::on_plane(at) };
-            visit(traverse(self.field, &top, -self.light));
+            visit(traverse(self.field, self.field.up(), &top, -self.light));
         }
     }
 }

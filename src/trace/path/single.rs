@@ -1,7 +1,10 @@
-//! One path from its start to its end: shadow test, mirror bounces, exit.
+//! One path from its start to its end: shadow test, facet after facet, exit.
+//!
+//! Below the surface paths are followed on its other side: heights upside down, seen from a frame whose z points down.
 
 use glam::{DVec2, DVec3};
 
+use crate::optics::facet;
 use crate::trace::ray::grid_traversal::GridTraversal;
 use crate::trace::ray::surface_point::{Outcome, SurfacePoint};
 use crate::trace::symmetry::PatchSymmetry;
@@ -12,6 +15,8 @@ use crate::trace::symmetry::PatchSymmetry;
 pub struct TracedPatch<'a> {
     /// Traverses the canonical field.
     pub traversal: GridTraversal<'a>,
+    /// Traverses it upside down; that of the field itself where no path goes there.
+    pub below: GridTraversal<'a>,
     /// World slope per canonical slope.
     pub alpha: DVec2,
     /// Which mirror image of the field lies there.
@@ -23,11 +28,11 @@ pub struct TracedPatch<'a> {
 pub enum PathEnd {
     /// The surface sample is shadowed.
     Shadowed,
-    /// It leaves along `wo` (sample's frame) after `order` bounces.
+    /// It leaves along `wo` (sample's frame) after `order` facets.
     Out {
-        /// Unit vector, above the horizon.
+        /// Unit vector; below the horizon where the path ends on the other side than the light's.
         wo: DVec3,
-        /// Number of bounces.
+        /// Number of facets that it met.
         order: u32,
     },
     /// It has more bounces than the last order.
@@ -53,16 +58,64 @@ pub enum PathEnd {
     Lost,
 }
 
-/// What happens to a path's light at each bounce.
-pub trait Bounce {
-    /// A bounce with directions `wi` (where the light comes from) and `wo`, both away from the facet.
-    fn bounce(&mut self, wi: DVec3, wo: DVec3);
+/// Where light goes on from a facet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Onward {
+    /// Unit vector, away from the facet, in the frame of the side that the light came from.
+    pub to: DVec3,
+    /// Whether it goes through the surface: then `to` points below the facet.
+    pub through: bool,
+}
+
+/// Mirrors, which tell of each bounce with directions `wi` (where the light comes from) and `wo`, away from the facet.
+#[derive(Debug, Clone, Copy)]
+pub struct Mirrors<F>(pub F);
+
+impl<F: FnMut(DVec3, DVec3)> Scatter for Mirrors<F> {
+    fn scatter(&mut self, back: DVec3, normal: DVec3, _: bool) -> Onward {
+        let to = facet::mirrored(back, normal);
+        (self.0)(back, to);
+        Onward { to, through: false }
+    }
+}
+
+/// Both parts of the light of a path at its first facet, a clear one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SplitEnd {
+    /// The share that is reflected; the rest goes through.
+    pub reflectance: f64,
+    /// How the reflected part ends.
+    pub reflected: PathEnd,
+    /// How the rest ends; in total reflection it is nothing.
+    pub refracted: PathEnd,
+}
+
+impl SplitEnd {
+    /// Both parts end in this way.
+    pub(super) fn both(end: PathEnd) -> Self {
+        SplitEnd { reflectance: 0.0, reflected: end, refracted: end }
+    }
+}
+
+/// Where both parts of light go at a clear facet of index `eta`, each in the frame of its side: below the horizon of that
+/// side, and in total reflection, there is no direction.
+pub(super) fn split_rays(back: DVec3, normal: DVec3, eta: f64) -> (f64, [Option<DVec3>; 2]) {
+    let facet::Split { reflectance, refracted } = facet::split(back, normal, eta);
+    let both = [Some(facet::mirrored(back, normal)), refracted.map(|t| upside_down_if(true, t))];
+    (reflectance, both.map(|w| w.filter(|w| w.z > 0.0)))
+}
+
+/// What the facets of one path do to its light.
+pub trait Scatter {
+    /// Light at a facet: `back` (unit vector) is where it comes from, `normal` (of any length) the facet's on that side,
+    /// both in that side's frame; `below`: whether this is not the side that the path began on.
+    fn scatter(&mut self, back: DVec3, normal: DVec3, below: bool) -> Onward;
 }
 
 /// A surface that paths are followed on, one ray at a time. World directions are in the sample's frame.
 pub trait Traced {
     /// A point of it.
-    type Point;
+    type Point: Copy;
 
     /// A world direction in canonical field coordinates: (ax wx, ay wy, wz), seen from the field.
     fn to_field(&self, w: DVec3) -> DVec3;
@@ -70,24 +123,32 @@ pub trait Traced {
     /// The slope at a point, canonical, in field coordinates.
     fn slope(&self, place: &Self::Point) -> DVec2;
 
-    /// The mirror direction of `back` at a point; `None` where nothing is reflected.
-    fn reflect(&self, back: DVec3, place: &Self::Point) -> Option<DVec3>;
+    /// A normal at a point of any length, on the point's side; `None` where light ends.
+    fn normal(&self, place: &Self::Point, below: bool) -> Option<DVec3>;
 
-    /// What a ray from a point along a world direction meets.
-    fn traverse(&self, from: &Self::Point, w: DVec3) -> Outcome<Self::Point>;
+    /// The same point, seen from the other side of the surface.
+    fn other_side(&self, place: &Self::Point) -> Self::Point;
+
+    /// What a ray from a point along a direction meets; point, direction and answer are those of one side.
+    fn traverse(&self, from: &Self::Point, w: DVec3, below: bool) -> Outcome<Self::Point>;
+
+    /// The mirror direction of `back` at a point of the upper side; `None` where nothing is reflected.
+    fn reflect(&self, back: DVec3, place: &Self::Point) -> Option<DVec3> {
+        self.normal(place, false).map(|normal| facet::mirrored(back, normal))
+    }
 
     /// Follows a path from `start` under light from `wi` through at most `bounces` orders.
     ///
     /// Where the light's ray leaves an open map the path is followed as one that the light may see: it ends as
     /// [`PathEnd::LeftDomain`] with all that is known of it.
-    fn trace(&self, start: Self::Point, wi: DVec3, bounces: u32, visit: &mut impl Bounce) -> PathEnd {
-        let perhaps_unshadowed = match self.traverse(&start, wi) {
+    fn trace(&self, start: Self::Point, wi: DVec3, bounces: u32, facets: &mut impl Scatter) -> PathEnd {
+        let perhaps_unshadowed = match self.traverse(&start, wi, false) {
             Outcome::Escaped => false,
             Outcome::Hit(_) => return PathEnd::Shadowed,
             Outcome::LeftDomain => true,
             Outcome::Lost => return PathEnd::Lost,
         };
-        self.trace_lit(start, wi, (bounces, perhaps_unshadowed), visit)
+        self.trace_lit(start, wi, (bounces, perhaps_unshadowed), facets)
     }
 
     /// The same from a start that the light sees; `perhaps`: as far as the map reaches.
@@ -96,30 +157,34 @@ pub trait Traced {
         start: Self::Point,
         wi: DVec3,
         (bounces, perhaps): (u32, bool),
-        visit: &mut impl Bounce,
+        facets: &mut impl Scatter,
     ) -> PathEnd {
         let cut = |down: bool| match perhaps {
             true => PathEnd::LeftDomain { wo: None, order: bounces, further: false },
             false => PathEnd::Truncated { down },
         };
-        let mut place = start;
-        let mut back = wi;
+        let (mut place, mut back, mut below) = (start, wi, false);
         for order in 1..=bounces {
-            let Some(wo) = self.reflect(back, &place) else {
+            let Some(normal) = self.normal(&place, below) else {
                 return PathEnd::Absorbed { order: order - 1 };
             };
-            visit.bounce(back, wo);
+            let Onward { to, through } = facets.scatter(back, normal, below);
+            if through {
+                (place, below) = (self.other_side(&place), !below);
+            }
+            let wo = upside_down_if(through, to);
             // A path that goes down must hit again: at the last order there is nothing left to find out.
             if order == bounces && wo.z <= 0.0 {
                 return cut(true);
             }
-            match self.traverse(&place, wo) {
+            let seen = upside_down_if(below, wo);
+            match self.traverse(&place, wo, below) {
                 Outcome::Escaped if perhaps => {
-                    return PathEnd::LeftDomain { wo: Some(wo), order, further: false };
+                    return PathEnd::LeftDomain { wo: Some(seen), order, further: false };
                 }
-                Outcome::Escaped => return PathEnd::Out { wo, order },
+                Outcome::Escaped => return PathEnd::Out { wo: seen, order },
                 Outcome::Hit(next) => place = next,
-                Outcome::LeftDomain => return left_domain(wo, order, bounces),
+                Outcome::LeftDomain => return left_domain(wo, seen, order, bounces),
                 Outcome::Lost => return PathEnd::Lost,
             }
             back = -wo;
@@ -127,11 +192,61 @@ pub trait Traced {
         cut(false)
     }
 
-    /// The first bounce with shadowing and masking switched off.
-    fn trace_unobstructed(&self, start: &Self::Point, wi: DVec3, visit: &mut impl Bounce) -> PathEnd {
-        let Some(wo) = self.reflect(wi, start) else { return PathEnd::Absorbed { order: 0 } };
-        visit.bounce(wi, wo);
-        if wo.z > 0.0 { PathEnd::Out { wo, order: 1 } } else { PathEnd::Truncated { down: true } }
+    /// Both parts of the light of a start at its own facet, a clear one: order 1 without chance.
+    fn trace_split(&self, start: &Self::Point, wi: DVec3, eta: f64) -> SplitEnd {
+        let perhaps = match self.traverse(start, wi, false) {
+            Outcome::Escaped => false,
+            Outcome::Hit(_) => return SplitEnd::both(PathEnd::Shadowed),
+            Outcome::LeftDomain => true,
+            Outcome::Lost => return SplitEnd::both(PathEnd::Lost),
+        };
+        self.split_lit(start, wi, eta, perhaps)
+    }
+
+    /// The same of a start that the light sees; `perhaps`: as far as the map reaches.
+    fn split_lit(&self, start: &Self::Point, wi: DVec3, eta: f64, perhaps: bool) -> SplitEnd {
+        let Some(normal) = self.normal(start, false) else {
+            return SplitEnd::both(PathEnd::Absorbed { order: 0 });
+        };
+        let (reflectance, rays) = split_rays(wi, normal, eta);
+        let end = |w: Option<DVec3>, below: bool| {
+            let left = |wo| PathEnd::LeftDomain { wo, order: 1, further: false };
+            let Some(w) = w else {
+                return if perhaps { left(None) } else { PathEnd::Truncated { down: true } };
+            };
+            let place = if below { &self.other_side(start) } else { start };
+            let seen = upside_down_if(below, w);
+            match self.traverse(place, w, below) {
+                Outcome::Escaped if !perhaps => PathEnd::Out { wo: seen, order: 1 },
+                Outcome::Escaped | Outcome::LeftDomain => left(Some(seen)),
+                Outcome::Hit(_) if perhaps => left(None),
+                Outcome::Hit(_) => PathEnd::Truncated { down: false },
+                Outcome::Lost => PathEnd::Lost,
+            }
+        };
+        let [up, down] = rays;
+        SplitEnd { reflectance, reflected: end(up, false), refracted: end(down, true) }
+    }
+
+    /// The same with shadowing and masking switched off.
+    fn split_unobstructed(&self, start: &Self::Point, wi: DVec3, eta: f64) -> SplitEnd {
+        let Some(normal) = self.normal(start, false) else {
+            return SplitEnd::both(PathEnd::Absorbed { order: 0 });
+        };
+        let (reflectance, [up, down]) = split_rays(wi, normal, eta);
+        let end = |w: Option<DVec3>| {
+            w.map_or(PathEnd::Truncated { down: true }, |wo| PathEnd::Out { wo, order: 1 })
+        };
+        let refracted = end(down.map(|w| upside_down_if(true, w)));
+        SplitEnd { reflectance, reflected: end(up), refracted }
+    }
+
+    /// The first facet with shadowing and masking switched off.
+    fn trace_unobstructed(&self, start: &Self::Point, wi: DVec3, facets: &mut impl Scatter) -> PathEnd {
+        let Some(normal) = self.normal(start, false) else { return PathEnd::Absorbed { order: 0 } };
+        let Onward { to, through } = facets.scatter(wi, normal, false);
+        let leaves = if through { to.z < 0.0 } else { to.z > 0.0 };
+        if leaves { PathEnd::Out { wo: to, order: 1 } } else { PathEnd::Truncated { down: true } }
     }
 }
 
@@ -146,31 +261,52 @@ impl Traced for TracedPatch<'_> {
         self.traversal.field().corners(place.facet.x, place.facet.y).slope(place.facet.upper)
     }
 
-    fn reflect(&self, back: DVec3, place: &SurfacePoint) -> Option<DVec3> {
-        Some(self.reflected(back, place))
+    fn normal(&self, place: &SurfacePoint, below: bool) -> Option<DVec3> {
+        Some(self.facet_normal(place, below))
     }
 
-    fn traverse(&self, from: &SurfacePoint, w: DVec3) -> Outcome {
-        self.traversal.traverse(from, self.to_field(w))
+    fn other_side(&self, place: &SurfacePoint) -> SurfacePoint {
+        place.upside_down()
+    }
+
+    fn traverse(&self, from: &SurfacePoint, w: DVec3, below: bool) -> Outcome {
+        let traversal = if below { &self.below } else { &self.traversal };
+        traversal.traverse(from, self.to_field(w))
     }
 }
 
-impl TracedPatch<'_> {
+impl<'a> TracedPatch<'a> {
+    /// A patch that no light goes through.
+    pub fn opaque(traversal: GridTraversal<'a>, alpha: DVec2, image: PatchSymmetry) -> Self {
+        TracedPatch { traversal, below: traversal, alpha, image }
+    }
+
     /// A world direction in canonical field coordinates: (ax wx, ay wy, wz), seen from the field.
     pub fn to_field(&self, w: DVec3) -> DVec3 {
         let xy = self.image.to_field(self.alpha * DVec2::new(w.x, w.y));
         DVec3::new(xy.x, xy.y, w.z)
     }
 
-    /// The mirror direction of `wi` at a facet: 2 (wi.N) N/(N.N) - wi with N = (-ax p, -ay q, 1), not normalised.
-    pub fn reflected(&self, wi: DVec3, place: &SurfacePoint) -> DVec3 {
+    /// N = (-ax p, -ay q, 1), not normalised; of the underside (ax p, ay q, 1) in its frame.
+    pub fn facet_normal(&self, place: &SurfacePoint, below: bool) -> DVec3 {
         let world = self.alpha * self.image.from_field(self.slope(place));
-        let normal = DVec3::new(-world.x, -world.y, 1.0);
-        (2.0 * wi.dot(normal) / normal.length_squared()) * normal - wi
+        let across = if below { world } else { -world };
+        across.extend(1.0)
+    }
+
+    /// The mirror direction of `wi` at a facet.
+    pub fn reflected(&self, wi: DVec3, place: &SurfacePoint) -> DVec3 {
+        facet::mirrored(wi, self.facet_normal(place, false))
     }
 }
 
-/// The end of a path whose ray along `wo` leaves an open map after `order` of at most `bounces` bounces.
-pub(crate) fn left_domain(wo: DVec3, order: u32, bounces: u32) -> PathEnd {
-    PathEnd::LeftDomain { wo: (wo.z > 0.0).then_some(wo), order, further: order < bounces }
+/// A direction in the frame of the other side, where `other` says so.
+pub(crate) fn upside_down_if(other: bool, w: DVec3) -> DVec3 {
+    if other { DVec3::new(w.x, w.y, -w.z) } else { w }
+}
+
+/// The end of a path whose ray along `wo` (the frame of its side; `seen` in that of the light's) leaves an open map after
+/// `order` of at most `bounces` facets.
+pub(crate) fn left_domain(wo: DVec3, seen: DVec3, order: u32, bounces: u32) -> PathEnd {
+    PathEnd::LeftDomain { wo: (wo.z > 0.0).then_some(seen), order, further: order < bounces }
 }

@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use rand_pcg::Pcg64Dxsm;
 
-use super::single::{Bounce, PathEnd};
+use super::single::{Onward, PathEnd, Scatter, SplitEnd, split_rays, upside_down_if};
 use crate::campaign::SmithNdf;
 use crate::rng::uniform;
 use crate::trace::sampling::half_sphere::visible_normal;
@@ -30,26 +30,49 @@ pub struct SmithWalk {
 impl SmithWalk {
     /// Follows a path of light from `wi` (sample's frame, wi.z > 0) through at most `bounces` orders.
     // Tested by `order_one_is_the_formula_with_both_height_rules` (tests/it/validate/smith_surface.rs).
-    pub fn trace(&self, wi: DVec3, bounces: u32, rng: &mut Pcg64Dxsm, visit: &mut impl Bounce) -> PathEnd {
-        let mut back = wi;
+    pub fn trace(&self, wi: DVec3, bounces: u32, rng: &mut Pcg64Dxsm, facets: &mut impl Scatter) -> PathEnd {
+        let (mut back, mut below) = (wi, false);
         // From above everything, down: a collision is certain.
         let mut u = self.next_height(1.0, -wi, rng).unwrap_or(1.0);
         for order in 1..=bounces {
-            let wo = self.reflected(back, rng);
-            visit.bounce(back, wo);
+            let Onward { to, through } = facets.scatter(back, self.visible_normal(back, rng), below);
             if self.independent_heights {
                 u = uniform(rng);
             }
+            if through {
+                // Seen from the other side, what was above a height is below it.
+                (u, below) = (1.0 - u, !below);
+            }
+            let wo = upside_down_if(through, to);
             if order == bounces && wo.z <= 0.0 {
                 return PathEnd::Truncated { down: true };
             }
             match self.next_height(u, wo, rng) {
-                None => return PathEnd::Out { wo, order },
+                None => return PathEnd::Out { wo: upside_down_if(below, wo), order },
                 Some(next) => u = next,
             }
             back = -wo;
         }
         PathEnd::Truncated { down: false }
+    }
+
+    /// Both parts of the light of a path at its first facet, a clear one: order 1 without chance.
+    pub fn trace_split(&self, wi: DVec3, eta: f64, rng: &mut Pcg64Dxsm) -> SplitEnd {
+        let mut u = self.next_height(1.0, -wi, rng).unwrap_or(1.0);
+        let (reflectance, rays) = split_rays(wi, self.visible_normal(wi, rng), eta);
+        if self.independent_heights {
+            u = uniform(rng);
+        }
+        // Both parts leave from the same height, each by a chance of its own.
+        let mut end = |w: Option<DVec3>, below: bool| match w {
+            None => PathEnd::Truncated { down: true },
+            Some(w) => match self.next_height(if below { 1.0 - u } else { u }, w, rng) {
+                None => PathEnd::Out { wo: upside_down_if(below, w), order: 1 },
+                Some(_) => PathEnd::Truncated { down: false },
+            },
+        };
+        let [up, down] = rays;
+        SplitEnd { reflectance, reflected: end(up, false), refracted: end(down, true) }
     }
 
     /// The height at which a ray along `w` from height `u` collides next, `None` if it escapes.
@@ -81,15 +104,14 @@ impl SmithWalk {
         if w.z >= 0.0 { up } else { -1.0 - up }
     }
 
-    /// The mirror direction at a facet drawn in proportion to its projected area towards `back`.
-    fn reflected(&self, back: DVec3, rng: &mut Pcg64Dxsm) -> DVec3 {
+    /// The normal, of any length, of a facet drawn in proportion to its projected area towards `back`.
+    fn visible_normal(&self, back: DVec3, rng: &mut Pcg64Dxsm) -> DVec3 {
         let canonical = (self.alpha * back.truncate()).extend(back.z).normalize();
         let normal = match self.law {
             SmithNdf::Ggx => visible_normal(canonical, [uniform(rng), uniform(rng)]),
             SmithNdf::Beckmann => beckmann_normal(canonical, rng),
         };
-        let normal = (self.alpha * normal.truncate()).extend(normal.z);
-        (2.0 * back.dot(normal) / normal.length_squared()) * normal - back
+        (self.alpha * normal.truncate()).extend(normal.z)
     }
 }
 

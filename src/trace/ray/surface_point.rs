@@ -27,6 +27,11 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// The same point of the field upside down.
+    pub fn upside_down(&self) -> Self {
+        SurfacePoint { z: -self.z, ..*self }
+    }
+
     /// The point (u, v) of a facet, its height from the facet's plane.
     pub fn on(field: &Heightfield, facet: Facet, u: f64, v: f64) -> Self {
         let c = field.corners(facet.x, facet.y);

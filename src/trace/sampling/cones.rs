@@ -188,7 +188,7 @@ mod tests {
             let turn = f64::from(case);
             let alpha = DVec2::new([0.02, 0.2, 1.0][case as usize % 3], [0.05, 0.3][case as usize % 2]);
             let image = PatchSymmetry::nth(case as u64 % 8);
-            let sample = TracedPatch { traversal: GridTraversal::new(&field), alpha, image };
+            let sample = TracedPatch::opaque(GridTraversal::new(&field), alpha, image);
             let wi = sphere::direction_deg([0.0, 30.0, 60.0, 88.0][case as usize % 4], 37.0 * turn);
             let axis = sphere::direction_deg([0.0, 20.0, 50.0, 75.0][case as usize / 4 % 4], 61.0 * turn);
             let half_angle = [0.5f64, 3.0, 14.0][case as usize / 7 % 3].to_radians();

@@ -95,7 +95,7 @@ struct Cost {
 /// Follows the light's ray of every start of a block and holds its cells to the closed form.
 fn cost_of(field: &Heightfield, alpha: DVec2, theta_i_deg: f64, phi_i_deg: f64) -> Cost {
     let traversal = GridTraversal::new(field);
-    let sample = TracedPatch { traversal, alpha, image: PatchSymmetry::nth(0) };
+    let sample = TracedPatch::opaque(traversal, alpha, PatchSymmetry::nth(0));
     let light = sample.to_field(sphere::direction_deg(theta_i_deg, phi_i_deg));
     let (low, high) = field.range();
     // Edges crossed along x and y for each unit of height.

@@ -355,11 +355,8 @@ fn rays_steeper_than_every_slope_escape() {
 #[test]
 fn paths_that_go_down_hit_again() {
     let field = patch();
-    let sample = TracedPatch {
-        traversal: GridTraversal::new(&field),
-        alpha: glam::DVec2::splat(2.0),
-        image: PatchSymmetry::default(),
-    };
+    let sample =
+        TracedPatch::opaque(GridTraversal::new(&field), glam::DVec2::splat(2.0), PatchSymmetry::default());
     let mut rng = test_rng(5);
     let mut down = 0;
     for _ in 0..20_000 {

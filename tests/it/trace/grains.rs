@@ -73,7 +73,7 @@ fn hits_are_those_of_a_search_through_all_grains() {
             if from.normal.dot(d) <= 0.0 {
                 continue;
             }
-            match (traverse(&field, &from, d), searched(&field, &from, d)) {
+            match (traverse(&field, field.up(), &from, d), searched(&field, &from, d)) {
                 (Outcome::Hit(GrainPoint { grain: Some(found), .. }), Some((t, wanted))) => {
                     assert_eq!(found, wanted, "{from:?} {d} after {t}");
                     hits += 1;
@@ -125,7 +125,7 @@ fn no_ray_is_lost_in_a_seam() {
                     break;
                 }
                 bounces += 1;
-                match traverse(&field, &at, d) {
+                match traverse(&field, field.up(), &at, d) {
                     Outcome::Escaped => break,
                     Outcome::Hit(next) => {
                         assert!(next.z >= 0.0 && next.normal.is_normalized(), "{next:?}");
@@ -162,7 +162,7 @@ fn rays_in_pits_end_on_their_walls() {
                 continue;
             }
             // How far the ray goes: to its end, or up to the plane.
-            let (end, reach) = match traverse(&field, &from, d) {
+            let (end, reach) = match traverse(&field, field.up(), &from, d) {
                 Outcome::Escaped => (None, -from.z / d.z),
                 Outcome::Hit(end) => {
                     let apart = end.at - from.at;

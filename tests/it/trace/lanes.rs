@@ -5,8 +5,9 @@ use gonio::rng::uniform;
 use gonio::sphere;
 use gonio::surface::{Heightfield, SlopeLaw, Synthesiser};
 use gonio::trace::{
-    Bounce, Facet, GridTraversal, HitBuffer, Kernel, LONGEST, MaxPyramid, Outcome, PatchSymmetry, PathEnd,
-    PathWaves, RayBatch, RayOutcome, SimdTraversal, SurfacePoint, Traced, TracedPatch, View, Wave, Waves,
+    Facet, GridTraversal, HitBuffer, Kernel, LONGEST, MaxPyramid, Mirrors, Onward, Outcome, PatchSymmetry,
+    PathEnd, PathWaves, RayBatch, RayOutcome, Scatter, SimdTraversal, SurfacePoint, Traced, TracedPatch,
+    View, Wave, Waves,
 };
 use rand_pcg::Pcg64Dxsm;
 
@@ -145,9 +146,9 @@ fn same_point(field: &Heightfield, a: &SurfacePoint, b: &SurfacePoint) -> bool {
 #[derive(Default, Clone)]
 struct Bounces(Vec<(DVec3, DVec3)>);
 
-impl Bounce for Bounces {
-    fn bounce(&mut self, wi: DVec3, wo: DVec3) {
-        self.0.push((wi, wo));
+impl Scatter for Bounces {
+    fn scatter(&mut self, back: DVec3, normal: DVec3, below: bool) -> Onward {
+        Mirrors(|wi, wo| self.0.push((wi, wo))).scatter(back, normal, below)
     }
 }
 
@@ -159,10 +160,10 @@ fn paths_in_waves_are_paths() {
     let field = patch(SlopeLaw::Ggx, 128, 3);
     let lanes = MaxPyramid::new(&field).expect("lanes serve it");
     let traversal = GridTraversal::new(&field);
-    let over = SimdTraversal::new(traversal, &lanes, Kernel::widest());
+    let over = [SimdTraversal::new(traversal, &lanes, Kernel::widest()); 2];
     let mut paths = PathWaves::default();
     for (alpha, theta, bounces) in [(0.5, 60.0, 1), (0.5, 60.0, 4), (1.0, 30.0, 4)] {
-        let sample = TracedPatch { traversal, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(5) };
+        let sample = TracedPatch::opaque(traversal, DVec2::splat(alpha), PatchSymmetry::nth(5));
         let wi = sphere::direction_deg(theta, 77.0);
         let starts = lit_inside(&mut rng, &field, sample.to_field(wi), 30_000);
         let mut visits = vec![Bounces::default(); starts.len()];
@@ -212,11 +213,11 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
     let field = patch(SlopeLaw::Ggx, 128, 4);
     let lanes = MaxPyramid::new(&field).expect("lanes serve it");
     let traversal = GridTraversal::new(&field);
-    let over = SimdTraversal::new(traversal, &lanes, Kernel::widest());
+    let over = [SimdTraversal::new(traversal, &lanes, Kernel::widest()); 2];
     let mut paths = PathWaves::default();
     // The last two lights are far beyond what f32 follows to its end, were it not for the f64 walk.
     for (alpha, theta) in [(0.2, 30.0), (0.5, 60.0), (1.0, 75.0), (0.8, 85.0), (0.8, 89.0)] {
-        let sample = TracedPatch { traversal, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(3) };
+        let sample = TracedPatch::opaque(traversal, DVec2::splat(alpha), PatchSymmetry::nth(3));
         let wi = sphere::direction_deg(theta, 131.0);
         let starts = lit_inside(&mut rng, &field, sample.to_field(wi), 100_000);
         let mut visits = vec![Bounces::default(); starts.len()];

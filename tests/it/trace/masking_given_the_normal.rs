@@ -18,7 +18,7 @@ fn a_smooth_surface_masks_facets_by_their_slope() {
     let alpha = 0.5;
     let field = Synthesiser::new(SlopeLaw::Ggx, 512, 8.0).patch(&mut test_rng(31));
     let traversal = GridTraversal::new(&field);
-    let sample = TracedPatch { traversal, alpha: DVec2::splat(alpha), image: PatchSymmetry::nth(0) };
+    let sample = TracedPatch::opaque(traversal, DVec2::splat(alpha), PatchSymmetry::nth(0));
     for theta_deg in [30.0, 60.0, 75.0] {
         let (mut seen, mut all) = ([0_u64; EDGES.len() + 1], [0_u64; EDGES.len() + 1]);
         for turn in 0..16 {

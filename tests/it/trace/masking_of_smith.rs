@@ -9,7 +9,7 @@ use gonio::campaign::SmithNdf;
 use gonio::sphere::direction_deg;
 use gonio::stats::{chi_square_p, sidak};
 use gonio::theory::{ArmSide, Ndf};
-use gonio::trace::{Bounce, PathEnd, SmithWalk};
+use gonio::trace::{Mirrors, PathEnd, SmithWalk};
 
 use crate::support::long::or_long;
 use crate::support::measuring::test_rng;
@@ -41,16 +41,6 @@ fn cases() -> Vec<Case> {
         }
     }
     cases
-}
-
-/// The first facet of a path, by its directions.
-#[derive(Default)]
-struct First(Option<(DVec3, DVec3)>);
-
-impl Bounce for First {
-    fn bounce(&mut self, wi: DVec3, wo: DVec3) {
-        self.0.get_or_insert((wi, wo));
-    }
 }
 
 /// The light in canonical coordinates: (height, length across the normal, azimuth).
@@ -122,9 +112,9 @@ fn counted(case: &Case, seed: u64, paths: u32) -> Counts {
     let mut counts = Counts { lit: zeros(), seen: zeros(), expected: zeros(), variance: zeros() };
     let mut rng = test_rng(seed);
     for _ in 0..paths {
-        let mut first = First::default();
-        let ending = walk.trace(wi, 1, &mut rng, &mut first);
-        let (back, wo) = first.0.expect("light from above meets the surface");
+        let mut first = None;
+        let ending = walk.trace(wi, 1, &mut rng, &mut Mirrors(|wi, wo| first = first.or(Some((wi, wo)))));
+        let (back, wo) = first.expect("light from above meets the surface");
         let m = back + wo;
         let slope = -m.truncate() / (m.z * case.alpha);
         let (p, q) = (slope.dot(along), slope.dot(along.perp()));

@@ -200,11 +200,8 @@ fn no_ray_meets_the_facet_that_it_leaves() {
     let field = ggx_patch(64, 9);
     let mut hits = 0;
     for alpha in [0.5, 2.0, 10.0] {
-        let sample = TracedPatch {
-            traversal: GridTraversal::new(&field),
-            alpha: DVec2::splat(alpha),
-            image: PatchSymmetry::nth(0),
-        };
+        let sample =
+            TracedPatch::opaque(GridTraversal::new(&field), DVec2::splat(alpha), PatchSymmetry::nth(0));
         for _ in 0..20_000 {
             let mut place = anywhere(&mut rng, &field);
             let mut back = sphere::direction_deg(89.0 * uniform(&mut rng), 360.0 * uniform(&mut rng));

@@ -54,6 +54,11 @@ impl Curve {
 }
 
 impl Dispersion {
+    /// A clear medium: n^2 - 1 = sum b l^2/(l^2 - c) with (b, c) for l in um, over `range` in nm.
+    pub(crate) fn sellmeier(terms: Vec<(f64, f64)>, range: [f64; 2]) -> Self {
+        Dispersion { eta: Curve::Sellmeier { first: 0.0, terms, range }, k: None }
+    }
+
     /// n, and k where the medium absorbs; refused where the two have no wavelength in common.
     pub(crate) fn new(eta: Curve, k: Option<Curve>) -> Result<Self, String> {
         let found = Dispersion { eta, k };
