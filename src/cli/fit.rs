@@ -1,14 +1,15 @@
 //! `gonio fit`: analytic models fitted to a stored table, best first.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::table_file;
-use super::text::output::{Output, columns, or_na, to_json, wrapped};
+use super::text::output::{Output, columns, or_na, say, to_json, wrapped};
 use crate::error::{Error, Result};
 use crate::fit::{self, Fit, FitData, FitLaw, Fits, NAMES};
 use crate::stats;
+use crate::table::{BrdfTable, Realisations};
 
 /// L1 from which on the best model is called no good one.
 const POOR: f64 = 0.25;
@@ -45,6 +46,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let table = table_file::load(path)?;
     let campaign = table_file::campaign_if_any(path, &table)?;
     let parts = table_file::realisations_beside(path, &table)?;
+    let (table, parts) = light_that_comes_back(path, table, parts)?;
     let data = FitData::new(&table, campaign.as_ref(), parts.as_ref());
     if data.value.iter().flatten().all(|&value| value == 0.0) {
         return Err(Error::format(path, "channel `single` is 0 everywhere: nothing can be fitted"));
@@ -67,6 +69,24 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         out.lines(lines(&fits))?;
     }
     Ok(0)
+}
+
+/// The bins above the horizon: models of light that has gone through are not fitted.
+fn light_that_comes_back(
+    path: &Path,
+    table: BrdfTable,
+    parts: Option<Realisations>,
+) -> Result<(BrdfTable, Option<Realisations>)> {
+    if !table.grid.looks_below() {
+        return Ok((table, parts));
+    }
+    let Some(half) = table.half(false) else {
+        let why =
+            "holds light that has gone through the surface alone: models are fitted to light that comes back";
+        return Err(Error::format(path, why));
+    };
+    say("note: fitted to light that comes back (theta_r below 90)");
+    Ok((half, parts.and_then(|parts| parts.half(&table.grid, false))))
 }
 
 fn lines(fits: &Fits) -> Vec<String> {

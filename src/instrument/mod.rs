@@ -5,6 +5,7 @@ pub mod arms;
 pub mod bins;
 pub mod cone;
 pub mod grid;
+pub mod halves;
 pub mod klems;
 pub mod symmetry;
 

@@ -24,6 +24,8 @@ pub struct FormatTraits {
     pub gaps: bool,
     /// Half/difference angles as they are.
     pub half_difference: bool,
+    /// Light that has gone through the surface, theta_r beyond 90 degrees.
+    pub transmission: bool,
     /// More than one colour; else it is the luminance.
     pub colours: bool,
     /// More colours than R, G and B.
@@ -41,6 +43,7 @@ impl FormatTraits {
             name,
             more_than_totals: false,
             gaps: false,
+            transmission: false,
             half_difference: false,
             colours: true,
             wavelengths: false,

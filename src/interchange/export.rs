@@ -9,7 +9,7 @@ use super::resample::gaps::not_measured;
 use super::{AlbedoCurve, Format, Lookup, Options, ReadBack, albedo, luminance};
 use crate::error::{Checked, ContentError, Error, Result};
 use crate::files::{self, NewFile};
-use crate::instrument::GridKind;
+use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, TableRows};
 
 /// A file that was written.
@@ -40,6 +40,7 @@ pub struct Export {
 pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Result<Export> {
     let (codec, refused) = (format.codec(), refusal(format, path));
     let holds = codec.traits();
+    side_held(&table.grid, codec).map_err(&refused)?;
     if table.is_spectral() && !holds.wavelengths {
         let what =
             format!("{} wavelengths; npz, npy, csv, exr_parts, astm and ssdd hold them", table.colours.len());
@@ -85,12 +86,23 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
 // Tested by `a_table_exported_by_rows_is_the_file_of_the_whole` (tests/it/table/large_tables.rs).
 pub fn export_rows(rows: &mut TableRows, format: Format, path: &Path, bytes: u64) -> Result<Export> {
     let (codec, refused) = (format.codec(), refusal(format, path));
+    side_held(rows.grid(), codec).map_err(&refused)?;
     let by_bands = codec.by_bands().ok_or_else(|| refused("needs the whole table in memory".into()))?;
     let mut bands = RowBands::new(rows, bytes)?;
     write(FileContent::Stream(Box::new(|out| by_bands.write(&mut bands, out))), path, &refused)?;
     let read_back = codec::open(path).and_then(|file| by_bands.read_back(file, &mut bands));
     let read_back = read_back.map_err(|why| unread(path, why))?;
     Ok(Export { convention: by_bands.convention().into(), notes: vec![], read_back, albedo: None })
+}
+
+/// Refuses light that has gone through the surface where a format has no place for it.
+fn side_held(grid: &Grid, codec: &dyn Codec) -> Checked<()> {
+    if !grid.looks_below() || codec.traits().transmission {
+        return Ok(());
+    }
+    Err("has no place here for light that has gone through the surface; npz, npy and csv hold it, and side = \
+         \"reflection\" under [sensor.hemisphere] measures what comes back alone"
+        .into())
 }
 
 /// What is not written in a format: refused, unless the system or another file is at fault.

@@ -40,7 +40,7 @@ fn identity(table: &BrdfTable, digest: &str, colours: &str) -> Vec<CardRow> {
     let mut rows = vec![
         row("what", "BRDF without cosine, 1/sr, mean over each bin, with standard errors and hits".into()),
         row("size", format!("{stops} positions of the light x {bins} bins, channels {colours}")),
-        row("convention", store::CONVENTION_TEXT.into()),
+        row("convention", store::convention(&table.grid)),
         row("program", format!("gonio {}", plain(&table.version))),
         row("seed", table.seed.to_string()),
         row("table SHA-256", format!("{} (attribute `gonio.digest`)", code(digest))),
@@ -96,7 +96,7 @@ fn goodness(table: &BrdfTable, quality: Option<Quality>, summary: &Summary) -> V
 
 fn limits(facts: &Facts, summary: &Summary) -> Vec<String> {
     let mut limits = vec![
-        "Geometric optics: facets are flat mirrors, without diffraction or interference.".into(),
+        "Geometric optics: facets are flat, without diffraction or interference.".into(),
         "Values are means over bins, not values at their centres; compare them with means.".into(),
         "Error bars come from the spread of independent realisations; they do not hold what the surface's grid does \
          to the steepest slopes (docs/physics.md, limits of validity)."

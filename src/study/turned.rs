@@ -2,6 +2,7 @@
 
 use crate::campaign::{Azimuth, Campaign};
 use crate::error::{Error, Result};
+use crate::instrument::grid_of;
 use crate::measure::{self, Plan};
 
 /// Turns where the campaign says nothing: every 15 degrees.
@@ -24,6 +25,10 @@ pub fn turned(campaign: &Campaign) -> Result<(Campaign, Plan)> {
     if campaign.alphas().len() > 1 {
         let why = "a study takes one roughness; give a campaign for each";
         return Err(Error::Usage(format!("{}: surface.alpha: {why}", campaign.name)));
+    }
+    if grid_of(&campaign).looks_below() {
+        let why = "a study is of light that comes back; take side = \"reflection\", theta_r below 90";
+        return Err(Error::Usage(format!("{}: sensor: {why}", campaign.name)));
     }
     let every = |step: f64, count: u32| (0..count).map(|k| step * f64::from(k)).collect();
     let turns = match &campaign.light.azimuth {

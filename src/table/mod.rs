@@ -4,6 +4,7 @@ pub mod brdf_table;
 mod channels;
 mod content_digest;
 pub mod gaps;
+mod halves;
 pub mod realisations;
 pub mod recolour;
 pub mod rows;

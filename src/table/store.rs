@@ -22,12 +22,23 @@ const SEED: &str = "gonio.seed";
 const PATCH_DIGEST: &str = "gonio.patch_digest";
 
 /// How directions and values of a table are to be understood.
-pub const CONVENTION_TEXT: &str = "Frame: z is the mean normal of the sample, x its tangent, right-handed; \
+const CONVENTION_TEXT: &str = "Frame: z is the mean normal of the sample, x its tangent, right-handed; \
     theta is the angle from z and phi the azimuth from x towards y, in degrees. wi points from the surface to \
     the light (theta_i, phi_i), wo from the surface to the sensor (theta_r, phi_r); the mirror direction lies at \
     theta_r = theta_i, phi_r = phi_i + 180. With phi_r_relative, phi_r counts from phi_i. Values are the BRDF in \
     1/sr averaged over the bin by projected solid angle, not multiplied by any cosine. Row = light stop, theta_i \
     major; column = sensor bin, theta_r major.";
+
+/// What is added for a sensor that looks below the surface.
+const THROUGH_TEXT: &str = " theta_r beyond 90 degrees is light that has gone through the surface: radiant flux per \
+    projected solid angle |cos(theta_r)| dw and incident flux, without a factor n^2. The light stands on the side of z; \
+    where it is the back of the sample, z points inwards. With n_i and n_o the indices on both sides, f(wo -> wi) = \
+    f(wi -> wo) (n_i/n_o)^2 for light the other way round, and f (n_i/n_o)^2 carries the basic radiance L/n^2.";
+
+/// How directions and values of a table of this grid are to be understood.
+pub fn convention(grid: &Grid) -> String {
+    format!("{CONVENTION_TEXT}{}", if grid.looks_below() { THROUGH_TEXT } else { "" })
+}
 
 /// A table from a file, and what its reader should know.
 #[derive(Debug, Clone, PartialEq)]
@@ -138,7 +149,7 @@ pub(super) fn header(part: &mut ImagePart) -> Checked<TableHeader> {
         text.unwrap_or_default().to_string()
     };
     let (version, campaign) = (attribute(VERSION), attribute(CAMPAIGN));
-    if attribute(CONVENTION) != CONVENTION_TEXT {
+    if attribute(CONVENTION) != convention(&grid) {
         warnings.push(format!("{CONVENTION} is not this program's: its angles may mean something else"));
     }
     let patch_digest = part.text(PATCH_DIGEST).unwrap_or_default().to_string();
@@ -192,7 +203,7 @@ pub(super) fn outline(
     part.set_text(GRID, &channels::grid_text(grid)?);
     part.set_text(VERSION, &table.version);
     part.set_text(CAMPAIGN, &table.campaign);
-    part.set_text(CONVENTION, CONVENTION_TEXT);
+    part.set_text(CONVENTION, &convention(&grid));
     part.set_text(SEED, &table.seed.to_string());
     part.set_text(PATCH_DIGEST, &table.patch_digest);
     let errors: Vec<Vec<f32>> = table.colours.iter().map(|colour| colour.albedo_se.clone()).collect();

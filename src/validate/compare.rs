@@ -20,7 +20,7 @@ pub struct Comparison {
     pub model: String,
     /// The masking's name.
     pub masking: String,
-    /// Which channel is compared: `single`.
+    /// What is compared: `single`, order 1 of light that comes back; `single_through`, of light that has gone through.
     pub scope: String,
     /// Means over stops and colours of the figures below.
     #[serde(flatten)]

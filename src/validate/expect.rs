@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use crate::campaign::{Alpha, Campaign, ExpectedMasking, GrainShape, Grains, SmithHeights, SurfaceKind};
+use crate::campaign::{
+    Alpha, Campaign, ExpectedMasking, GrainShape, Grains, Optics, SmithHeights, SurfaceKind,
+};
 use crate::instrument::Grid;
 
 /// Room for the spread of patches above the known discrepancy.
@@ -70,8 +72,11 @@ pub fn masking(campaign: &Campaign) -> &'static str {
 // Tested by `without_visibility_the_patches_own_slopes_are_allowed_for`,
 // `exact_surfaces_are_held_to_nothing_but_noise`.
 pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
+    let matt = matches!(campaign.optics, Optics::Diffuse { .. });
     let left_out = match campaign.surface.kind {
         SurfaceKind::File(_) => return None,
+        // What is known of heights is known of mirrors.
+        _ if matt && campaign.surface.kind.is_random_heights() => None,
         // Of pits, and of heights with such normals, no masking is known.
         SurfaceKind::Grains(Grains { shape: GrainShape::Pits | GrainShape::Heights, .. }) => None,
         SurfaceKind::Smith(_)
@@ -85,6 +90,13 @@ pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
         | SurfaceKind::BlinnPhong { .. } => known(campaign, grid),
     };
     campaign.expect.l1_model.or(left_out).map(|l1_model| Bar { masking: masking(campaign), l1_model })
+}
+
+/// The same for light that has gone through the surface: of random heights nothing is known.
+pub fn bar_through(campaign: &Campaign) -> Option<Bar> {
+    let exact = matches!(campaign.surface.kind, SurfaceKind::Smith(_) | SurfaceKind::Mirror);
+    let l1_model = campaign.expect.l1_model.or(exact.then_some(0.0))?;
+    Some(Bar { masking: masking(campaign), l1_model })
 }
 
 /// The mean over the stops of what random heights are known to keep: with shadowing MARGIN times the table, at the

@@ -17,7 +17,9 @@ const LEVEL: f64 = 0.01;
 const LIGHT: &str = "light";
 const ENERGY: &str = "energy";
 const RECIPROCITY: &str = "reciprocity";
-const MODEL: &str = "model";
+/// The model of the light that comes back, and of that which has gone through.
+pub(super) const MODEL: &str = "model";
+pub(super) const TRANSMISSION: &str = "transmission";
 
 /// What is said of one law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -184,21 +186,27 @@ pub(super) fn reciprocity(found: Option<&Reciprocity>, visibility: bool) -> Judg
 }
 
 /// The distance from the model against what is known of the surface or expected by the campaign.
-pub(super) fn model(bar: Option<Bar>, comparisons: &[Comparison], own_slopes: &str) -> Judgement {
+pub(super) fn model(
+    law: &'static str,
+    bar: Option<Bar>,
+    comparisons: &[&Comparison],
+    own_slopes: &str,
+) -> Judgement {
     if comparisons.is_empty() {
-        return Judgement::not_judged(MODEL, "no model speaks of this surface");
+        return Judgement::not_judged(law, "no model speaks of this surface");
     }
     let Some(bar) = bar else {
         return Judgement::not_judged(
-            MODEL,
+            law,
             "nothing is known of this surface at these angles; [expect] sets a bar",
         );
     };
     let Some(comparison) = comparisons.iter().find(|c| c.masking == bar.masking) else {
-        return Judgement::not_judged(MODEL, format!("the model has no masking {}", bar.masking));
+        return Judgement::not_judged(law, format!("the model has no masking {}", bar.masking));
     };
     let mut judgement =
         if bar.l1_model == 0.0 { exactness(comparison) } else { distance(&comparison.figures, bar.l1_model) };
+    judgement.law = law.into();
     let name = if bar.masking == "none" { String::new() } else { format!(" {}", bar.masking) };
     judgement.reason = format!("{}{name}: {}", comparison.model, judgement.reason);
     if judgement.ruling == Ruling::Failed {

@@ -64,6 +64,21 @@ impl Prediction {
     }
 }
 
+impl Prediction {
+    /// For the bins of a table of this grid on one side of the surface.
+    pub fn half(&self, grid: &Grid, below: bool) -> Option<Self> {
+        let bins = grid.half(below)?.bins;
+        let of_bins = |values: &Vec<f64>| bins.iter().map(|&bin| values[bin]).collect();
+        let of_stop = |means: &StopMeans| StopMeans {
+            values: means.values.iter().map(|colours| colours.iter().map(of_bins).collect()).collect(),
+        };
+        Some(Prediction { model: self.model.clone(), means: self.means.iter().map(of_stop).collect() })
+    }
+}
+
+/// What a comparison of light that comes back is of, and of light that has gone through.
+pub const SCOPES: [&str; 2] = ["single", "single_through"];
+
 /// Tests a table against the laws, and against the models of its campaign; an imported one has no campaign.
 ///
 /// ```no_run
@@ -132,7 +147,8 @@ pub struct Examination {
     grid: Grid,
     /// Name of the model, and for each masking its name and the stops so far.
     model: String,
-    compared: Vec<(String, Vec<StopComparison>)>,
+    /// By scope and masking.
+    compared: Vec<(&'static str, String, Vec<StopComparison>)>,
     energy: Energy,
     seen: SeenLight,
     pairs: Option<PairValues>,
@@ -156,7 +172,11 @@ impl Examination {
             compared: Vec::new(),
             energy: Energy::default(),
             seen: SeenLight::default(),
-            pairs: visibility.then(|| PairValues::new(grid, exact, campaign.and_then(independent_facets))),
+            // What goes through comes back from the other side, in another table.
+            pairs: grid
+                .half(false)
+                .filter(|_| visibility)
+                .map(|above| PairValues::new(&above.grid, exact, campaign.and_then(independent_facets))),
         }
     }
 
@@ -171,15 +191,38 @@ impl Examination {
         let visibility = self.campaign.as_ref().is_none_or(|campaign| campaign.trace.visibility);
         self.energy.join(Energy::of(band, visibility));
         self.seen.add(band);
-        if let Some(pairs) = &mut self.pairs {
+        if !band.grid.looks_below() {
+            return self.add_side(SCOPES[0], (band, first_stop), realisations, prediction);
+        }
+        for (scope, below) in SCOPES.into_iter().zip([false, true]) {
+            let Some(half) = band.half(below) else { continue };
+            let all = realisations.and_then(|parts| parts.all.half(&self.grid, below));
+            let first_part = realisations.map_or(0, |parts| parts.first_stop);
+            let parts = all.as_ref().map(|all| Parts { all, first_stop: first_part });
+            let prediction = prediction.and_then(|prediction| prediction.half(&band.grid, below));
+            self.add_side(scope, (&half, first_stop), parts, prediction.as_ref());
+        }
+    }
+
+    /// The same of the bins on one side of the surface.
+    fn add_side(
+        &mut self,
+        scope: &'static str,
+        (band, first_stop): (&BrdfTable, usize),
+        realisations: Option<Parts>,
+        prediction: Option<&Prediction>,
+    ) {
+        if let Some(pairs) = self.pairs.as_mut().filter(|_| scope == SCOPES[0]) {
             pairs.add(band, first_stop, realisations, prediction.map(|prediction| &prediction.means[..]));
         }
         let (Some(campaign), Some(prediction)) = (&self.campaign, prediction) else { return };
         self.model = prediction.model.name().into();
         for comparison in compare(band, campaign, realisations, prediction) {
-            match self.compared.iter_mut().find(|(masking, _)| *masking == comparison.masking) {
-                Some((_, stops)) => stops.extend(comparison.stops),
-                None => self.compared.push((comparison.masking, comparison.stops)),
+            let same =
+                |(of, masking, _): &&mut (&str, String, _)| *of == scope && *masking == comparison.masking;
+            match self.compared.iter_mut().find(same) {
+                Some((.., stops)) => stops.extend(comparison.stops),
+                None => self.compared.push((scope, comparison.masking, comparison.stops)),
             }
         }
     }
@@ -194,21 +237,35 @@ impl Examination {
     /// What all stops together show.
     pub fn verdict(self) -> Verdict {
         let own_slopes = self.own_slopes();
+        let visibility = self.campaign.as_ref().is_none_or(|campaign| campaign.trace.visibility);
         let comparisons: Vec<Comparison> = self
             .compared
             .into_iter()
-            .map(|(masking, stops)| Comparison::new(&self.model, &masking, stops))
+            .map(|(scope, masking, stops)| Comparison {
+                scope: scope.into(),
+                ..Comparison::new(&self.model, &masking, stops)
+            })
             .collect();
-        let models: Vec<_> = comparisons.iter().map(|c| (&c.figures, &c.by_part[..])).collect();
+        let first = comparisons.first().map_or("", |c| c.scope.as_str());
+        let models: Vec<_> =
+            comparisons.iter().filter(|c| c.scope == first).map(|c| (&c.figures, &c.by_part[..])).collect();
         let nearest = compare::nearest(&models);
         let reciprocity = self.pairs.as_ref().and_then(Reciprocity::of_pairs);
         let bar = self.campaign.as_ref().and_then(|campaign| expect::bar(campaign, &self.grid));
-        let judgements = vec![
+        let mut judgements = vec![
             judgement::light(&self.seen),
             judgement::energy(&self.energy),
-            judgement::reciprocity(reciprocity.as_ref(), self.pairs.is_some()),
-            judgement::model(bar, &comparisons, own_slopes),
+            judgement::reciprocity(reciprocity.as_ref(), visibility),
         ];
+        let [back, through]: [Vec<&Comparison>; 2] =
+            SCOPES.map(|scope| comparisons.iter().filter(|c| c.scope == scope).collect());
+        if self.grid.half(false).is_some() {
+            judgements.push(judgement::model(judgement::MODEL, bar, &back, own_slopes));
+        }
+        if self.grid.looks_below() {
+            let bar = self.campaign.as_ref().and_then(expect::bar_through);
+            judgements.push(judgement::model(judgement::TRANSMISSION, bar, &through, own_slopes));
+        }
         let failed = judgements.iter().filter(|judgement| judgement.ruling == Ruling::Failed);
         let failures: Vec<String> = failed.map(|j| format!("{}: {}", j.law, j.reason)).collect();
         Verdict {

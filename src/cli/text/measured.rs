@@ -9,8 +9,9 @@ use crate::instrument::StopAngles;
 use crate::job::{TablePaths, WrittenTable};
 use crate::measure::{Cost, Measured, Plan, StopResult, StoppedBy};
 use crate::report::Scene;
+use crate::table::BrdfTable;
 use crate::table::realisations::{self, StoredRealisations};
-use crate::validate::expect;
+use crate::validate::{Prediction, expect};
 
 /// All of it but the costs.
 pub fn print(written: &WrittenTable, out: &mut Output) -> Result<()> {
@@ -25,11 +26,23 @@ fn lobes(written: &WrittenTable) -> Vec<String> {
     let campaign = &written.measured.campaign;
     let realisations = campaign.surface.realisations as usize;
     let prediction = written.prediction.as_ref();
-    let scene = Scene { table: &written.table, prediction, realisations };
+    let table = &written.table;
     let wanted = Some(expect::masking(campaign));
     let masking = prediction.map_or(0, |prediction| prediction.model.masking_index(wanted));
-    let lines = lobes::lobes(&scene, masking);
-    if lines.is_empty() { lines } else { [vec![String::new()], lines].concat() }
+    let drawn = |table: &BrdfTable, prediction: Option<&Prediction>| {
+        let lines = lobes::lobes(&Scene { table, prediction, realisations }, masking);
+        if lines.is_empty() { lines } else { [vec![String::new()], lines].concat() }
+    };
+    if !table.grid.looks_below() {
+        return drawn(table, prediction);
+    }
+    let side = |(below, title): (bool, &str)| {
+        let Some(half) = table.half(below) else { return vec![] };
+        let prediction = prediction.and_then(|prediction| prediction.half(&table.grid, below));
+        [vec![String::new(), title.into()], drawn(&half, prediction.as_ref())].concat()
+    };
+    let through = "light that has gone through, theta_r as 180 less that of the table:";
+    [(false, "light that comes back:"), (true, through)].into_iter().flat_map(side).collect()
 }
 
 /// Albedos of every incidence, and the verdict.
@@ -41,13 +54,17 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
     headers.extend(beyond.then_some("beyond order 1"));
     headers.extend(open_map.then_some("left map"));
     headers.extend(plan.apertures_only.then_some("outside"));
+    let through = measured.stops.iter().any(|stop| !stop.through.is_empty());
+    if through {
+        headers.extend(["through single", "through total"]);
+    }
     let absorbs = measured.campaign.surface.kind.has_absorbing_base();
     headers.extend(absorbs.then_some("absorbed"));
     let angles = StopAngles::of(&plan.grid);
     let row = |(index, stop): (usize, &StopResult)| {
         let [theta, phi] = angles.texts(index);
-        let starts = stop.samples as f64 * f64::from(plan.realisations);
-        let share = |count: u64| format!("{:.4} %", 100.0 * count as f64 / starts);
+        let paths = (stop.samples * plan.sums.paths_of_a_start()) as f64 * f64::from(plan.realisations);
+        let share = |count: u64| format!("{:.4} %", 100.0 * count as f64 / paths);
         let mut row = vec![
             theta,
             phi,
@@ -62,6 +79,9 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
         row.extend(missed.0.map(beyond));
         row.extend(open_map.then(|| share(stop.left_map)));
         row.extend(plan.apertures_only.then(|| share(stop.outside)));
+        if through {
+            row.extend([albedo(stop.single_transmittance()), albedo(stop.total_transmittance())]);
+        }
         row.extend(absorbs.then(|| share(stop.absorbed)));
         row
     };

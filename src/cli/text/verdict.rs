@@ -2,22 +2,22 @@
 
 use super::output::{columns, or_na, wrapped};
 use crate::validate::compare::{self, Comparison, Figures};
-use crate::validate::verdict::Verdict;
+use crate::validate::verdict::{SCOPES, Verdict};
 
 /// A verdict: its comparisons, each law, and all of them in one line.
 pub fn lines(verdict: &Verdict) -> Vec<String> {
-    let mut lines = comparison_lines(verdict);
+    let mut lines: Vec<String> = SCOPES.iter().flat_map(|scope| comparison_lines(verdict, scope)).collect();
     lines.extend(verdict.judgements.iter().flat_map(|judgement| wrapped("", &judgement.line())));
     lines.extend(wrapped("verdict: ", &verdict.verdict));
     lines
 }
 
-/// The table of the comparisons, where there are any.
-fn comparison_lines(verdict: &Verdict) -> Vec<String> {
-    let all = &verdict.comparisons[..];
-    let [first, ..] = all else { return vec![] };
+/// The table of the comparisons of one kind of light, where there are any.
+fn comparison_lines(verdict: &Verdict, scope: &str) -> Vec<String> {
+    let all: Vec<&Comparison> = verdict.comparisons.iter().filter(|c| c.scope == scope).collect();
+    let [first, ..] = all[..] else { return vec![] };
     let several = all.len() > 1;
-    let short = |c: &Comparison| c.masking.replace("_correlated", "").replace("direction", "direct.");
+    let short = |c: &&Comparison| c.masking.replace("_correlated", "").replace("direction", "direct.");
     let maskings: Vec<String> = all.iter().map(short).collect();
     let mut headings = vec!["theta_i", "phi_i", "noise"];
     headings.extend(maskings.iter().map(String::as_str));
@@ -30,19 +30,24 @@ fn comparison_lines(verdict: &Verdict) -> Vec<String> {
     let of_stop = |stop: usize| {
         let angles =
             [first.stops[stop].theta_i_deg, first.stops[stop].phi_i_deg].map(|angle| angle.to_string());
-        row(angles, all.iter().map(|c| &c.stops[stop].figures).collect(), nearest_at(all, stop))
+        row(angles, all.iter().map(|c| &c.stops[stop].figures).collect(), nearest_at(&all, stop))
     };
     let mut rows: Vec<Vec<String>> = (0..first.stops.len()).map(of_stop).collect();
-    let nearest = verdict.nearest_masking.clone().unwrap_or_default();
+    let of_all = verdict.comparisons.first().is_some_and(|c| c.scope == scope);
+    let nearest = verdict.nearest_masking.clone().filter(|_| of_all).unwrap_or_default();
     rows.push(row(["mean".into(), String::new()], all.iter().map(|c| &c.figures).collect(), nearest));
-    let formula = formula(&first.model);
-    let title = format!("order 1 against {formula}, flux-weighted L1 of bin means, noise taken off:");
+    let (light, formula) = if scope == SCOPES[0] {
+        ("order 1", formula(&first.model))
+    } else {
+        ("light through, order 1,", format!("{}'s BTDF (Walter 2007)", first.model))
+    };
+    let title = format!("{light} against {formula}, flux-weighted L1 of bin means, noise taken off:");
     [vec![title], columns(&headings, &rows)].concat()
 }
 
 /// The nearest masking at an incidence; `alike` where all are below their floors, the two nearest are not distinguished by
 /// the paired test at the 5 % level, or all differ by less than a hundredth of the noise.
-fn nearest_at(all: &[Comparison], stop: usize) -> String {
+fn nearest_at(all: &[&Comparison], stop: usize) -> String {
     let models: Vec<(&Figures, &[f64])> =
         all.iter().map(|c| (&c.stops[stop].figures, &c.stops[stop].by_part[..])).collect();
     let l1 = models.iter().filter_map(|(figures, _)| figures.l1);

@@ -20,7 +20,12 @@ pub struct Npy;
 
 impl Codec for Npy {
     fn traits(&self) -> FormatTraits {
-        FormatTraits { half_difference: true, wavelengths: true, ..FormatTraits::totals("npy") }
+        FormatTraits {
+            half_difference: true,
+            transmission: true,
+            wavelengths: true,
+            ..FormatTraits::totals("npy")
+        }
     }
 
     fn decode(&self, _bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {

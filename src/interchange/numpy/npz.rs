@@ -37,6 +37,7 @@ impl Codec for Npz {
         FormatTraits {
             more_than_totals: true,
             gaps: true,
+            transmission: true,
             half_difference: true,
             wavelengths: true,
             ..FormatTraits::totals("npz")

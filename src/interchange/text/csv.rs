@@ -33,7 +33,13 @@ pub struct Csv;
 
 impl Codec for Csv {
     fn traits(&self) -> FormatTraits {
-        FormatTraits { more_than_totals: true, gaps: true, wavelengths: true, ..FormatTraits::totals("csv") }
+        FormatTraits {
+            more_than_totals: true,
+            transmission: true,
+            gaps: true,
+            wavelengths: true,
+            ..FormatTraits::totals("csv")
+        }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {

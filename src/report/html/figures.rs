@@ -22,7 +22,12 @@ const ALBEDOS: [AlbedoColumn; 4] = [
 
 /// The comparisons, the albedos, the cost.
 pub fn figures(page: &Page) -> String {
-    [comparisons(page), albedos(page), cost(page.summary)].concat()
+    [of_light(page), cost(page.summary)].concat()
+}
+
+/// The comparisons and the albedos of the light that the page shows.
+pub fn of_light(page: &Page) -> String {
+    [comparisons(page), albedos(page)].concat()
 }
 
 /// A number with `decimals` digits next to its key, or a dash.

@@ -3,6 +3,7 @@
 use super::specimen::ShownSpecimen;
 use crate::bench::BenchAnswer;
 use crate::campaign::Campaign;
+use crate::instrument::Grid;
 use crate::report::slices::Scene;
 use crate::report::summary::Summary;
 use crate::table::BrdfTable;
@@ -10,8 +11,10 @@ use crate::validate::{Prediction, expect};
 
 /// What a page is made of.
 pub struct Page<'a> {
-    /// The table and the models of it.
+    /// The table and the models of it; of a sensor that looks below the surface, those of one side.
     pub scene: Scene<'a>,
+    /// The bins of the whole table.
+    pub whole: &'a Grid,
     /// What it was measured by; an imported table has none.
     pub campaign: Option<&'a Campaign>,
     /// The masking that its surface is tested against: which model comes first.
@@ -35,7 +38,15 @@ impl<'a> Page<'a> {
     ) -> Self {
         let realisations = campaign.map_or(0, |campaign| campaign.surface.realisations as usize);
         let scene = Scene { table, prediction, realisations };
-        Page { scene, campaign, masking: campaign.map(expect::masking), summary, specimen, benches: &[] }
+        Page {
+            scene,
+            whole: &table.grid,
+            campaign,
+            masking: campaign.map(expect::masking),
+            summary,
+            specimen,
+            benches: &[],
+        }
     }
 
     /// Place of the masking that the surface is tested against, 0 where there is none.

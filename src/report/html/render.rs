@@ -11,6 +11,7 @@ use super::page::Page;
 use super::sections;
 use crate::error::seen_in_json;
 use crate::report::plot::escaped;
+use crate::report::slices::Scene;
 
 /// By this a page is recognised as one of ours.
 pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
@@ -32,6 +33,32 @@ const SCRIPTS: [&str; 6] = [
 /// Nothing in it changes from run to run except what the summary says of its cost.
 // Tested by `the_page_follows_from_the_table_and_its_summary` (tests/it/report.rs).
 pub fn page(page: &Page) -> String {
+    let (table, prediction) = (page.scene.table, page.scene.prediction);
+    if !table.grid.looks_below() {
+        return filled_page(page, "");
+    }
+    let sides = [false, true].map(|below| {
+        let half = table.half(below)?;
+        let of_half = prediction.and_then(|prediction| prediction.half(&table.grid, below));
+        Some((half, of_half, page.summary.half(below)))
+    });
+    let shown = sides.each_ref().map(|side| {
+        let (table, prediction, summary) = side.as_ref()?;
+        let scene = Scene { table, prediction: prediction.as_ref(), ..page.scene };
+        let specimen = page.specimen.clone();
+        Some(Page { scene, summary, specimen, ..*page })
+    });
+    match &shown {
+        [Some(back), Some(through)] => filled_page(back, &sections::through(through)),
+        [Some(back), None] => filled_page(back, ""),
+        [None, through] => {
+            through.as_ref().map_or(String::new(), |through| filled_page(through, sections::THROUGH_ALONE))
+        }
+    }
+}
+
+/// The page of one side of a surface; `further` is a section of the other, or a word on it.
+fn filled_page(page: &Page, further: &str) -> String {
     let inlined = inline(&page.scene, page.campaign, page.masking_index());
     let table = inlined.as_ref().map_or(Value::Null, |inlined| inlined.data.clone());
     let picture = page.specimen.as_ref().ok().map(sections::picture);
@@ -44,6 +71,7 @@ pub fn page(page: &Page) -> String {
         ("FIGURES", figures(page)),
         ("SPECIMEN", sections::specimen(page)),
         ("PLOTS", sections::plots(page)),
+        ("THROUGH", further.to_string()),
         ("REDUCED", sections::reduced(page, inlined.as_ref())),
         ("FOOT", sections::foot(page)),
         ("DATA", inside_script(&data)),

@@ -4,6 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
+use super::figures::of_light;
 use super::inline::Inline;
 use super::page::Page;
 use super::specimen::PatchPicture;
@@ -12,6 +13,8 @@ use crate::report::plot::plots::{self, shown_stops, shown_sweeps};
 use crate::report::plot::polar::polar;
 use crate::report::plot::{Chart, escaped};
 use crate::report::plot::{convergence, ladders, masking};
+use crate::report::slices::Scene;
+use crate::table::store;
 
 /// The picture's data for the script.
 pub fn picture(specimen: &PatchPicture) -> Value {
@@ -89,16 +92,39 @@ pub fn specimen(page: &Page) -> String {
     )
 }
 
+/// What is said where the page shows light that has gone through alone.
+pub const THROUGH_ALONE: &str = "<p id=\"through\">All pictures are of light that has gone through the surface, as a mirror \
+                                 in the horizon shows it: its theta_r is 180° less that of the table.</p>\n";
+
+/// Light that has gone through, next to light that comes back: figures and plots.
+pub fn through(page: &Page) -> String {
+    let scene = &page.scene;
+    let shown = in_plane_plots(scene, &shown_stops(scene));
+    let around = shown_sweeps(scene).into_iter().flat_map(|sweep| {
+        let albedo = plots::albedo(scene, &page.summary.stops, &sweep).map(|chart| chart.svg());
+        polar(scene, &sweep.stops, page.masking_index()).into_iter().chain(albedo).collect::<Vec<_>>()
+    });
+    format!(
+        "<section id=\"through\" aria-label=\"Light that has gone through\">\n<h2>Light that has gone through</h2>\n\
+         <p>As a mirror in the horizon shows it: theta_r is 180° less that of the table. Albedo stands for the share of the \
+         light that goes through.</p>\n{}{}</section>\n",
+        figures_of(shown.into_iter().chain(around)),
+        of_light(page)
+    )
+}
+
+/// The lobes in the plane of incidence, and their ratio to the model's.
+fn in_plane_plots(scene: &Scene, stops: &[usize]) -> Vec<String> {
+    let both = |&stop: &usize| [plots::lobe(scene, stop), plots::ratio(scene, stop)];
+    stops.iter().flat_map(both).flatten().map(|chart| chart.svg()).collect()
+}
+
 /// All plots, and what cannot be plotted.
 pub fn plots(page: &Page) -> String {
     let scene = &page.scene;
-    let mut shown = Vec::new();
     let mut absent = Vec::new();
     let stops = shown_stops(scene);
-    for &stop in &stops {
-        shown.extend(plots::lobe(scene, stop).map(|chart| chart.svg()));
-        shown.extend(plots::ratio(scene, stop).map(|chart| chart.svg()));
-    }
+    let mut shown = in_plane_plots(scene, &stops);
     if shown.is_empty() {
         absent.push("No light in the plane of incidence, or no bins there: no in-plane lobes.".into());
     } else if stops.len() < scene.table.grid.stops() {
@@ -192,6 +218,6 @@ pub fn foot(page: &Page) -> String {
         "<p>gonio {}, seed {}. {}</p>",
         escaped(version),
         table.seed,
-        escaped(crate::table::store::CONVENTION_TEXT)
+        escaped(&store::convention(&page.whole))
     )
 }

@@ -14,6 +14,7 @@ use crate::table::BrdfTable;
 use crate::validate::compare::Comparison;
 use crate::validate::laws::{Energy, Reciprocity};
 use crate::validate::prediction::schlick_error::SchlickError;
+use crate::validate::verdict::SCOPES;
 use crate::validate::{Judgement, Verdict};
 
 /// The schema that is written and read.
@@ -148,6 +149,14 @@ impl Summary {
     pub fn nearest(&self) -> Option<&Comparison> {
         let nearest = self.nearest_masking.as_ref()?;
         self.comparisons.iter().find(|comparison| comparison.masking == *nearest)
+    }
+
+    /// What it says of the light on one side of the surface; of light that has gone through as an albedo.
+    pub fn half(&self, below: bool) -> Self {
+        let scope = SCOPES[usize::from(below)];
+        let comparisons = self.comparisons.iter().filter(|c| c.scope == scope).cloned().collect();
+        let stops = self.stops.iter().map(|stop| if below { stop.through() } else { stop.clone() });
+        Summary { comparisons, stops: stops.collect(), ..self.clone() }
     }
 
     /// The same with some of the stops alone.

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use crate::instrument::Region;
 use crate::measure::accumulate::slopes::SlopeClass;
 use crate::measure::{StopResult, StoppedBy};
 use crate::stats;
@@ -28,12 +29,27 @@ pub struct StopSummary {
     pub albedo_total_se: Option<f64>,
     /// Flux of each order.
     pub albedo_by_order: Option<Vec<f64>>,
+    /// Flux that has gone through the surface at order 1; where light goes through.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmittance_single: Option<f64>,
+    /// Its standard error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmittance_single_se: Option<f64>,
+    /// The same after any number of facets.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmittance_total: Option<f64>,
+    /// Its standard error.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transmittance_total_se: Option<f64>,
     /// [`StopResult::beyond_order_1`].
     pub beyond_order_1: Option<f64>,
     /// Its standard error.
     pub beyond_order_1_se: Option<f64>,
     /// Paths that leave, by order.
     pub orders: Vec<u64>,
+    /// Paths that leave on the other side than the light's, by order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub through: Vec<u64>,
     /// Paths that were truncated at the last order.
     pub cut: u64,
     /// Surface samples in shadow.
@@ -81,6 +97,8 @@ impl StopSummary {
     pub(super) fn of_result(result: &StopResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Self {
         let (albedo_single, albedo_single_se) = result.single();
         let (albedo_total, albedo_total_se) = result.total();
+        let (transmittance_single, transmittance_single_se) = result.single_transmittance();
+        let (transmittance_total, transmittance_total_se) = result.total_transmittance();
         let (beyond_order_1, beyond_order_1_se) = result.beyond_order_1();
         let (closure, closure_se) = stats::known_mean(result.closure.iter().copied());
         let mean = |order: &Vec<f64>| stats::known_mean(order.iter().copied()).0;
@@ -92,6 +110,11 @@ impl StopSummary {
             albedo_total,
             albedo_total_se,
             albedo_by_order: result.albedo_by_order.iter().map(mean).collect(),
+            transmittance_single,
+            transmittance_single_se,
+            transmittance_total,
+            transmittance_total_se,
+            through: result.through.clone(),
             beyond_order_1,
             beyond_order_1_se,
             orders: result.orders.clone(),
@@ -113,6 +136,19 @@ impl StopSummary {
         }
     }
 
+    /// What has gone through, in place of what comes back.
+    pub(super) fn through(&self) -> Self {
+        StopSummary {
+            theta_i_deg: self.theta_i_deg,
+            phi_i_deg: self.phi_i_deg,
+            albedo_single: self.transmittance_single,
+            albedo_single_se: self.transmittance_single_se,
+            albedo_total: self.transmittance_total,
+            albedo_total_se: self.transmittance_total_se,
+            ..StopSummary::default()
+        }
+    }
+
     /// Of each stop of a table, or of a band of it: flux over all bins, mean of the colours, where they gather all flux.
     pub fn of_bins(table: &BrdfTable) -> Vec<Self> {
         (0..table.grid.stops()).map(|stop| of_bins(table, stop)).collect()
@@ -121,19 +157,24 @@ impl StopSummary {
 
 fn of_bins(table: &BrdfTable, stop: usize) -> StopSummary {
     let (theta_i_deg, phi_i_deg) = table.grid.stop_deg(stop);
-    let sizes = table.grid.sizes(stop);
-    // Bins that fill the hemisphere, up to the rounding of their edges.
-    let whole = (sizes.iter().sum::<f64>() - PI).abs() < 1e-6 && table.gaps() == 0;
-    let mean = |pick: fn(&ColourChannels) -> &Vec<f32>| {
+    let regions = table.grid.regions(stop);
+    // Of the bins on one side.
+    let flux_of = |below: bool, pick: fn(&ColourChannels) -> &Vec<f32>| {
+        let size =
+            |region: &Region| if region.is_below() == below { region.projected_solid_angle() } else { 0.0 };
+        let sizes: Vec<f64> = regions.iter().map(size).collect();
+        // Bins that fill the hemisphere, up to the rounding of their edges.
+        let whole = (sizes.iter().sum::<f64>() - PI).abs() < 1e-6 && table.gaps() == 0;
         let flux = |colour| flux(&pick(colour)[stop * sizes.len()..], &sizes);
-        let of_colours: Vec<f64> = table.colours.iter().map(flux).collect();
-        whole.then(|| stats::mean(&of_colours))
+        whole.then(|| stats::mean(&table.colours.iter().map(flux).collect::<Vec<_>>()))
     };
     StopSummary {
         theta_i_deg,
         phi_i_deg,
-        albedo_single: mean(|colour| &colour.single),
-        albedo_total: mean(|colour| &colour.total),
+        albedo_single: flux_of(false, |colour| &colour.single),
+        albedo_total: flux_of(false, |colour| &colour.total),
+        transmittance_single: flux_of(true, |colour| &colour.single),
+        transmittance_total: flux_of(true, |colour| &colour.total),
         ..StopSummary::default()
     }
 }

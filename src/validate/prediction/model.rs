@@ -23,6 +23,7 @@ const AZIMUTHS: usize = 36;
 const APERTURE_ORDER: usize = 6;
 
 /// What theory says about a surface.
+#[derive(Clone)]
 pub enum Model {
     /// D G2 F/(4 cos cos) with each of the maskings.
     Microfacet {

@@ -1,0 +1,120 @@
+//! The two halves of a sensor that looks at both sides of the surface.
+
+use super::grid::{Grid, GridKind};
+
+/// A half of a sensor as a sensor above the horizon.
+pub struct Half {
+    /// Its bins; those below the horizon as a mirror in the horizon shows them.
+    pub grid: Grid,
+    /// The place of each of them in the whole.
+    pub bins: Vec<usize>,
+}
+
+impl Grid {
+    /// The bins above the horizon, or `below` it; `None` where there are none.
+    // Tested by `halves_are_the_bins_of_one_side`.
+    pub fn half(&self, below: bool) -> Option<Half> {
+        let half = match self.kind {
+            GridKind::Hemisphere => self.rows_of(below),
+            GridKind::Arm => self.positions_of(below),
+            GridKind::Patches => {
+                let bins = places(&self.patches_deg, |patch| (patch[0] >= 90.0) == below);
+                let patch = |&bin: &usize| {
+                    let [t1, t2, p1, p2] = self.patches_deg[bin];
+                    if below { [180.0 - t2, 180.0 - t1, p1, p2] } else { [t1, t2, p1, p2] }
+                };
+                Half { grid: Grid { patches_deg: bins.iter().map(patch).collect(), ..self.clone() }, bins }
+            }
+            GridKind::Points => {
+                let bins = places(&self.points_deg, |point| (point[0] > 90.0) == below);
+                let point = |&bin: &usize| [folded(self.points_deg[bin][0]), self.points_deg[bin][1]];
+                Half { grid: Grid { points_deg: bins.iter().map(point).collect(), ..self.clone() }, bins }
+            }
+            GridKind::HalfDifference if below => return None,
+            GridKind::HalfDifference => Half { grid: self.clone(), bins: (0..self.bins()).collect() },
+        };
+        (!half.bins.is_empty()).then_some(half)
+    }
+
+    fn rows_of(&self, below: bool) -> Half {
+        let edges = &self.theta_r_edges_deg;
+        let mut rows: Vec<usize> =
+            (0..edges.len() - 1).filter(|&row| (edges[row] >= 90.0) == below).collect();
+        let mut kept: Vec<f64> =
+            edges.iter().copied().filter(|&edge| (edge >= 90.0) == below || edge == 90.0).collect();
+        if below {
+            // From the pole to the horizon, as above.
+            rows.reverse();
+            kept = kept.iter().rev().map(|edge| 180.0 - edge).collect();
+        }
+        let columns = self.phi_r_edges_deg.len() - 1;
+        let bins = rows.into_iter().flat_map(|row| (0..columns).map(move |column| row * columns + column));
+        Half { bins: bins.collect(), grid: Grid { theta_r_edges_deg: kept, ..self.clone() } }
+    }
+
+    fn positions_of(&self, below: bool) -> Half {
+        let rows = places(&self.theta_r_deg, |theta| (theta.abs() > 90.0) == below);
+        let theta_r_deg = rows.iter().map(|&row| folded(self.theta_r_deg[row])).collect();
+        let columns = self.phi_r_deg.len();
+        let bins = rows.iter().flat_map(|row| (0..columns).map(move |column| row * columns + column));
+        Half { bins: bins.collect(), grid: Grid { theta_r_deg, ..self.clone() } }
+    }
+}
+
+fn places<T>(all: &[T], is_wanted: impl Fn(&T) -> bool) -> Vec<usize> {
+    all.iter().enumerate().filter(|(_, one)| is_wanted(one)).map(|(place, _)| place).collect()
+}
+
+/// A polar angle as a mirror in the horizon shows it, where it lies below.
+fn folded(theta_deg: f64) -> f64 {
+    if theta_deg.abs() > 90.0 { (180.0 - theta_deg.abs()).copysign(theta_deg) } else { theta_deg }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    fn check(grid: &Grid) {
+        let whole = grid.regions(0);
+        let mut found = 0;
+        for below in [false, true] {
+            let half = grid.half(below).expect("both sides are looked at");
+            found += half.bins.len();
+            for (region, &bin) in half.grid.regions(0).iter().zip(&half.bins) {
+                assert_eq!(whole[bin].is_below(), below);
+                let middle = whole[bin].middle();
+                let expected = DVec3 { z: middle.z.abs(), ..middle };
+                // Angles of a degree or so rounded: 180 - t, to radians, a sine.
+                assert!(region.middle().distance(expected) < 1e-14, "{region:?}");
+                let sizes = region.projected_solid_angle() / whole[bin].projected_solid_angle();
+                assert!((sizes - 1.0).abs() < 1e-12, "{region:?}");
+            }
+        }
+        assert_eq!(found, grid.bins());
+    }
+
+    #[test]
+    fn halves_are_the_bins_of_one_side() {
+        let stops = Grid { theta_i_deg: vec![30.0], phi_i_deg: vec![20.0], ..Grid::default() };
+        let edges = vec![0.0, 20.0, 90.0, 120.0, 175.0, 180.0];
+        check(&Grid {
+            theta_r_edges_deg: edges,
+            phi_r_edges_deg: vec![-10.0, 100.0, 350.0],
+            ..stops.clone()
+        });
+        check(&Grid {
+            kind: GridKind::Arm,
+            theta_r_deg: vec![-170.0, -120.0, -30.0, 10.0, 95.0],
+            phi_r_deg: vec![0.0, 33.0],
+            aperture_deg: Some(2.0),
+            ..stops.clone()
+        });
+        let patches_deg = vec![[0.0, 5.0, 0.0, 360.0], [100.0, 130.0, 10.0, 40.0]];
+        check(&Grid { kind: GridKind::Patches, patches_deg, ..stops.clone() });
+        let above = Grid { theta_r_edges_deg: vec![0.0, 90.0], phi_r_edges_deg: vec![0.0, 360.0], ..stops };
+        assert!(above.half(true).is_none());
+        assert_eq!(above.half(false).expect("one half").grid, above);
+    }
+}
