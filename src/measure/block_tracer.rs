@@ -432,6 +432,7 @@ impl<'a> BlockTracer<'a> {
         let tally = if left_map { self.tally.left(&context.plan.sums) } else { &mut *self.tally };
         let Carried { flux, units, part, part_units } = carried;
         let arms = &self.turns[self.at].arms;
+        let hits_first = light.place() * context.plan.bins;
         context.plan.sums.weigh(light, order, weights);
         let orders = if wo.z > 0.0 { &mut tally.orders } else { &mut tally.through };
         let out = &mut orders[order as usize - 1];
@@ -442,7 +443,7 @@ impl<'a> BlockTracer<'a> {
         }
         let share = |weight: &f64| to_units(part * weight);
         let into_bin = |bin: usize| {
-            tally.hits[bin] += 1;
+            tally.hits[hits_first + bin] += 1;
             let sums = if order > 1 {
                 &mut tally.multiple[weights.first..]
             } else {

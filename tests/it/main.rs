@@ -57,6 +57,13 @@ mod measure {
     mod stopping;
     mod turned_sample;
 }
+mod facets {
+    mod faults;
+    mod interface;
+    mod lanes;
+    mod reciprocity;
+    mod smith_walk;
+}
 mod table {
     mod export_round_trip;
     mod large_tables;

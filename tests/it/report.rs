@@ -193,6 +193,7 @@ fn page_of(made: &Made, name: &str, benches: &[BenchAnswer]) -> String {
     let summary = Summary::of_table(name, table, Some(&campaign.surface), Some(&verdict), stops);
     page(&Page {
         scene: Scene { table, prediction: Some(prediction), realisations: 4 },
+        whole: &table.grid,
         campaign: Some(campaign),
         masking: Some("direction_correlated"),
         summary: &summary.expect("a summary"),
@@ -293,6 +294,7 @@ fn what_a_table_lacks_is_said() {
     (grid.theta_r_deg, grid.phi_r_deg, grid.aperture_deg) = (vec![-30.0, 40.0], vec![180.0], Some(1.0));
     let bare = Page {
         scene: Scene { table: &arm.table, prediction: None, realisations: 0 },
+        whole: &arm.table.grid,
         campaign: None,
         masking: None,
         summary: &summary_of("imported", &arm.table),
@@ -344,6 +346,7 @@ fn page_on(grid: Grid) -> String {
     };
     page(&Page {
         scene: Scene { table: &table, prediction: None, realisations: 0 },
+        whole: &table.grid,
         campaign: None,
         masking: None,
         summary: &summary_of("other", &table),

@@ -83,12 +83,12 @@ pub(crate) fn assemble(
     let sizes: Vec<Vec<f64>> = (0..plan.stops)
         .map(|stop| plan.grid.regions(stop).iter().map(|region| region.projected_solid_angle()).collect())
         .collect();
-    let hits = total_hits(plan, &flux);
     let empty = empty_bin_errors(plan, &flux, &sizes);
     let source = TableSource { plan, flux: &flux, sizes: &sizes };
     let of_material = |(material, optics): (usize, &Optics)| {
         let campaign = campaign.with_optics(optics);
         let colours = plan.sums.colours(material);
+        let hits = total_hits(plan, &flux, material);
         let parts: Vec<RealisationPart> =
             flux.iter().map(|stops| source.realisation(stops, &colours)).collect();
         let wavelengths = optics.wavelengths_nm();
@@ -111,7 +111,7 @@ pub(crate) fn assemble(
             seed: campaign.seed,
             patch_digest: patch_digest.to_string(),
             colours: colours.iter().enumerate().map(channels).collect(),
-            hits: hits.clone(),
+            hits,
             schlick: source.schlick(&flux),
         }
         .with_albedo_errors(&parts);
@@ -122,8 +122,12 @@ pub(crate) fn assemble(
     campaign.optics.each().into_iter().enumerate().map(of_material).collect()
 }
 
-fn total_hits(plan: &Plan, flux: &[Vec<TallyFlux>]) -> Vec<u32> {
-    let of = |stop: usize, bin: usize| flux.iter().map(|stops| stops[stop].tally.hits[bin]).sum::<u64>();
+fn total_hits(plan: &Plan, flux: &[Vec<TallyFlux>], material: usize) -> Vec<u32> {
+    let places = plan.sums.hit_places(material);
+    let of = |stop: usize, bin: usize| {
+        let hits = flux.iter().map(|stops| &stops[stop].tally.hits);
+        hits.flat_map(|hits| places.clone().map(move |place| hits[place * plan.bins + bin])).sum::<u64>()
+    };
     entries(plan, |stop, bin| u32::try_from(of(stop, bin)).unwrap_or(u32::MAX))
 }
 
@@ -165,7 +169,7 @@ fn stop_result(
         whole.iter().map(mean).collect()
     };
     let through = tallies[0].through.len();
-    let paths = plan.sums.paths_for_flux() as f64;
+    let paths = plan.sums.hit_sets() as f64;
     let closure = |flux: &TallyFlux| {
         let unit = |order| flux.order(order, ColourSource::Unit) + flux.through(order, ColourSource::Unit);
         ((0..orders).map(unit).sum::<f64>() + flux.truncated() + flux.absorbed()) / paths

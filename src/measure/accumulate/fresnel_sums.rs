@@ -149,9 +149,15 @@ impl FresnelSums {
         self.sums == SumKind::Parts || (self.sums == SumKind::Colours && self.bounces == 1 && !matt)
     }
 
-    /// How often the flux of a start is counted: once for each colour that has paths of its own.
-    pub fn paths_for_flux(&self) -> u64 {
-        if self.sums == SumKind::Paths { self.reflectances.len() as u64 } else { 1 }
+    /// Colours that have paths of their own, whose arrivals and flux are counted one by one; 1 where all share their paths.
+    pub fn hit_sets(&self) -> usize {
+        if self.sums == SumKind::Paths { self.reflectances.len() } else { 1 }
+    }
+
+    /// The places of a material's colours among those, of all materials where they share their paths.
+    pub fn hit_places(&self, material: usize) -> Range<usize> {
+        let first: usize = self.of_material[..material].iter().sum();
+        if self.sums == SumKind::Paths { first..first + self.of_material[material] } else { 0..1 }
     }
 
     /// Sums of order 1 for each bin, next to the flux with F = 1: (1-c)^5, and traced colours.

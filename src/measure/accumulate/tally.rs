@@ -31,7 +31,7 @@ pub struct Tally {
     pub first: Vec<Vec<u128>>,
     /// Orders above 1, group by group as `FresnelSums` has them, by bin; empty for one bounce.
     pub multiple: Vec<Vec<u128>>,
-    /// Arrivals by bin.
+    /// Arrivals by bin; of each colour by itself where it has paths of its own, one after the other.
     pub hits: Vec<u64>,
     /// Paths that leave on the light's side, by order - 1.
     pub orders: Vec<Order>,
@@ -86,7 +86,7 @@ impl Tally {
             single: vec![0; bins],
             first: of_bins(sums.first_sums()),
             multiple: of_bins(sums.multiple_sums()),
-            hits: vec![0; bins],
+            hits: vec![0; bins * sums.hit_sets()],
             orders: (1..=sums.bounces()).map(order).collect(),
             through: (1..=through).map(order).collect(),
             cut: FluxCount::default(),

@@ -103,5 +103,6 @@ fn sums_of(campaign: &Campaign, plan: &Plan) -> u128 {
     let sums = (plan.sums.first_sums() + plan.sums.multiple_sums()) as u128;
     let tallies = u128::from(plan.realisations) * campaign.alphas().len() as u128;
     let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
-    copies * tallies * (plan.bins as u128 * (16 + 16 * sums) + 1024)
+    let counts = 8 + 8 * plan.sums.hit_sets() as u128;
+    copies * tallies * (plan.bins as u128 * (counts + 16 * sums) + 1024)
 }

@@ -109,8 +109,9 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let (realisations, roughnesses) = (u128::from(plan.realisations), campaign.alphas().len() as u128);
     // Of an open map the sums of what leaves it besides.
     let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
-    let records = 2 * copies * bins * realisations * roughnesses * (8 + 16 * sums);
-    let tallies = 4 * copies * threads * bins * (8 + 16 * sums);
+    let hits = 8 * plan.sums.hit_sets() as u128;
+    let records = 2 * copies * bins * realisations * roughnesses * (hits + 16 * sums);
+    let tallies = 4 * copies * threads * bins * (hits + 16 * sums);
     let kept = if plan.sums.serves_any_f0() { sums * plan.tables as u128 } else { 0 };
     let colours = (plan.colours as u128) * roughnesses;
     let files = bins * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);

@@ -1,0 +1,80 @@
+//! Promise: across the interface f(wi -> wo)/eta^2 is f(wo -> wi) from the other side; matt facets reflect by the powers of
+//! their albedo.
+
+use gonio::stats::{mean_and_se, sidak, student_limit};
+
+use crate::support::measuring::measured;
+
+const ETA: f64 = 1.5;
+const REALISATIONS: usize = 16;
+
+/// 200 pairs of equal apertures on both sides, all orders up to 4.
+#[test]
+fn light_through_the_interface_is_reciprocal() {
+    let (outside, inside) = ([10.0, 25.0, 40.0, 55.0, 70.0], [8.0, 18.0, 28.0, 38.0, 50.0]);
+    let azimuths: Vec<f64> = (0..8).map(|k| 45.0 * f64::from(k)).collect();
+    let table = |side: &str, light: [f64; 5], sensor: [f64; 5]| {
+        let mut sensor = sensor.map(|theta| 180.0 - theta);
+        sensor.reverse();
+        let text = format!(
+            "name = \"pairs\"\n[surface]\nrealisations = {REALISATIONS}\n[surface.smith]\nalpha = 0.6\n[optics]\n\
+             facet = \"dielectric\"\neta = {ETA}\n[light]\nside = \"{side}\"\ntheta_i_deg = {light:?}\naperture_deg = 6\n\
+             azimuth = \"absolute\"\nphi_i_deg = {azimuths:?}\n[sensor.arm]\ntheta_r_deg = {sensor:?}\n\
+             phi_r_deg = {azimuths:?}\nphi_r_from = \"sample\"\naperture_deg = 6\n[trace]\nbounces = 4\n[stop]\n\
+             samples = 65536\n"
+        );
+        measured(&text).pop().expect("one table")
+    };
+    let (front, back) = (table("front", outside, inside), table("back", inside, outside));
+    let azimuth_count = azimuths.len();
+    let mut all = Vec::new();
+    // Light at azimuth 0 alone meets every azimuth of the sensor: 5 x 5 x 8 pairs.
+    for (i, o, k) in (0..200).map(|n| (n / 40, n / 8 % 5, n % 8)) {
+        let there = (i * azimuth_count, (4 - o) * azimuth_count + k);
+        let again = (o * azimuth_count + k, (4 - i) * azimuth_count);
+        let bins = front.table.grid.bins();
+        let value = |parts: &gonio::table::RealisationPart, (stop, bin): (usize, usize)| {
+            f64::from(parts.total[0][stop * bins + bin])
+        };
+        let pairs = front.realisations.parts.iter().zip(&back.realisations.parts);
+        let differences = pairs.map(|(front, back)| value(front, there) / (ETA * ETA) - value(back, again));
+        let (mean, se) = mean_and_se(differences);
+        all.push((mean / se.expect("sixteen realisations")).abs());
+    }
+    let limit = student_limit(sidak(0.01, all.len()), REALISATIONS - 1);
+    let worst = all.iter().copied().fold(0.0, f64::max);
+    println!("largest |t| {worst:.2} of {limit:.2}");
+    assert!(worst < limit, "{worst} {limit}");
+}
+
+#[test]
+fn orders_of_matt_facets_go_by_the_powers_of_their_albedo() {
+    let table = |albedo: &str| {
+        measured(&format!(
+            "name = \"matt\"\n[surface]\nrealisations = 4\ncells = 64\ncorrelation_cells = 4\n[surface.beckmann]\n\
+             alpha = 0.7\n[optics]\nfacet = \"diffuse\"\nalbedo = {albedo}\n[light]\ntheta_i_deg = [0, 60]\n\
+             [sensor.hemisphere]\n[trace]\nbounces = 16\nby_order = true\n[stop]\nsamples = 65536\n"
+        ))
+        .pop()
+        .expect("one table")
+    };
+    let (white, dull) = (table("1.0"), table("[0.5, 0.25, 0.0]"));
+    for (colour, albedo) in [(0, 0.5f32), (1, 0.25), (2, 0.0)] {
+        let (bright, dark) = (&white.table.colours[0], &dull.table.colours[colour]);
+        let orders =
+            std::iter::once((&bright.single, &dark.single)).chain(bright.orders.iter().zip(&dark.orders));
+        for (k, (bright, dark)) in orders.enumerate() {
+            let factor = albedo.powi(k as i32 + 1);
+            // Shares are rounded to 2^-90 and sums to f32; powers of 1/2 are exact.
+            assert!(
+                bright.iter().zip(dark).all(|(b, d)| (d - factor * b).abs() <= 2e-7 * factor * b + 1e-12)
+            );
+        }
+    }
+    // Nothing is absorbed: what has not left after 16 facets is on its way.
+    for stop in &white.stops {
+        let (mean, se) = mean_and_se(stop.closure.iter().copied());
+        assert!((mean - 1.0).abs() < 5.0 * se.expect("four realisations") + 1e-9, "{mean} +- {se:?}");
+        assert!(stop.orders[..6].iter().all(|&count| count > 0));
+    }
+}
