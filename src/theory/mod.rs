@@ -4,6 +4,7 @@
 //! Papers: Walter et al. 2007 (D), Heitz 2014 (masking), Torrance and Sparrow 1967 (grooves); the classical models
 //! that `fit` holds against them in `empirical` and `cavities`.
 
+pub mod beta;
 pub mod cavities;
 pub mod empirical;
 pub mod grains;
@@ -11,6 +12,7 @@ pub mod microfacet;
 pub mod ndf;
 pub mod smith;
 pub mod student;
+pub mod transmission;
 pub mod v_cavity;
 
 pub use microfacet::Microfacet;

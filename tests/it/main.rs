@@ -21,6 +21,7 @@ mod mentions;
 mod properties;
 mod report;
 mod study;
+mod transmission_values;
 
 mod campaign {
     mod config_faults;
@@ -90,6 +91,7 @@ mod validate {
     mod grains;
     mod reciprocity;
     mod smith_surface;
+    mod transmittance;
     mod verdicts;
     mod visibility_off;
 }

@@ -5,13 +5,14 @@
 //! times (1 - c)^5 ("schlick"): Schlick's BRDF with any F0 is F0 unit + (1 - F0) schlick. Another reflectance may take
 //! the place of (1 - c)^5: then the second mean is the BRDF itself.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::chart::{DirectionChart, FluxDensity, integrate_region, meridian_frame};
 use super::gauss_legendre::gauss_legendre;
-use super::quadrature::{COMPONENTS, Components, Integral, Integrand, Precision, Rect, SinCos, integrate};
+use super::quadrature::{COMPONENTS, Components, Integral, Precision};
 use crate::instrument::Region;
 use crate::optics::FacetAngle;
 use crate::optics::reflectance::Reflectance;
@@ -59,7 +60,7 @@ pub struct BinMeans {
 const KINKED: f64 = 10.0;
 
 /// Rectangles per bin and direction of light beyond which the cubature gives up (and `BinMean::error` tells).
-const MAX_RECTANGLES: usize = 200_000;
+pub(super) const MAX_RECTANGLES: usize = 200_000;
 
 impl BinMeans {
     /// The given maskings at the default precision: the two orders agree to 1e-6 of the bin (1e-5 for the
@@ -109,8 +110,10 @@ impl BinMeans {
             }
         }
         let precision = Precision { relative, absolute: self.absolute, max_rectangles: MAX_RECTANGLES };
-        let (chart, rects) = DirectionChart::of_region(model, lit, region);
-        integrate(&Mapped { lit, chart }, &rects, &precision)
+        // In theta: theta_i of an isotropic sample, where the larger Lambda changes hands.
+        let cut = model.is_isotropic().then(|| sphere::theta(lit.wi));
+        let chart = DirectionChart::of_region(model, lit.wi, region, cut);
+        integrate_region(lit, &chart, &precision)
     }
 }
 
@@ -154,13 +157,6 @@ pub fn source_nodes(axis: DVec3, half_angle: f64, order: usize) -> Vec<(DVec3, f
     nodes
 }
 
-/// The directions of growing theta and of growing phi at `axis`.
-fn meridian_frame(axis: DVec3) -> (DVec3, DVec3) {
-    let (sin, cos) = sphere::phi(axis).sin_cos();
-    let across = DVec3::new(-sin, cos, 0.0);
-    (across.cross(axis), across)
-}
-
 /// The model under light from one direction, all in the sample's frame.
 struct Lit<'a> {
     model: &'a Microfacet,
@@ -176,7 +172,9 @@ impl<'a> Lit<'a> {
         let BinMeans { maskings, reflectance, .. } = means;
         Lit { model, maskings, reflectance: *reflectance, wi, side: model.side(wi) }
     }
+}
 
+impl FluxDensity for Lit<'_> {
     /// D V cos(theta_r) of every masking, alone and times (1 - c)^5: outgoing flux per solid angle, 1/sr.
     fn densities(&self, wo: DVec3) -> Components {
         let (i, o) = (&self.side, self.model.side(wo));
@@ -193,104 +191,8 @@ impl<'a> Lit<'a> {
     }
 
     /// Slope of the half vector in units of alpha: D depends on its length alone.
-    fn canonical_slope(&self, wo: DVec3) -> [f64; 2] {
+    fn feature(&self, wo: DVec3) -> [f64; 2] {
         let h = self.wi + wo;
         [h.x / (self.model.alpha_x * h.z), h.y / (self.model.alpha_y * h.z)]
-    }
-}
-
-/// How two angles name a direction of the sample's frame.
-enum DirectionChart {
-    /// (theta, phi).
-    Polar,
-    /// (psi, eta) about the axis: (axis, direction of eta = 0, of eta = 90 degrees).
-    About(DVec3, DVec3, DVec3),
-}
-
-/// Largest steps of the first subdivision, on which the nine samples of the resolution test see the feature's trend.
-const LARGEST: [f64; 2] = [PI / 6.0, PI / 4.0];
-
-impl DirectionChart {
-    /// The chart of a region and its rectangles, cut where the integrand may have kinks or narrow turns.
-    ///
-    /// Cuts in azimuth: the plane of incidence, and the axes of an anisotropic sample, where the canonical azimuth
-    /// turns fast. In theta: theta_i of an isotropic sample, where the larger Lambda changes hands.
-    fn of_region(model: &Microfacet, lit: &Lit, region: &Region) -> (DirectionChart, Vec<Rect>) {
-        let phi_i = sphere::phi(lit.wi);
-        let mut planes = vec![phi_i];
-        if !model.is_isotropic() {
-            planes.extend([0.0, FRAC_PI_2]);
-        }
-        let (chart, u, cuts_u, v) = match *region {
-            Region::Rectangle { theta, phi } => {
-                let cuts = if model.is_isotropic() { vec![sphere::theta(lit.wi)] } else { vec![] };
-                (DirectionChart::Polar, theta, cuts, phi.map(|phi| phi - model.rotation))
-            }
-            Region::Cap { axis, half_angle } => {
-                let axis = model.to_sample(axis);
-                let (down, across) = meridian_frame(axis);
-                let turn = sphere::phi(axis);
-                planes.iter_mut().for_each(|plane| *plane -= turn);
-                planes.push(0.0);
-                (DirectionChart::About(axis, down, across), [0.0, half_angle], vec![], [0.0, TAU])
-            }
-        };
-        let us = steps(u, &cuts_u, LARGEST[0]);
-        let vs = steps(v, &half_turns(&planes, v), LARGEST[1]);
-        let rects =
-            us.windows(2).flat_map(|u| vs.windows(2).map(|v| Rect { u: [u[0], u[1]], v: [v[0], v[1]] }));
-        (chart, rects.collect())
-    }
-
-    fn direction(&self, (sin_u, cos_u): SinCos, (sin_v, cos_v): SinCos) -> DVec3 {
-        match *self {
-            DirectionChart::Polar => DVec3::new(sin_u * cos_v, sin_u * sin_v, cos_u),
-            DirectionChart::About(axis, down, across) => {
-                axis * cos_u + (down * cos_v + across * sin_v) * sin_u
-            }
-        }
-    }
-}
-
-/// All angles inside `ends` that differ from one of `planes` by a whole number of half turns.
-fn half_turns(planes: &[f64], ends: [f64; 2]) -> Vec<f64> {
-    let inside = |&plane: &f64| {
-        let first = ((ends[0] - plane) / PI).ceil() as i64;
-        let last = ((ends[1] - plane) / PI).floor() as i64;
-        (first..=last).map(move |k| plane + PI * k as f64)
-    };
-    planes.iter().flat_map(inside).collect()
-}
-
-/// The ends, the cuts between them, and as many steps more as keep each below `largest`.
-fn steps(ends: [f64; 2], cuts: &[f64], largest: f64) -> Vec<f64> {
-    let mut marks: Vec<f64> = cuts.iter().copied().filter(|&cut| ends[0] < cut && cut < ends[1]).collect();
-    marks.extend(ends);
-    marks.sort_by(f64::total_cmp);
-    marks.dedup();
-    let mut all = vec![ends[0]];
-    for pair in marks.windows(2) {
-        let count = ((pair[1] - pair[0]) / largest).ceil().max(1.0);
-        let within = (1..count as usize).map(|k| pair[0] + (pair[1] - pair[0]) * k as f64 / count);
-        all.extend(within);
-        all.push(pair[1]);
-    }
-    all
-}
-
-/// The lit model over a chart.
-struct Mapped<'a> {
-    lit: &'a Lit<'a>,
-    chart: DirectionChart,
-}
-
-impl Integrand for Mapped<'_> {
-    /// The area element of both charts is the sine of the first angle.
-    fn values(&self, u: SinCos, v: SinCos) -> Components {
-        self.lit.densities(self.chart.direction(u, v)).map(|value| value * u.0)
-    }
-
-    fn feature(&self, u: SinCos, v: SinCos) -> [f64; 2] {
-        self.lit.canonical_slope(self.chart.direction(u, v))
     }
 }

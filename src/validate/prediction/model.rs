@@ -5,14 +5,12 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::bin_mean::{BinMean, BinMeans, MASKINGS, source_nodes};
+use super::lobes::{bare_flux, lobe_means, mirrored, reflected, refracted};
 use crate::campaign::{Azimuth, Campaign, SmithNdf, SurfaceKind};
-use crate::instrument::{Grid, Region, Sensor};
+use crate::instrument::{Grid, Region, grid_of};
 use crate::measure::optics::reflectances_of;
+use crate::optics::Fresnel;
 use crate::optics::reflectance::Reflectance;
-use crate::optics::{FacetAngle, Fresnel};
-use crate::sphere;
-use crate::theory::grains::bare_mirror_flux;
-use crate::theory::smith::visibility;
 use crate::theory::v_cavity::v_groove_lobes;
 use crate::theory::{Masking, Microfacet, Ndf};
 
@@ -68,11 +66,19 @@ pub struct StopMeans {
 }
 
 impl Model {
-    /// The models of a campaign; `None` where theory has nothing to say (a measured map).
+    /// The models of a campaign; `None` where theory has nothing to say: of a measured map, and of what goes through grooves
+    /// or grains, which are seen from inside.
+    // Tested by `what_goes_through_grooves_and_grains_is_not_predicted` (tests/it/validate/transmittance.rs).
     pub fn of(campaign: &Campaign) -> Option<Self> {
+        let kind = &campaign.surface.kind;
+        if grid_of(campaign).looks_below()
+            && matches!(kind, SurfaceKind::VGroove { .. } | SurfaceKind::Grains(_))
+        {
+            return None;
+        }
         let rotation = campaign.surface.rotation_deg.to_radians();
         let lobes = |name, masking, slope| Some(Model::Lobes { name, masking, slope, rotation });
-        match &campaign.surface.kind {
+        match kind {
             SurfaceKind::Mirror => lobes("mirror", "none", None),
             SurfaceKind::VGroove { slope } => lobes("torrance_sparrow", "v_cavity", Some(*slope)),
             kind => {
@@ -162,29 +168,38 @@ impl Model {
                     .flat_map(|maskings| microfacet_means(&surface, maskings, source, &regions, colours))
                     .collect();
                 for (&masking, by_colour) in maskings.iter().zip(&mut means).filter(|_| *mirror_base) {
-                    let bare = |wi: DVec3| vec![(mirrored(wi), bare_flux(&surface, masking, wi))];
                     for (values, &colour) in by_colour.iter_mut().zip(colours) {
-                        let lobes = lobe_means(bare, grid, stop, source, colour);
+                        let bare =
+                            |wi| reflected(wi, [(mirrored(wi), bare_flux(&surface, masking, wi))], colour);
+                        let lobes = lobe_means(bare, grid, stop, source);
                         values.iter_mut().zip(lobes).for_each(|(value, lobe)| *value += lobe);
                     }
                 }
                 means
             }
             Model::Lobes { slope, rotation, .. } => {
-                let lobes = |wi: DVec3| match slope {
-                    None => vec![(mirrored(wi), 1.0)],
-                    Some(slope) => {
-                        let lobes = v_groove_lobes(*slope, rotation + turn, wi);
-                        lobes.iter().map(|lobe| (lobe.wo, lobe.flux)).collect()
-                    }
+                let of_colour = |colour: Reflectance| {
+                    let lobes = |wi| match slope {
+                        None => {
+                            let mut both = reflected(wi, [(mirrored(wi), 1.0)], colour);
+                            both.extend(refracted(wi, colour).filter(|_| grid.looks_below()));
+                            both
+                        }
+                        Some(slope) => {
+                            let lobes = v_groove_lobes(*slope, rotation + turn, wi);
+                            reflected(wi, lobes.iter().map(|lobe| (lobe.wo, lobe.flux)), colour)
+                        }
+                    };
+                    lobe_means(lobes, grid, stop, source)
                 };
-                vec![colours.iter().map(|&colour| lobe_means(lobes, grid, stop, source, colour)).collect()]
+                vec![colours.iter().map(|&colour| of_colour(colour)).collect()]
             }
         }
     }
 }
 
-/// The means of at most `MASKINGS` maskings: \[masking\]\[colour\]\[bin\].
+/// The means of at most `MASKINGS` maskings: \[masking\]\[colour\]\[bin\]. Below the horizon: of what clear facets let
+/// through.
 fn microfacet_means(
     surface: &Microfacet,
     maskings: &[Masking],
@@ -193,64 +208,46 @@ fn microfacet_means(
     colours: &[Reflectance],
 ) -> Vec<Vec<Vec<f64>>> {
     let means = BinMeans::new(maskings.to_vec());
-    let schlick = means.evaluate(surface, source, regions);
-    let of_colour = |colour: &Reflectance| -> Vec<Vec<f64>> {
-        let of = |value: &dyn Fn(usize, &BinMean) -> f64, bins: &[BinMean]| {
-            (0..maskings.len()).map(|k| bins.iter().map(|bin| value(k, bin)).collect()).collect()
-        };
-        match *colour {
-            Reflectance { fresnel: Fresnel::Perfect, .. } => of(&|k, bin| bin.unit[k], &schlick),
-            Reflectance { fresnel: Fresnel::Schlick { f0 }, .. } => {
-                of(&|k, bin| bin.with_f0(k, f0), &schlick)
-            }
-            exact => {
-                let means = BinMeans { reflectance: Some(exact), ..means.clone() };
-                of(&|k, bin| bin.schlick[k], &means.evaluate(surface, source, regions))
-            }
+    let (below, above): (Vec<usize>, Vec<usize>) =
+        (0..regions.len()).partition(|&bin| regions[bin].is_below());
+    let [regions_below, regions_above] =
+        [&below, &above].map(|bins| bins.iter().map(|&bin| regions[bin]).collect::<Vec<_>>());
+    let schlick = means.evaluate(surface, source, &regions_above);
+    let mut all = vec![vec![vec![0.0; regions.len()]; colours.len()]; maskings.len()];
+    for (colour, &reflectance) in colours.iter().enumerate() {
+        let reflected = reflected_means(&means, surface, source, &regions_above, reflectance, &schlick);
+        for (&bin, values) in above.iter().zip(reflected) {
+            (0..maskings.len()).for_each(|k| all[k][colour][bin] = values[k]);
         }
-    };
-    let by_colour: Vec<Vec<Vec<f64>>> = colours.iter().map(of_colour).collect();
-    let of_masking = |k: usize| by_colour.iter().map(|maskings| maskings[k].clone()).collect();
-    (0..maskings.len()).map(of_masking).collect()
-}
-
-/// The share of the light from `wi` (stage's frame) that the bare plane between grains sends into the mirror direction,
-/// as each masking has it: Smith's take the plane for facets of the whole surface.
-fn bare_flux(surface: &Microfacet, masking: Masking, wi: DVec3) -> f64 {
-    let Ndf::Grains { coverage } = surface.ndf else { return 0.0 };
-    let [i, o] = [wi, mirrored(wi)].map(|w| surface.side(surface.to_sample(w)));
-    match masking {
-        Masking::None => 1.0 - coverage,
-        Masking::Grains | Masking::GrainsProduct => bare_mirror_flux(i.canonical(), coverage),
-        smith => (1.0 - coverage) * 4.0 * i.cos * o.cos * visibility(smith, &i, &o),
+        let Fresnel::Dielectric { eta } = reflectance.fresnel else { continue };
+        let through = means.evaluate_through(surface, source, &regions_below, eta);
+        for (&bin, mean) in below.iter().zip(through) {
+            (0..maskings.len()).for_each(|k| all[k][colour][bin] = mean.values[k]);
+        }
     }
+    all
 }
 
-fn mirrored(w: DVec3) -> DVec3 {
-    DVec3::new(-w.x, -w.y, w.z)
-}
-
-/// The flux of each direction that `lobes` gives for the light's, over the bin that holds it.
-fn lobe_means(
-    lobes: impl Fn(DVec3) -> Vec<(DVec3, f64)>,
-    grid: &Grid,
-    stop: usize,
+/// The means of one colour over the regions, in the order of the maskings; `schlick`: those with (1 - c)^5.
+fn reflected_means(
+    means: &BinMeans,
+    surface: &Microfacet,
     source: &[(DVec3, f64)],
+    regions: &[Region],
     colour: Reflectance,
-) -> Vec<f64> {
-    let sensor = Sensor::new(grid);
-    let regions = grid.regions(stop);
-    let turn_back = if grid.phi_r_relative { -grid.stop_deg(stop).1 } else { 0.0 };
-    let mut means = vec![0.0; regions.len()];
-    for &(wi, weight) in source {
-        for (wo, flux) in lobes(wi).into_iter().filter(|&(wo, flux)| flux > 0.0 && wo.z > 0.0) {
-            let fresnel = colour.at(FacetAngle::of_pair(wi, wo));
-            sensor.each_bin(sphere::turned(wo, sphere::sin_cos_deg(turn_back)), |bin| {
-                means[bin] += weight * flux * fresnel / regions[bin].projected_solid_angle();
-            });
+    schlick: &[BinMean],
+) -> Vec<[f64; MASKINGS]> {
+    let of = |bins: &[BinMean], value: &dyn Fn(usize, &BinMean) -> f64| {
+        bins.iter().map(|bin| std::array::from_fn(|k| value(k, bin))).collect()
+    };
+    match colour.fresnel {
+        Fresnel::Perfect => of(schlick, &|k, bin| bin.unit[k]),
+        Fresnel::Schlick { f0 } => of(schlick, &|k, bin| bin.with_f0(k, f0)),
+        _ => {
+            let means = BinMeans { reflectance: Some(colour), ..means.clone() };
+            of(&means.evaluate(surface, source, regions), &|k, bin| bin.schlick[k])
         }
     }
-    means
 }
 
 fn added(mut sum: Vec<Vec<Vec<f64>>>, part: Vec<Vec<Vec<f64>>>) -> Vec<Vec<Vec<f64>>> {
@@ -262,6 +259,7 @@ fn added(mut sum: Vec<Vec<Vec<f64>>>, part: Vec<Vec<Vec<f64>>>) -> Vec<Vec<Vec<f
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sphere;
 
     #[test]
     fn smith_masks_all_facets_alike_up_to_a_slope() {
