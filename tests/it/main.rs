@@ -59,6 +59,7 @@ mod measure {
     mod turned_sample;
 }
 mod facets {
+    mod critical_means;
     mod faults;
     mod interface;
     mod lanes;

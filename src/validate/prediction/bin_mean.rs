@@ -10,12 +10,14 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::bin_mean_through::AT_KINKS;
 use super::chart::{DirectionChart, FluxDensity, integrate_region, meridian_frame};
+use super::critical::{critical_cosine, integrate_cut};
 use super::gauss_legendre::gauss_legendre;
 use super::quadrature::{COMPONENTS, Components, Integral, Precision};
 use crate::instrument::Region;
-use crate::optics::FacetAngle;
 use crate::optics::reflectance::Reflectance;
+use crate::optics::{FacetAngle, Fresnel};
 use crate::sphere;
 use crate::theory::smith::visibility;
 use crate::theory::{ArmSide, Masking, Microfacet};
@@ -113,7 +115,14 @@ impl BinMeans {
         // In theta: theta_i of an isotropic sample, where the larger Lambda changes hands.
         let cut = model.is_isotropic().then(|| sphere::theta(lit.wi));
         let chart = DirectionChart::of_region(model, lit.wi, region, cut);
-        integrate_region(lit, &chart, &precision)
+        match self.reflectance.map(|reflectance| reflectance.fresnel) {
+            Some(Fresnel::Dielectric { eta }) if eta < 1.0 => {
+                let relative = precision.relative.map(|relative| AT_KINKS * relative);
+                let precision = Precision { relative, ..precision };
+                integrate_cut(lit, &chart, (lit.wi, critical_cosine(eta)), &precision)
+            }
+            _ => integrate_region(lit, &chart, &precision),
+        }
     }
 }
 

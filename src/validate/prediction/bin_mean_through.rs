@@ -26,7 +26,7 @@ pub struct ThroughMean {
 
 /// How much closer than asked for the orders must agree: where a kink lies between the nodes of both, they may agree by
 /// chance.
-const AT_KINKS: f64 = 0.1;
+pub(super) const AT_KINKS: f64 = 0.1;
 
 impl BinMeans {
     /// The means of light that goes through, over `regions` below the horizon (stage's frame) under light from `source`.

@@ -4,6 +4,7 @@ pub mod aperture;
 pub mod bin_mean;
 pub mod bin_mean_through;
 mod chart;
+mod critical;
 pub mod gauss_legendre;
 mod lobes;
 pub mod model;
