@@ -241,7 +241,10 @@ fn described(media: &[Medium]) -> String {
     match nm[..] {
         [] => index(&media[0]),
         [one] => format!("{} at {one} nm", index(&media[0])),
-        [first, .., last] => format!("n and k at {} wavelengths from {first} to {last} nm", nm.len()),
+        [first, .., last] => {
+            let what = if media.iter().all(|medium| medium.k == 0.0) { "n" } else { "n and k" };
+            format!("{what} at {} wavelengths from {first} to {last} nm", nm.len())
+        }
     }
 }
 

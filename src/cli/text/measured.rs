@@ -54,10 +54,6 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
     headers.extend(beyond.then_some("beyond order 1"));
     headers.extend(open_map.then_some("left map"));
     headers.extend(plan.apertures_only.then_some("outside"));
-    let through = measured.stops.iter().any(|stop| !stop.through.is_empty());
-    if through {
-        headers.extend(["through single", "through total"]);
-    }
     let absorbs = measured.campaign.surface.kind.has_absorbing_base();
     headers.extend(absorbs.then_some("absorbed"));
     let angles = StopAngles::of(&plan.grid);
@@ -79,9 +75,6 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
         row.extend(missed.0.map(beyond));
         row.extend(open_map.then(|| share(stop.left_map)));
         row.extend(plan.apertures_only.then(|| share(stop.outside)));
-        if through {
-            row.extend([albedo(stop.single_transmittance()), albedo(stop.total_transmittance())]);
-        }
         row.extend(absorbs.then(|| share(stop.absorbed)));
         row
     };
@@ -96,11 +89,26 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
     let name = &measured.campaign.name;
     out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations"))?;
     out.lines(output::columns(&headers, &rows))?;
+    out.lines(through_lines(measured, &angles))?;
     out.lines(optics::order_lines(measured, plan))?;
     out.lines(lost_light_line(measured, plan))?;
     out.lines(end_lines(measured, plan))?;
     out.line("")?;
     out.lines(super::verdict::lines(verdict))
+}
+
+/// Light that has gone through the surface, where any can.
+fn through_lines(measured: &Measured, angles: &StopAngles) -> Vec<String> {
+    if measured.stops.iter().all(|stop| stop.through.is_empty()) {
+        return vec![];
+    }
+    let row = |(index, stop): (usize, &StopResult)| {
+        let [theta, phi] = angles.texts(index);
+        vec![theta, phi, albedo(stop.single_transmittance()), albedo(stop.total_transmittance())]
+    };
+    let rows: Vec<Vec<String>> = measured.stops.iter().enumerate().map(row).collect();
+    let headers = ["theta_i", "phi_i", "through single", "through total"];
+    [vec![String::new()], output::columns(&headers, &rows)].concat()
 }
 
 /// How much light left an open map by its edge, where any did.

@@ -22,12 +22,12 @@ const ALBEDOS: [AlbedoColumn; 4] = [
 
 /// The comparisons, the albedos, the cost.
 pub fn figures(page: &Page) -> String {
-    [of_light(page), cost(page.summary)].concat()
+    [of_light(page, ""), cost(page.summary)].concat()
 }
 
-/// The comparisons and the albedos of the light that the page shows.
-pub fn of_light(page: &Page) -> String {
-    [comparisons(page), albedos(page)].concat()
+/// The comparisons and the albedos of the light that `page` is of; `mark` ends the names of their tables.
+pub fn of_light(page: &Page, mark: &str) -> String {
+    [comparisons(page, mark), albedos(page, mark)].concat()
 }
 
 /// A number with `decimals` digits next to its key, or a dash.
@@ -52,7 +52,7 @@ fn distance(figures: &Figures) -> String {
     cell(key, value, 4)
 }
 
-fn comparisons(page: &Page) -> String {
+fn comparisons(page: &Page, mark: &str) -> String {
     let all = &page.summary.comparisons[..];
     let [first, ..] = all else {
         return "<p>No model speaks of this surface: nothing to compare with.</p>".into();
@@ -70,7 +70,7 @@ fn comparisons(page: &Page) -> String {
     let [head, foot] = if page.scene.has_azimuths() { ["<th>phi_i</th>", "<td></td>"] } else { ["", ""] };
     format!(
         "<h2>Against the {} model</h2>\n<p>Flux-weighted L1 distance of order 1 from the model's bin means, by \
-         masking, with the noise taken off.{}</p>\n<div class=\"scroll\"><table id=\"comparisons\"><thead><tr>\
+         masking, with the noise taken off.{}</p>\n<div class=\"scroll\"><table id=\"comparisons{mark}\"><thead><tr>\
          <th>theta_i</th>{head}<th>noise</th>{heads}</tr></thead>\n<tbody>{rows}</tbody>\n<tfoot><tr><td>mean</td>{foot}{}{mean}\
          </tr></tfoot></table></div>\n",
         escaped(&first.model.replace('_', " ")),
@@ -87,7 +87,7 @@ fn left_out(stops: usize) -> String {
     }
 }
 
-fn albedos(page: &Page) -> String {
+fn albedos(page: &Page, mark: &str) -> String {
     let stops = &page.summary.stops;
     // Another program's table does not know how often its light has bounced.
     let columns = if page.campaign.is_some() { &ALBEDOS[..] } else { &ALBEDOS[2..] };
@@ -112,7 +112,7 @@ fn albedos(page: &Page) -> String {
         ", from the bins."
     };
     format!(
-        "<h2>Albedo</h2>\n<p>Share of the light that leaves{what}{}</p>\n<div class=\"scroll\"><table id=\"albedos\">\
+        "<h2>Albedo</h2>\n<p>Share of the light that leaves{what}{}</p>\n<div class=\"scroll\"><table id=\"albedos{mark}\">\
          <thead><tr><th>theta_i</th>{azimuth}{heads}</tr></thead><tbody>{rows}</tbody></table></div>\n",
         left_out(stops.len())
     )

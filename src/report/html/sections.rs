@@ -109,7 +109,7 @@ pub fn through(page: &Page) -> String {
          <p>As a mirror in the horizon shows it: theta_r is 180° less that of the table. Albedo stands for the share of the \
          light that goes through.</p>\n{}{}</section>\n",
         figures_of(shown.into_iter().chain(around)),
-        of_light(page)
+        of_light(page, "-through")
     )
 }
 
