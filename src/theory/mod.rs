@@ -6,7 +6,9 @@
 
 pub mod beta;
 pub mod cavities;
+pub mod diffuse;
 pub mod empirical;
+pub mod gauss_legendre;
 pub mod grains;
 pub mod microfacet;
 pub mod ndf;

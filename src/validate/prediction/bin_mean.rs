@@ -11,12 +11,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::chart::{DirectionChart, FluxDensity, integrate_region, meridian_frame};
-use super::gauss_legendre::gauss_legendre;
+
 use super::quadrature::{COMPONENTS, Components, Integral, Precision};
 use crate::instrument::Region;
 use crate::optics::FacetAngle;
 use crate::optics::reflectance::Reflectance;
 use crate::sphere;
+use crate::theory::gauss_legendre::gauss_legendre;
 use crate::theory::smith::visibility;
 use crate::theory::{ArmSide, Masking, Microfacet};
 

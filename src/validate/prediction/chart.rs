@@ -90,7 +90,7 @@ impl DirectionChart {
     }
 
     /// The direction, and the solid angle of a unit of both angles.
-    fn at(&self, u: SinCos, v: SinCos) -> (DVec3, f64) {
+    pub(super) fn at(&self, u: SinCos, v: SinCos) -> (DVec3, f64) {
         let ((sin_u, cos_u), (sin_v, cos_v)) = (u, v);
         match *self {
             DirectionChart::Polar => (DVec3::new(sin_u * cos_v, sin_u * sin_v, cos_u), sin_u),
