@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use crate::instrument::{Grid, Region};
 use crate::sphere;
-use crate::validate::prediction::gauss_legendre::gauss_legendre;
+use crate::theory::gauss_legendre::gauss_legendre;
 use crate::validate::source_nodes;
 
 /// Nodes along each side of a piece.

@@ -25,6 +25,45 @@ pub fn oren_nayar(wi: DVec3, wo: DVec3, sigma: f64) -> f64 {
     LAMBERT * (a + b * across.max(0.0) / wi.z.max(wo.z))
 }
 
+/// Oren and Nayar's full model of light reflected once, for an albedo of 1:
+/// (C1 + cos dphi C2 tan b + (1 - |cos dphi|) C3 tan((a + b)/2))/pi.
+///
+/// C1 = 1 - s^2/(2 (s^2 + 0.33)); C2 = 0.45 s^2/(s^2 + 0.09) sin a, less (2 b/pi)^3 under the bracket where cos dphi < 0;
+/// C3 = 0.125 s^2/(s^2 + 0.09) (4 a b/pi^2)^2; a the larger, b the smaller polar angle.
+///
+/// - Domain as `oren_nayar`. Swapping the arms gives the same bits.
+/// - Numerics: angles by atan2. Source: Oren and Nayar 1994, the full model.
+// Tested by `oren_nayars_full_model_meets_its_reference` (tests/it/diffuse_values.rs).
+pub fn oren_nayar_full(wi: DVec3, wo: DVec3, sigma: f64) -> f64 {
+    let (s2, [a, b], cos) = (sigma * sigma, polar_angles(wi, wo), cos_between_azimuths(wi, wo));
+    let away = if cos < 0.0 { (2.0 * b / PI).powi(3) } else { 0.0 };
+    let c1 = 1.0 - 0.5 * s2 / (s2 + 0.33);
+    let c2 = 0.45 * s2 / (s2 + 0.09) * (a.sin() - away);
+    let c3 = 0.125 * s2 / (s2 + 0.09) * (4.0 * a * b / (PI * PI)).powi(2);
+    LAMBERT * (c1 + cos * c2 * b.tan() + (1.0 - cos.abs()) * c3 * (0.5 * (a + b)).tan())
+}
+
+/// Oren and Nayar's light reflected twice, over the square of the albedo: 0.17 s^2/(s^2 + 0.13) (1 - cos dphi (2 b/pi)^2)/pi.
+///
+/// - Domain as `oren_nayar`. Source: Oren and Nayar 1994, the full model.
+// Tested by `oren_nayars_full_model_meets_its_reference` (tests/it/diffuse_values.rs).
+pub fn oren_nayar_twice(wi: DVec3, wo: DVec3, sigma: f64) -> f64 {
+    let (s2, [_, b], cos) = (sigma * sigma, polar_angles(wi, wo), cos_between_azimuths(wi, wo));
+    LAMBERT * 0.17 * s2 / (s2 + 0.13) * (1.0 - cos * (2.0 * b / PI).powi(2))
+}
+
+/// The larger and the smaller polar angle.
+fn polar_angles(wi: DVec3, wo: DVec3) -> [f64; 2] {
+    let [i, o] = [wi, wo].map(|w| w.x.hypot(w.y).atan2(w.z));
+    [i.max(o), i.min(o)]
+}
+
+/// cos dphi; 1 where an arm is the normal and has no azimuth: there everything that it multiplies is 0.
+fn cos_between_azimuths(wi: DVec3, wo: DVec3) -> f64 {
+    let (across, along) = (wi.x * wo.y - wi.y * wo.x, wi.x * wo.x + wi.y * wo.y);
+    across.atan2(along).cos()
+}
+
 /// Phong's lobe about the mirror direction: (n + 2)/(2 pi) max(0, r.wo)^n.
 ///
 /// - `exponent` n > -2. The albedo at normal incidence is 1; it is smaller elsewhere.

@@ -8,6 +8,7 @@ mod support;
 
 mod bench;
 mod cli;
+mod diffuse_values;
 mod examples;
 mod fit;
 mod fit_errors;

@@ -119,7 +119,7 @@ fn shown(grid: &Grid) -> Vec<usize> {
     first.into_iter().step_by(step).collect()
 }
 
-/// The sensor's position with the largest value, or the mirror direction.
+/// The sensor's position above the horizon with the largest value, or the mirror direction.
 fn top(model: &Microfacet, masking: Masking, grid: &Grid, stop: usize) -> Option<DVec3> {
     let wi = grid.wi(stop);
     if grid.kind != GridKind::Arm {
@@ -127,8 +127,8 @@ fn top(model: &Microfacet, masking: Masking, grid: &Grid, stop: usize) -> Option
     }
     let value = |wo: &DVec3| model.brdf(wi, *wo, masking, &Fresnel::Perfect);
     let axes = grid.regions(stop).into_iter().filter_map(|region| match region {
-        Region::Cap { axis, .. } => Some(axis),
-        Region::Rectangle { .. } => None,
+        Region::Cap { axis, .. } if axis.z > 0.0 => Some(axis),
+        Region::Cap { .. } | Region::Rectangle { .. } => None,
     });
     axes.max_by(|a, b| value(a).total_cmp(&value(b)))
 }

@@ -13,12 +13,12 @@ use rayon::prelude::*;
 use super::bin_mean_through::AT_KINKS;
 use super::chart::{DirectionChart, FluxDensity, integrate_region, meridian_frame};
 use super::critical::{critical_cosine, integrate_cut};
-use super::gauss_legendre::gauss_legendre;
 use super::quadrature::{COMPONENTS, Components, Integral, Precision};
 use crate::instrument::Region;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::{FacetAngle, Fresnel};
 use crate::sphere;
+use crate::theory::gauss_legendre::gauss_legendre;
 use crate::theory::smith::visibility;
 use crate::theory::{ArmSide, Masking, Microfacet};
 

@@ -2,10 +2,11 @@
 
 pub mod aperture;
 pub mod bin_mean;
+pub mod bin_mean_diffuse;
 pub mod bin_mean_through;
+mod by_colour;
 mod chart;
 mod critical;
-pub mod gauss_legendre;
 mod lobes;
 pub mod model;
 pub mod quadrature;

@@ -4,13 +4,14 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::bin_mean::{BinMean, BinMeans, MASKINGS, source_nodes};
+use super::bin_mean::{MASKINGS, source_nodes};
+use super::by_colour::{albedo_of, matt_means, microfacet_means};
 use super::lobes::{bare_flux, lobe_means, mirrored, reflected, refracted};
-use crate::campaign::{Azimuth, Campaign, SmithNdf, SurfaceKind};
-use crate::instrument::{Grid, Region, grid_of};
+use crate::campaign::{Azimuth, Campaign, Optics, SmithNdf, SurfaceKind};
+use crate::instrument::{Grid, grid_of};
 use crate::measure::optics::reflectances_of;
-use crate::optics::Fresnel;
 use crate::optics::reflectance::Reflectance;
+use crate::theory::empirical::LAMBERT;
 use crate::theory::v_cavity::v_groove_lobes;
 use crate::theory::{Masking, Microfacet, Ndf};
 
@@ -19,6 +20,8 @@ use crate::theory::{Masking, Microfacet, Ndf};
 const AZIMUTHS: usize = 36;
 /// Nodes along the radius of the light's aperture.
 const APERTURE_ORDER: usize = 6;
+/// The same for matt facets, whose values vary with the cosines alone.
+const SMOOTH_APERTURE_ORDER: usize = 2;
 
 /// What theory says about a surface.
 #[derive(Clone)]
@@ -32,6 +35,15 @@ pub enum Model {
         /// Whether a plane between grains reflects as well.
         mirror_base: bool,
     },
+    /// Matt facets with each of the maskings.
+    Matt {
+        /// The surface.
+        surface: Microfacet,
+        /// In the order of the comparisons.
+        maskings: Vec<Masking>,
+    },
+    /// A flat matt surface: the same in every bin.
+    Lambert,
     /// Mirror directions that carry all the flux.
     Lobes {
         /// The model's name.
@@ -66,19 +78,20 @@ pub struct StopMeans {
 }
 
 impl Model {
-    /// The models of a campaign; `None` where theory has nothing to say: of a measured map, and of what goes through grooves
-    /// or grains, which are seen from inside.
+    /// The models of a campaign; `None` where theory has nothing to say: of a measured map, of what goes through grooves or
+    /// grains, which are seen from inside, and of matt ones.
     // Tested by `what_goes_through_grooves_and_grains_is_not_predicted` (tests/it/validate/transmittance.rs).
     pub fn of(campaign: &Campaign) -> Option<Self> {
         let kind = &campaign.surface.kind;
-        if grid_of(campaign).looks_below()
-            && matches!(kind, SurfaceKind::VGroove { .. } | SurfaceKind::Grains(_))
-        {
+        let matt = campaign.optics.each().iter().any(|one| matches!(one, Optics::Diffuse { .. }));
+        let special = matches!(kind, SurfaceKind::VGroove { .. } | SurfaceKind::Grains(_));
+        if special && (matt || grid_of(campaign).looks_below()) {
             return None;
         }
         let rotation = campaign.surface.rotation_deg.to_radians();
         let lobes = |name, masking, slope| Some(Model::Lobes { name, masking, slope, rotation });
         match kind {
+            SurfaceKind::Mirror if matt => Some(Model::Lambert),
             SurfaceKind::Mirror => lobes("mirror", "none", None),
             SurfaceKind::VGroove { slope } => lobes("torrance_sparrow", "v_cavity", Some(*slope)),
             kind => {
@@ -86,6 +99,9 @@ impl Model {
                 let surface = Microfacet { ndf, alpha_x: alpha.x, alpha_y: alpha.y, rotation };
                 let mut maskings =
                     if campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] }.to_vec();
+                if matt {
+                    return Some(Model::Matt { surface, maskings });
+                }
                 let grains = matches!(kind, SurfaceKind::Grains(_));
                 if grains && campaign.trace.visibility {
                     maskings.splice(0..0, [Masking::Grains, Masking::GrainsProduct]);
@@ -100,7 +116,8 @@ impl Model {
     /// The model's name in the summary.
     pub fn name(&self) -> &'static str {
         match self {
-            Model::Microfacet { surface, .. } => surface.ndf.name(),
+            Model::Microfacet { surface, .. } | Model::Matt { surface, .. } => surface.ndf.name(),
+            Model::Lambert => "lambert",
             Model::Lobes { name, .. } => name,
         }
     }
@@ -108,7 +125,10 @@ impl Model {
     /// Names of the maskings, in the order of `StopMeans::values`.
     pub fn maskings(&self) -> Vec<&'static str> {
         match self {
-            Model::Microfacet { maskings, .. } => maskings.iter().map(|masking| masking.name()).collect(),
+            Model::Microfacet { maskings, .. } | Model::Matt { maskings, .. } => {
+                maskings.iter().map(|masking| masking.name()).collect()
+            }
+            Model::Lambert => vec![Masking::None.name()],
             Model::Lobes { masking, .. } => vec![masking],
         }
     }
@@ -126,7 +146,9 @@ impl Model {
     /// vector, stage's frame.
     // Tested by `smith_masks_all_facets_alike_up_to_a_slope`.
     pub fn smith(&self, wi: DVec3, averaged: bool) -> Option<[f64; 2]> {
-        let Model::Microfacet { surface, maskings, .. } = self else { return None };
+        let (Model::Microfacet { surface, maskings, .. } | Model::Matt { surface, maskings }) = self else {
+            return None;
+        };
         let smith = !maskings.contains(&Masking::None) && !matches!(surface.ndf, Ndf::Grains { .. });
         if (averaged && !surface.is_isotropic()) || !smith {
             return None;
@@ -139,7 +161,9 @@ impl Model {
     /// The means over the bins of one stop, over the same bins and light aperture as the measurement.
     pub fn means(&self, campaign: &Campaign, grid: &Grid, stop: usize) -> StopMeans {
         let half_angle = campaign.light.aperture_deg.to_radians();
-        let source = source_nodes(grid.wi(stop), half_angle, APERTURE_ORDER);
+        let smooth = matches!(self, Model::Matt { .. } | Model::Lambert);
+        let order = if smooth { SMOOTH_APERTURE_ORDER } else { APERTURE_ORDER };
+        let source = source_nodes(grid.wi(stop), half_angle, order);
         let colours = reflectances_of(&campaign.optics);
         let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
         let turns = if averaged { AZIMUTHS } else { 1 };
@@ -177,6 +201,14 @@ impl Model {
                 }
                 means
             }
+            Model::Matt { surface, maskings } => {
+                let surface = Microfacet { rotation: surface.rotation + turn, ..*surface };
+                matt_means(&surface, maskings, source, &grid.regions(stop), colours)
+            }
+            Model::Lambert => {
+                let bins = |colour: &Reflectance| vec![albedo_of(colour) * LAMBERT; grid.bins()];
+                vec![colours.iter().map(bins).collect()]
+            }
             Model::Lobes { slope, rotation, .. } => {
                 let of_colour = |colour: Reflectance| {
                     let lobes = |wi| match slope {
@@ -194,58 +226,6 @@ impl Model {
                 };
                 vec![colours.iter().map(|&colour| of_colour(colour)).collect()]
             }
-        }
-    }
-}
-
-/// The means of at most `MASKINGS` maskings: \[masking\]\[colour\]\[bin\]. Below the horizon: of what clear facets let
-/// through.
-fn microfacet_means(
-    surface: &Microfacet,
-    maskings: &[Masking],
-    source: &[(DVec3, f64)],
-    regions: &[Region],
-    colours: &[Reflectance],
-) -> Vec<Vec<Vec<f64>>> {
-    let means = BinMeans::new(maskings.to_vec());
-    let (below, above): (Vec<usize>, Vec<usize>) =
-        (0..regions.len()).partition(|&bin| regions[bin].is_below());
-    let [regions_below, regions_above] =
-        [&below, &above].map(|bins| bins.iter().map(|&bin| regions[bin]).collect::<Vec<_>>());
-    let schlick = means.evaluate(surface, source, &regions_above);
-    let mut all = vec![vec![vec![0.0; regions.len()]; colours.len()]; maskings.len()];
-    for (colour, &reflectance) in colours.iter().enumerate() {
-        let reflected = reflected_means(&means, surface, source, &regions_above, reflectance, &schlick);
-        for (&bin, values) in above.iter().zip(reflected) {
-            (0..maskings.len()).for_each(|k| all[k][colour][bin] = values[k]);
-        }
-        let Fresnel::Dielectric { eta } = reflectance.fresnel else { continue };
-        let through = means.evaluate_through(surface, source, &regions_below, eta);
-        for (&bin, mean) in below.iter().zip(through) {
-            (0..maskings.len()).for_each(|k| all[k][colour][bin] = mean.values[k]);
-        }
-    }
-    all
-}
-
-/// The means of one colour over the regions, in the order of the maskings; `schlick`: those with (1 - c)^5.
-fn reflected_means(
-    means: &BinMeans,
-    surface: &Microfacet,
-    source: &[(DVec3, f64)],
-    regions: &[Region],
-    colour: Reflectance,
-    schlick: &[BinMean],
-) -> Vec<[f64; MASKINGS]> {
-    let of = |bins: &[BinMean], value: &dyn Fn(usize, &BinMean) -> f64| {
-        bins.iter().map(|bin| std::array::from_fn(|k| value(k, bin))).collect()
-    };
-    match colour.fresnel {
-        Fresnel::Perfect => of(schlick, &|k, bin| bin.unit[k]),
-        Fresnel::Schlick { f0 } => of(schlick, &|k, bin| bin.with_f0(k, f0)),
-        _ => {
-            let means = BinMeans { reflectance: Some(colour), ..means.clone() };
-            of(&means.evaluate(surface, source, regions), &|k, bin| bin.schlick[k])
         }
     }
 }

@@ -46,6 +46,13 @@ impl Rect {
         let part = |ends| if along == Along::U { Rect { u: ends, ..self } } else { Rect { v: ends, ..self } };
         Some([part([lower, middle]), part([middle, upper])])
     }
+
+    /// Its four quarters.
+    pub fn quarters(self) -> [Rect; 4] {
+        let ([a, b], [c, d]) = (self.u, self.v);
+        let (u, v) = (0.5 * (a + b), 0.5 * (c + d));
+        [([a, u], [c, v]), ([a, u], [v, d]), ([u, b], [c, v]), ([u, b], [v, d])].map(|(u, v)| Rect { u, v })
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,4 @@
-//! The Gauss-Legendre rule of any order, for the apertures of the arms.
+//! The Gauss-Legendre rule of any order.
 
 /// Nodes and weights of the Gauss-Legendre rule of `order` points on [0, 1]; the weights add up to 1.
 ///
