@@ -33,7 +33,7 @@ pub struct Arguments {
     /// The page; a name that ends in .md: the provenance card [default: <stem>.html]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// An answer of `gonio bench`, for the plot of error against samples; several: one plot of them all
+    /// Answers of `gonio bench`, for the plot of error against samples, all in one
     #[arg(long, value_name = "FILE")]
     bench: Vec<PathBuf>,
     /// Replace a file that is there and no page or card of this program

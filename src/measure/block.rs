@@ -4,25 +4,14 @@ use glam::DVec3;
 
 use super::accumulate::tally::Tally;
 use super::block_arms::{BlockArms, starts_stream};
-use super::block_tracer::{BlockTracer, with_waves};
+use super::block_tracer::{BlockTracer, Work, with_waves};
 use super::context::Context;
-use super::optics::FacetWay;
 use super::prepared_patch::{Heights, IntoApertures, PatchSampler, PlacedGrains};
 use crate::rng;
 use crate::trace::{
     AreaSampler, BatchedStarts, ConeSampler, GrainSampler, RaysFromAbove, SlopeIndex, SlopeSampler,
     SmithWalk, SurfacePoint, Traced, View,
 };
-
-/// The address of some blocks, and the surface that they are measured on.
-pub(super) struct Work<'a> {
-    pub sampler: &'a PatchSampler<'a>,
-    /// How paths are followed from each surface sample.
-    pub ways: &'a [FacetWay],
-    pub stop: usize,
-    pub realisation: u64,
-    pub blocks: &'a [u64],
-}
 
 impl Context<'_> {
     /// Adds blocks of samples to the tally of their incidence.

@@ -9,10 +9,10 @@ use rand_pcg::Pcg64Dxsm;
 
 use super::accumulate::fresnel_sums::PathWeights;
 use super::accumulate::tally::{Tally, to_units};
-use super::block::Work;
 use super::block_arms::BlockArms;
 use super::context::Context;
 use super::optics::{FacetWay, PathLight};
+use super::prepared_patch::PatchSampler;
 use crate::campaign::Campaign;
 use crate::optics::FacetKind;
 use crate::rng::PathDraws;
@@ -67,6 +67,16 @@ pub(super) struct Turn {
     along: Option<DVec2>,
     /// Starts that were followed.
     started: u64,
+}
+
+/// The address of some blocks, and the surface that they are measured on.
+pub(super) struct Work<'a> {
+    pub sampler: &'a PatchSampler<'a>,
+    /// How paths are followed from each surface sample.
+    pub ways: &'a [FacetWay],
+    pub stop: usize,
+    pub realisation: u64,
+    pub blocks: &'a [u64],
 }
 
 /// What a path brings to where it ends.

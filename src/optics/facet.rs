@@ -46,6 +46,7 @@ pub struct Split {
 // Tested by `refraction_is_snells_law`.
 pub fn split(back: DVec3, normal: DVec3, eta: f64) -> Split {
     let n = normal / normal.length();
+    // At an edge rounding may meet a facet from behind: such light grazes it.
     let c = back.dot(n).clamp(0.0, 1.0);
     let m = (eta - 1.0) * (eta + 1.0);
     let g2 = m + c * c;
@@ -90,9 +91,10 @@ mod tests {
                 assert!(t.distance(expected) < 200.0 * f64::EPSILON, "{eta} {theta}: {t} {expected}");
                 assert!((t.length() - 1.0).abs() < 16.0 * f64::EPSILON);
                 // What goes in comes out the same way.
-                let out = split(-t, -normal, 1.0 / eta);
-                assert!(out.refracted.expect("a way").distance(-back) < 1e-12, "{eta} {theta}");
-                assert!((out.reflectance - found.reflectance).abs() < 1e-12, "{eta} {theta}");
+                let out = split(t, -normal, 1.0 / eta);
+                // The cosine inside loses what eta - 1 leaves of it: at 1.0001 four digits.
+                assert!(out.refracted.expect("a way").distance(back) < 1e-11, "{eta} {theta}");
+                assert!((out.reflectance - found.reflectance).abs() < 1e-11, "{eta} {theta}");
             }
         }
     }

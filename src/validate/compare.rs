@@ -12,6 +12,10 @@ use serde::{Deserialize, Serialize};
 use super::model_distance::{self, ErrorsAlone, Estimate, FEWEST};
 use crate::stats;
 
+/// Arrivals that the model must give a bin for its t to be judged: the spread of fewer counts is itself a matter of chance,
+/// and one arrival where six were to be expected seems certain of itself.
+const FEWEST_EXPECTED: f64 = 32.0;
+
 /// A model tested against a table.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
@@ -141,7 +145,9 @@ impl StopData<'_> {
             flux += m * w;
             square += w * ((f - m) * (f - m) - if hit { se * se } else { 0.0 });
             model_square += w * m * m;
-            if known && hit && self.counted[bin] && se > 0.0 {
+            // The flux of an arrival is that of the bin over its number.
+            let expected = f64::from(self.hits[bin]) * m / f;
+            if known && hit && self.counted[bin] && se > 0.0 && expected >= FEWEST_EXPECTED {
                 let t = (f - m).abs() / se;
                 out.max_t = Some(out.max_t.map_or(t, |max: f64| max.max(t)));
                 out.outside += usize::from(t > limit);
@@ -292,7 +298,7 @@ mod tests {
         let data = StopData {
             value: &[2.5],
             stderr: &[0.5],
-            hits: &[10],
+            hits: &[100],
             model: &[1.0],
             size: &[1.0],
             counted: &[true],
@@ -337,7 +343,7 @@ mod tests {
         let data = StopData {
             value: &[1.5, 3.0],
             stderr: &[0.25, 0.5],
-            hits: &[10, 10],
+            hits: &[100, 100],
             model: &[1.0, 4.0],
             size: &[2.0, 1.0],
             counted: &[true, true],

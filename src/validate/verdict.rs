@@ -216,7 +216,7 @@ impl Examination {
             pairs.add(band, first_stop, realisations, prediction.map(|prediction| &prediction.means[..]));
         }
         let (Some(campaign), Some(prediction)) = (&self.campaign, prediction) else { return };
-        self.model = prediction.model.name().into();
+        self.model = prediction.model.name();
         for comparison in compare(band, campaign, realisations, prediction) {
             let same =
                 |(of, masking, _): &&mut (&str, String, _)| *of == scope && *masking == comparison.masking;
@@ -314,7 +314,7 @@ pub fn compare(
             compare_stop((table, realisations), campaign, (stop, folded[stop]), &means[stop].values[index])
         };
         let stops = (0..table.grid.stops()).into_par_iter().map(of_stop).collect();
-        Comparison::new(model.name(), masking, stops)
+        Comparison::new(&model.name(), masking, stops)
     };
     names.iter().enumerate().map(of).collect()
 }

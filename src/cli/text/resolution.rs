@@ -13,7 +13,7 @@ use crate::validate::prediction::model::Model;
 const MEASURE: &str = "l1_model: flux-weighted L1 of order 1, noise taken off, mean over incidences";
 
 fn truth(campaign: &Campaign) -> String {
-    let law = Model::of(campaign).map_or("model", |model| model.name());
+    let law = Model::of(campaign).map_or("model".into(), |model| model.name());
     format!("{law} {}", expect::masking(campaign))
 }
 

@@ -57,6 +57,9 @@ pub enum Model {
     },
 }
 
+/// Begins the names of models of matt facets.
+pub const MATT: &str = "matt ";
+
 /// The law of a surface's normals; `None` of a mirror, of grooves, and of a measured map.
 pub fn ndf_of(kind: &SurfaceKind) -> Option<Ndf> {
     match kind {
@@ -114,11 +117,12 @@ impl Model {
     }
 
     /// The model's name in the summary.
-    pub fn name(&self) -> &'static str {
+    pub fn name(&self) -> String {
         match self {
-            Model::Microfacet { surface, .. } | Model::Matt { surface, .. } => surface.ndf.name(),
-            Model::Lambert => "lambert",
-            Model::Lobes { name, .. } => name,
+            Model::Microfacet { surface, .. } => surface.ndf.name().into(),
+            Model::Matt { surface, .. } => format!("{MATT}{}", surface.ndf.name()),
+            Model::Lambert => "lambert".into(),
+            Model::Lobes { name, .. } => (*name).into(),
         }
     }
 
