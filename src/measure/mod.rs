@@ -1,9 +1,7 @@
 //! The measurement: surface, instrument and trace put together, block by block.
 
 pub mod accumulate;
-mod block;
-pub mod block_arms;
-mod block_tracer;
+pub mod blocks;
 mod context;
 pub mod cost;
 pub mod driver;

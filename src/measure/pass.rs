@@ -6,7 +6,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::accumulate::tally::Tally;
-use super::block_tracer::Work;
+use super::blocks::tracer::Work;
 use super::context::Context;
 use super::prepared_patch::{LitSampler, PreparedPatch};
 use super::session::locked;

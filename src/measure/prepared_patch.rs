@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::block_arms::BlockArms;
+use super::blocks::arms::BlockArms;
 use super::context::Context;
 use super::optics::FacetWay;
 use super::patches::{Patch, Specimen, grains_of};

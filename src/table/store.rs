@@ -203,7 +203,7 @@ pub(super) fn outline(
     part.set_text(GRID, &channels::grid_text(grid)?);
     part.set_text(VERSION, &table.version);
     part.set_text(CAMPAIGN, &table.campaign);
-    part.set_text(CONVENTION, &convention(&grid));
+    part.set_text(CONVENTION, &convention(grid));
     part.set_text(SEED, &table.seed.to_string());
     part.set_text(PATCH_DIGEST, &table.patch_digest);
     let errors: Vec<Vec<f32>> = table.colours.iter().map(|colour| colour.albedo_se.clone()).collect();

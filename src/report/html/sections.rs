@@ -218,6 +218,6 @@ pub fn foot(page: &Page) -> String {
         "<p>gonio {}, seed {}. {}</p>",
         escaped(version),
         table.seed,
-        escaped(&store::convention(&page.whole))
+        escaped(&store::convention(page.whole))
     )
 }

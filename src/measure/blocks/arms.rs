@@ -3,9 +3,9 @@
 
 use glam::DVec3;
 
-use super::plan::Plan;
 use crate::campaign::Campaign;
 use crate::instrument::direction_in_cone;
+use crate::measure::plan::Plan;
 use crate::rng;
 use crate::rng::{PLASTIC, Purpose, StreamId};
 use crate::sphere;

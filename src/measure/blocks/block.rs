@@ -2,11 +2,12 @@
 
 use glam::DVec3;
 
-use super::accumulate::tally::Tally;
-use super::block_arms::{BlockArms, starts_stream};
-use super::block_tracer::{BlockTracer, Work, with_waves};
-use super::context::Context;
-use super::prepared_patch::{Heights, IntoApertures, PatchSampler, PlacedGrains};
+use super::arms::{BlockArms, starts_stream};
+use super::tracer::{BlockTracer, Work};
+use super::waves::with_waves;
+use crate::measure::accumulate::tally::Tally;
+use crate::measure::context::Context;
+use crate::measure::prepared_patch::{Heights, IntoApertures, PatchSampler, PlacedGrains};
 use crate::rng;
 use crate::trace::{
     AreaSampler, BatchedStarts, ConeSampler, GrainSampler, RaysFromAbove, SlopeIndex, SlopeSampler,
@@ -15,7 +16,7 @@ use crate::trace::{
 
 impl Context<'_> {
     /// Adds blocks of samples to the tally of their incidence.
-    pub(super) fn blocks(&self, work: &Work, tally: &mut Tally) {
+    pub(in crate::measure) fn blocks(&self, work: &Work, tally: &mut Tally) {
         let each = |block: &mut dyn FnMut(u64)| work.blocks.iter().for_each(|&number| block(number));
         match work.sampler {
             PatchSampler::Law(walk) => each(&mut |block| self.block_by_law(work, block, walk, tally)),

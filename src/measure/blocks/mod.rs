@@ -1,0 +1,7 @@
+//! The blocks of one incidence on one patch: where the arms stand, where samples lie, how paths are followed and end.
+
+pub mod arms;
+mod block;
+mod endings;
+pub(super) mod tracer;
+mod waves;
