@@ -253,8 +253,12 @@ fn clear_lines(text: &mut Text, optics: &Optics) {
     let mut clear =
         each.iter().filter_map(|one| if let Optics::Dielectric(clear) = one { Some(clear) } else { None });
     let Some(first) = clear.next() else { return };
-    let mut names: Vec<&str> = each.iter().filter_map(|one| one.material()).collect();
-    names.dedup();
+    let mut names: Vec<&str> = Vec::new();
+    for name in each.iter().filter_map(|one| one.material()) {
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
     let nm: Vec<f64> = first.media.iter().filter_map(|medium| medium.wavelength_nm).collect();
     match names[..] {
         [] if nm.is_empty() => return text.floats("eta", first.media[0].eta),

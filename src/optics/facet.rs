@@ -94,7 +94,8 @@ mod tests {
                 let out = split(t, -normal, 1.0 / eta);
                 // The cosine inside loses what eta - 1 leaves of it: at 1.0001 four digits.
                 assert!(out.refracted.expect("a way").distance(back) < 1e-11, "{eta} {theta}");
-                assert!((out.reflectance - found.reflectance).abs() < 1e-11, "{eta} {theta}");
+                // 1/eta is rounded, and eta - 1 leaves four digits less of it; grazing light squares that.
+                assert!((out.reflectance - found.reflectance).abs() < 1e-8, "{eta} {theta}");
             }
         }
     }

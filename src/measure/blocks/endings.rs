@@ -3,7 +3,6 @@
 use glam::{DVec2, DVec3};
 
 use super::tracer::{BlockTracer, Turn};
-use crate::campaign::Campaign;
 use crate::measure::accumulate::tally::to_units;
 use crate::measure::optics::PathLight;
 use crate::trace::{PathEnd, SplitEnd};
@@ -161,44 +160,5 @@ impl Drop for BlockTracer<'_> {
     /// Adds the blocks' rays to the run's.
     fn drop(&mut self) {
         self.context.add_rays(self.rays.traced, self.rays.skipped);
-    }
-}
-
-/// Counts rays for the cost report.
-#[derive(Default)]
-pub(super) struct RayCounts {
-    pub(super) traced: u64,
-    pub(super) skipped: u64,
-}
-
-impl RayCounts {
-    /// The second part of split light: its ray alone.
-    fn count_further(&mut self, ending: &PathEnd, campaign: &Campaign) {
-        let traced = match ending {
-            PathEnd::Shadowed | PathEnd::Lost | PathEnd::Absorbed { .. } => return,
-            PathEnd::Truncated { down } => !down,
-            PathEnd::Out { .. } | PathEnd::LeftDomain { .. } => true,
-        };
-        let traced = traced && campaign.trace.visibility;
-        self.traced += u64::from(traced);
-        self.skipped += u64::from(!traced);
-    }
-
-    fn count(&mut self, ending: &PathEnd, campaign: &Campaign) {
-        let bounces = u64::from(campaign.trace.bounces);
-        // The light's ray, and one after each bounce.
-        let (traced, skipped) = match *ending {
-            PathEnd::Out { order, .. } | PathEnd::LeftDomain { order, .. } | PathEnd::Absorbed { order } => {
-                (1 + u64::from(order), 0)
-            }
-            PathEnd::Truncated { down } => (1 + bounces - u64::from(down), u64::from(down)),
-            PathEnd::Shadowed | PathEnd::Lost => (1, 0),
-        };
-        if campaign.trace.visibility {
-            self.traced += traced;
-            self.skipped += skipped;
-        } else {
-            self.skipped += traced + skipped;
-        }
     }
 }

@@ -3,5 +3,6 @@
 pub mod arms;
 mod block;
 mod endings;
+mod ray_counts;
 pub(super) mod tracer;
 mod waves;

@@ -7,7 +7,7 @@ use glam::DVec2;
 use rand_pcg::Pcg64Dxsm;
 
 use super::arms::BlockArms;
-use super::endings::RayCounts;
+use super::ray_counts::RayCounts;
 use crate::measure::accumulate::fresnel_sums::PathWeights;
 use crate::measure::accumulate::tally::{Tally, to_units};
 use crate::measure::context::Context;

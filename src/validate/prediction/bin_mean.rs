@@ -10,10 +10,9 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::bin_mean_through::AT_KINKS;
 use super::chart::{DirectionChart, FluxDensity, integrate_region, meridian_frame};
 use super::critical::{critical_cosine, integrate_cut};
-use super::quadrature::{COMPONENTS, Components, Integral, Precision};
+use super::quadrature::{AT_KINKS, COMPONENTS, Components, Integral, Precision};
 use crate::instrument::Region;
 use crate::optics::reflectance::Reflectance;
 use crate::optics::{FacetAngle, Fresnel};

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::bin_mean::{BinMeans, MASKINGS, MAX_RECTANGLES};
 use super::chart::{DirectionChart, FluxDensity, integrate_region};
-use super::quadrature::{COMPONENTS, Components, Integral, Precision};
+use super::quadrature::{AT_KINKS, COMPONENTS, Components, Integral, Precision};
 use crate::instrument::Region;
 use crate::theory::transmission::{g2_opposite, normal_sum};
 use crate::theory::{ArmSide, Masking, Microfacet};
@@ -23,10 +23,6 @@ pub struct ThroughMean {
     /// Largest disagreement of the two orders of the cubature among them, 1/sr.
     pub error: f64,
 }
-
-/// How much closer than asked for the orders must agree: where a kink lies between the nodes of both, they may agree by
-/// chance.
-pub(super) const AT_KINKS: f64 = 0.1;
 
 impl BinMeans {
     /// The means of light that goes through, over `regions` below the horizon (stage's frame) under light from `source`.

@@ -10,6 +10,10 @@ use std::collections::BinaryHeap;
 /// Functions that are integrated together.
 pub const COMPONENTS: usize = 8;
 
+/// How much closer than asked for the orders must agree: where a kink lies between the nodes of both, they may agree by
+/// chance.
+pub const AT_KINKS: f64 = 0.1;
+
 /// One number per function.
 pub type Components = [f64; COMPONENTS];
 
