@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::bin_mean::{BinMean, BinMeans, MASKINGS};
 use super::bin_mean_diffuse::diffuse_means;
+use super::formulas::{MattFormula, formula_means};
 use crate::instrument::Region;
 use crate::optics::Fresnel;
 use crate::optics::reflectance::Reflectance;
@@ -73,6 +74,19 @@ pub(super) fn matt_means(
     let of = |k: usize, albedo: f64| unit.iter().map(|values| albedo * values[k]).collect();
     let of_masking = |k| colours.iter().map(|colour| of(k, albedo_of(colour))).collect();
     (0..maskings.len()).map(of_masking).collect()
+}
+
+/// The means of the models that know no masking: \[formula\]\[colour\]\[bin\].
+pub(super) fn formula_means_by_colour(
+    surface: &Microfacet,
+    source: &[(DVec3, f64)],
+    regions: &[Region],
+    colours: &[Reflectance],
+) -> Vec<Vec<Vec<f64>>> {
+    let unit = formula_means(surface, source, regions);
+    let of = |k: usize, albedo: f64| unit.iter().map(|values| albedo * values[k]).collect();
+    let of_formula = |k| colours.iter().map(|colour| of(k, albedo_of(colour))).collect();
+    (0..MattFormula::ALL.len()).map(of_formula).collect()
 }
 
 /// What a matt facet reflects, whatever the angle.

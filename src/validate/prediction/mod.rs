@@ -7,6 +7,7 @@ pub mod bin_mean_through;
 mod by_colour;
 mod chart;
 mod critical;
+pub mod formulas;
 mod lobes;
 pub mod model;
 pub mod quadrature;

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::bin_mean::{MASKINGS, source_nodes};
-use super::by_colour::{albedo_of, matt_means, microfacet_means};
+use super::by_colour::{albedo_of, formula_means_by_colour, matt_means, microfacet_means};
+use super::formulas::MattFormula;
 use super::lobes::{bare_flux, lobe_means, mirrored, reflected, refracted};
 use crate::campaign::{Azimuth, Campaign, Optics, SmithNdf, SurfaceKind};
 use crate::instrument::{Grid, grid_of};
@@ -41,6 +42,8 @@ pub enum Model {
         surface: Microfacet,
         /// In the order of the comparisons.
         maskings: Vec<Masking>,
+        /// Further models, of isotropic Gaussian slopes, after those.
+        formulas: Vec<MattFormula>,
     },
     /// A flat matt surface: the same in every bin.
     Lambert,
@@ -103,7 +106,9 @@ impl Model {
                 let mut maskings =
                     if campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] }.to_vec();
                 if matt {
-                    return Some(Model::Matt { surface, maskings });
+                    let gaussian = ndf == Ndf::Beckmann && surface.is_isotropic();
+                    let formulas = if gaussian { MattFormula::ALL.to_vec() } else { vec![] };
+                    return Some(Model::Matt { surface, maskings, formulas });
                 }
                 let grains = matches!(kind, SurfaceKind::Grains(_));
                 if grains && campaign.trace.visibility {
@@ -129,8 +134,10 @@ impl Model {
     /// Names of the maskings, in the order of `StopMeans::values`.
     pub fn maskings(&self) -> Vec<&'static str> {
         match self {
-            Model::Microfacet { maskings, .. } | Model::Matt { maskings, .. } => {
-                maskings.iter().map(|masking| masking.name()).collect()
+            Model::Microfacet { maskings, .. } => maskings.iter().map(|masking| masking.name()).collect(),
+            Model::Matt { maskings, formulas, .. } => {
+                let further = formulas.iter().map(|formula| formula.name());
+                maskings.iter().map(|masking| masking.name()).chain(further).collect()
             }
             Model::Lambert => vec![Masking::None.name()],
             Model::Lobes { masking, .. } => vec![masking],
@@ -150,7 +157,7 @@ impl Model {
     /// vector, stage's frame.
     // Tested by `smith_masks_all_facets_alike_up_to_a_slope`.
     pub fn smith(&self, wi: DVec3, averaged: bool) -> Option<[f64; 2]> {
-        let (Model::Microfacet { surface, maskings, .. } | Model::Matt { surface, maskings }) = self else {
+        let (Model::Microfacet { surface, maskings, .. } | Model::Matt { surface, maskings, .. }) = self else {
             return None;
         };
         let smith = !maskings.contains(&Masking::None) && !matches!(surface.ndf, Ndf::Grains { .. });
@@ -205,9 +212,14 @@ impl Model {
                 }
                 means
             }
-            Model::Matt { surface, maskings } => {
-                let surface = Microfacet { rotation: surface.rotation + turn, ..*surface };
-                matt_means(&surface, maskings, source, &grid.regions(stop), colours)
+            Model::Matt { surface, maskings, formulas } => {
+                let (surface, regions) =
+                    (Microfacet { rotation: surface.rotation + turn, ..*surface }, grid.regions(stop));
+                let mut means = matt_means(&surface, maskings, source, &regions, colours);
+                if !formulas.is_empty() {
+                    means.extend(formula_means_by_colour(&surface, source, &regions, colours));
+                }
+                means
             }
             Model::Lambert => {
                 let bins = |colour: &Reflectance| vec![albedo_of(colour) * LAMBERT; grid.bins()];
