@@ -13,13 +13,22 @@ pub fn lines(verdict: &Verdict) -> Vec<String> {
     lines
 }
 
+/// Models whose names fit the last column as they are.
+const MOST_WITH_NAMES: usize = 5;
+
+/// The name of a model as a heading.
+fn short(name: &str) -> String {
+    name.replace("_correlated", "").replace("direction", "direct.").replace("oren_nayar", "o-n")
+}
+
 /// The table of the comparisons of one kind of light, where there are any.
 fn comparison_lines(verdict: &Verdict, scope: &str) -> Vec<String> {
     let all: Vec<&Comparison> = verdict.comparisons.iter().filter(|c| c.scope == scope).collect();
     let [first, ..] = all[..] else { return vec![] };
     let several = all.len() > 1;
-    let short = |c: &&Comparison| c.masking.replace("_correlated", "").replace("direction", "direct.");
-    let maskings: Vec<String> = all.iter().map(short).collect();
+    let maskings: Vec<String> = all.iter().map(|c| short(&c.masking)).collect();
+    // Many columns leave no room for whole names.
+    let named = |masking: String| if all.len() > MOST_WITH_NAMES { short(&masking) } else { masking };
     let mut headings = vec!["theta_i", "phi_i", "noise"];
     headings.extend(maskings.iter().map(String::as_str));
     headings.extend(several.then_some("nearest"));
@@ -31,12 +40,12 @@ fn comparison_lines(verdict: &Verdict, scope: &str) -> Vec<String> {
     let of_stop = |stop: usize| {
         let angles =
             [first.stops[stop].theta_i_deg, first.stops[stop].phi_i_deg].map(|angle| angle.to_string());
-        row(angles, all.iter().map(|c| &c.stops[stop].figures).collect(), nearest_at(&all, stop))
+        row(angles, all.iter().map(|c| &c.stops[stop].figures).collect(), named(nearest_at(&all, stop)))
     };
     let mut rows: Vec<Vec<String>> = (0..first.stops.len()).map(of_stop).collect();
     let of_all = verdict.comparisons.first().is_some_and(|c| c.scope == scope);
     let nearest = verdict.nearest_masking.clone().filter(|_| of_all).unwrap_or_default();
-    rows.push(row(["mean".into(), String::new()], all.iter().map(|c| &c.figures).collect(), nearest));
+    rows.push(row(["mean".into(), String::new()], all.iter().map(|c| &c.figures).collect(), named(nearest)));
     let (light, formula) = if scope == SCOPES[0] {
         ("order 1", formula(&first.model))
     } else {

@@ -56,8 +56,7 @@ pub(super) fn formula_means(
     regions: &[Region],
 ) -> Vec<[f64; MattFormula::ALL.len()]> {
     let sigma = surface.alpha_x / 2f64.sqrt();
-    let precision =
-        Precision { relative: [1e-6; COMPONENTS], absolute: 0.0, max_rectangles: MAX_RECTANGLES };
+    let precision = Precision { relative: [1e-6; COMPONENTS], absolute: 0.0, max_rectangles: MAX_RECTANGLES };
     let mean = |region: &Region| {
         let mut mean = [0.0; MattFormula::ALL.len()];
         for &(wi, weight) in source {

@@ -157,7 +157,8 @@ impl Model {
     /// vector, stage's frame.
     // Tested by `smith_masks_all_facets_alike_up_to_a_slope`.
     pub fn smith(&self, wi: DVec3, averaged: bool) -> Option<[f64; 2]> {
-        let (Model::Microfacet { surface, maskings, .. } | Model::Matt { surface, maskings, .. }) = self else {
+        let (Model::Microfacet { surface, maskings, .. } | Model::Matt { surface, maskings, .. }) = self
+        else {
             return None;
         };
         let smith = !maskings.contains(&Masking::None) && !matches!(surface.ndf, Ndf::Grains { .. });
