@@ -11,7 +11,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use rand_pcg::Pcg64Dxsm;
 
-use super::single::{Onward, PathEnd, Scatter, SplitEnd, split_rays, upside_down_if};
+use super::scatter::{Onward, PathEnd, Scatter, SplitEnd, split_rays, upside_down_if};
 use crate::campaign::SmithNdf;
 use crate::rng::uniform;
 use crate::trace::sampling::half_sphere::visible_normal;

@@ -2,9 +2,8 @@
 
 use glam::DVec3;
 
-use super::single::{
-    Onward, PathEnd, Scatter, SplitEnd, TracedPatch, left_domain, split_rays, upside_down_if,
-};
+use super::scatter::{Onward, PathEnd, Scatter, SplitEnd, left_domain, split_rays, upside_down_if};
+use super::single::TracedPatch;
 use crate::trace::ray::surface_point::{Outcome, SurfacePoint};
 use crate::trace::simd::hit_buffer::RayOutcome;
 use crate::trace::simd::traversal::{SimdTraversal, Waves};
