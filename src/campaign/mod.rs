@@ -7,6 +7,7 @@ use std::path::Path;
 use toml::de::DeTable;
 
 use crate::error::{Error, Fault, Result};
+use crate::files::memory;
 use crate::text_decoding::decode_text;
 
 mod difference;
@@ -53,8 +54,20 @@ pub fn read(path: &Path) -> Result<Parsed> {
     let mut bytes = Vec::new();
     // One byte more than allowed is enough to know.
     file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    memory::check_file(path, needed(&bytes))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     parse(&bytes, &path.display().to_string(), folder)
+}
+
+/// Bytes of memory that a text may come to take: measured, 105 a mark (lists of lists) to 790 (tables of one key).
+// Tested by the rows `little memory` of `tests/process/bad_inputs/commands.rs`.
+fn needed(bytes: &[u8]) -> u64 {
+    4 * bytes.len() as u64 + 800 * marks(bytes) as u64
+}
+
+/// What keys and values of a text are made with: as many as it has, or more.
+fn marks(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|byte| matches!(byte, b',' | b'=' | b'.' | b'[' | b'{')).count()
 }
 
 /// Reads a campaign from its text, in UTF-8 or, with a byte order mark, UTF-16.
@@ -81,8 +94,7 @@ pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> 
             "larger than 16 MiB; this is no campaign".into(),
         ));
     }
-    // Each takes about a hundred bytes while it is read.
-    let marks = bytes.iter().filter(|byte| matches!(byte, b',' | b'=' | b'.' | b'[' | b'{')).count();
+    let marks = marks(bytes);
     if marks > MOST_MARKS {
         let why = format!("{marks} keys and values, at most {MOST_MARKS} are read; this is no campaign");
         return Err(whole_file_fault(name_for_messages, None, why));

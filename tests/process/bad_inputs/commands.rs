@@ -35,6 +35,9 @@ fn campaigns() -> Vec<Row> {
             .limited("-v 1000000")
             .exits(4, &["needs about", "MiB"]),
         small("little memory", SMALL.into()).limited("-v 1000000").exits(0, &["verdict"]),
+        small("little memory", format!("{SMALL}x = [{}]\n", "1,".repeat(1 << 20)))
+            .limited("-v 500000")
+            .exits(4, &["c.toml: reading it takes up to", "MiB may be used"]),
         // One start is rounded up to a block, and said to be one.
         small("one sample", SMALL.replace("65_536", "1")).exits(0, &["samples", "65,536"]),
     ]
