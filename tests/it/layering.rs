@@ -24,7 +24,7 @@ const NARROW: [(&str, &[&str]); 7] = [
     ("sphere", &[]),
     ("stats", &[]),
     ("text_decoding", &[]),
-    ("campaign", &["error", "sphere", "text_decoding"]),
+    ("campaign", &["error", "files", "sphere", "text_decoding"]),
     ("optics", &["sphere"]),
 ];
 
