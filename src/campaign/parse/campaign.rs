@@ -62,7 +62,11 @@ pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign
     let statistical = surface.as_ref().is_some_and(|s| matches!(s.kind, SurfaceKind::Smith(_)));
     let trace = self::trace(&trace, statistical);
     let orders = trace.as_ref().map(|trace| trace.bounces);
-    let optics = optics::optics(&optics, artist_f0, &optics::Around { folder, orders, sides: sides? });
+    let optics = optics::optics(
+        &optics,
+        artist_f0,
+        &optics::Around { folder, orders, sides: sides.clone().unwrap_or_default() },
+    );
     let realisations = surface.as_ref().map_or(u32::MAX, |s| s.realisations);
     let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
     let bench = bench.or(None, |i| resolution(i, surface.as_ref()).map(Some));
@@ -72,7 +76,7 @@ pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign
         surface: surface?,
         light: light?,
         sensor: sensor?,
-        optics: optics?,
+        optics: sides.and(optics)?,
         trace: trace?,
         stop: stop?,
         expect: expect?,

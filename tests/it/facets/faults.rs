@@ -51,6 +51,21 @@ fn light_goes_through_nothing_else() {
     one_fault(&matt, "sensor.hemisphere.side", "must be \"reflection\"");
 }
 
+/// All faults of a file are named, and none that follows from another one.
+#[test]
+fn a_facet_that_cannot_be_read_hides_no_fault_and_makes_none() {
+    let text = optics("facet = \"dielectic\"\neta = 1.5")
+        .replace("aperture_deg = 0.0", "side = \"back\"")
+        .replace("bins = \"centred\"", "side = \"bth\"");
+    let Err(Error::Campaign(found)) = parse(&text) else { panic!("accepted: {text}") };
+    let keys: Vec<&str> = found.iter().map(|fault| fault.key.as_str()).collect();
+    assert_eq!(keys, ["sensor.hemisphere.side", "optics.facet"], "{found:?}");
+    let text = optics("facet = \"dielectric\"\neta = 0").replace("aperture_deg = 0.0", "side = \"bck\"");
+    let Err(Error::Campaign(found)) = parse(&text) else { panic!("accepted: {text}") };
+    let keys: Vec<&str> = found.iter().map(|fault| fault.key.as_str()).collect();
+    assert_eq!(keys, ["light.side", "optics.eta"], "{found:?}");
+}
+
 #[test]
 fn matt_facets_have_an_albedo_alone() {
     let matt = |text: &str| optics(&format!("facet = \"diffuse\"\n{text}"));

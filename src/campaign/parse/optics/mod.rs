@@ -29,10 +29,14 @@ enum Facet {
 const FACETS: [(&str, Facet); 3] =
     [("mirror", Facet::Mirror), ("dielectric", Facet::Dielectric), ("diffuse", Facet::Diffuse)];
 
-/// Whether `[optics]` asks for facets that let light through.
+/// Whether `[optics]` asks for facets that let light through. A word that cannot be read may have meant them: no fault
+/// follows from another one.
 pub(crate) fn lets_through(slot: &Slot<'_>) -> bool {
     let table = slot.given().filter(|item| item.is_table()).and_then(GivenValue::table);
-    table.is_some_and(|table| table.slot("facet").given().and_then(GivenValue::as_text) == Some("dielectric"))
+    let opaque = |word: &str| FACETS.iter().any(|(known, kind)| *known == word && *kind != Facet::Dielectric);
+    table.is_some_and(|table| {
+        table.slot("facet").given().and_then(GivenValue::as_text).is_some_and(|word| !opaque(word))
+    })
 }
 
 /// Reads `[optics]`; `artist_f0` is what the facets of `[surface.artist]` reflect.
