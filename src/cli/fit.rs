@@ -86,7 +86,7 @@ fn light_that_comes_back(
         return Err(Error::format(path, why));
     };
     say("note: fitted to light that comes back (theta_r below 90)");
-    Ok((half, parts.and_then(|parts| parts.half(&table.grid, false))))
+    Ok((half, parts.and_then(|parts| parts.half(&table.grid, 0, false))))
 }
 
 fn lines(fits: &Fits) -> Vec<String> {

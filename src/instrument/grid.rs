@@ -135,6 +135,17 @@ impl Region {
 const HORIZON: f64 = std::f64::consts::FRAC_PI_2;
 
 impl Grid {
+    /// Whether some bins lie above the horizon.
+    pub fn looks_above(&self) -> bool {
+        match self.kind {
+            GridKind::Hemisphere => self.theta_r_edges_deg.first().is_some_and(|&first| first < 90.0),
+            GridKind::Arm => self.theta_r_deg.iter().any(|theta| theta.abs() <= 90.0),
+            GridKind::Patches => self.patches_deg.iter().any(|patch| patch[0] < 90.0),
+            GridKind::Points => self.points_deg.iter().any(|point| point[0] <= 90.0),
+            GridKind::HalfDifference => true,
+        }
+    }
+
     /// Whether some bins lie below the horizon.
     pub fn looks_below(&self) -> bool {
         match self.kind {

@@ -10,6 +10,17 @@ pub struct Half {
     pub bins: Vec<usize>,
 }
 
+impl Half {
+    /// What `values` of the whole sensor, incidence by incidence, say of this half; a channel that is empty stays so.
+    pub fn of<T: Copy>(&self, values: &[T], stops: usize) -> Vec<T> {
+        if values.is_empty() {
+            return Vec::new();
+        }
+        let bins = values.len() / stops.max(1);
+        (0..stops).flat_map(|stop| self.bins.iter().map(move |bin| values[stop * bins + bin])).collect()
+    }
+}
+
 impl Grid {
     /// The bins above the horizon, or `below` it; `None` where there are none.
     // Tested by `halves_are_the_bins_of_one_side`.

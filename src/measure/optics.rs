@@ -30,7 +30,7 @@ pub fn reflectances_of(optics: &Optics) -> Vec<Reflectance> {
                 .collect()
         }
         Optics::Diffuse { albedo } => {
-            albedo.iter().map(|&albedo| Reflectance::unpolarised(Fresnel::Even { albedo })).collect()
+            albedo.iter().map(|&albedo| Reflectance::unpolarised(Fresnel::Diffuse { albedo })).collect()
         }
         Optics::Several(all) => all.iter().flat_map(reflectances_of).collect(),
     }
@@ -76,11 +76,11 @@ pub fn ways_of(optics: &Optics) -> Vec<FacetWay> {
         match one {
             Optics::Dielectric(clear) => {
                 for medium in clear.by_colour() {
-                    let kind = FacetKind::Clear { eta: seen(medium.eta, clear.light) };
+                    let kind = FacetKind::Dielectric { eta: seen(medium.eta, clear.light) };
                     ways.push(FacetWay { kind, light: clear.light, place: ways.len() });
                 }
             }
-            Optics::Diffuse { .. } => return vec![FacetWay::alike(FacetKind::Even)],
+            Optics::Diffuse { .. } => return vec![FacetWay::alike(FacetKind::Diffuse)],
             _ => return vec![FacetWay::alike(FacetKind::Mirror)],
         }
     }
@@ -129,18 +129,18 @@ impl Scatter for PathLight {
                 }
                 Onward { to, through: false }
             }
-            FacetKind::Clear { eta } => {
+            FacetKind::Dielectric { eta } => {
                 let split = facet::split(back, normal, if below { 1.0 / eta } else { eta });
                 match split.refracted {
                     Some(to) if self.draws.uniform() >= split.reflectance => Onward { to, through: true },
                     _ => Onward { to: facet::mirrored(back, normal), through: false },
                 }
             }
-            FacetKind::Even => {
+            FacetKind::Diffuse => {
                 // A matt facet reflects the same at every angle: any will do.
                 self.angles.push(FacetAngle { cos: 1.0, sin2: 0.0 });
                 let (u, v) = (self.draws.uniform(), self.draws.uniform());
-                Onward { to: facet::scattered_evenly(normal, u, v), through: false }
+                Onward { to: facet::lambert_direction(normal, u, v), through: false }
             }
         }
     }

@@ -15,12 +15,12 @@ pub enum FacetKind {
     /// Everything goes into the mirror direction; what is absorbed is a weight of the path.
     Mirror,
     /// Fresnel's equations split the light between the mirror direction and the refracted one.
-    Clear {
+    Dielectric {
         /// Index of the far side of the surface over the near one, > 0.
         eta: f64,
     },
     /// Lambert's law: in proportion to the cosine, whatever comes.
-    Even,
+    Diffuse,
 }
 
 /// The mirror direction: 2 (w.N) N/(N.N) - w. `normal` may have any length.
@@ -60,7 +60,7 @@ pub fn split(back: DVec3, normal: DVec3, eta: f64) -> Split {
 
 /// A direction by Lambert's law about `normal`, of any length; `u`, `v` uniform in [0, 1).
 // Tested by `even_facets_follow_lamberts_law`.
-pub fn scattered_evenly(normal: DVec3, u: f64, v: f64) -> DVec3 {
+pub fn lambert_direction(normal: DVec3, u: f64, v: f64) -> DVec3 {
     let n = normal.normalize();
     let (across, along) = n.any_orthonormal_pair();
     let (sin, cos) = (TAU * v).sin_cos();
@@ -116,7 +116,7 @@ mod tests {
         let (mut rng, n, normal) = (stream(id), 100_000, direction_deg(70.0, 200.0));
         let (mut cos, mut square, mut sum) = (0.0, 0.0, DVec3::ZERO);
         for _ in 0..n {
-            let w = scattered_evenly(2.0 * normal, uniform(&mut rng), uniform(&mut rng));
+            let w = lambert_direction(2.0 * normal, uniform(&mut rng), uniform(&mut rng));
             assert!((w.length() - 1.0).abs() < 1e-15);
             let c = w.dot(normal);
             (cos, square, sum) = (cos + c, square + c * c, sum + w);

@@ -96,7 +96,7 @@ pub enum Fresnel {
         k: f64,
     },
     /// A matt facet: the same share at every angle.
-    Even {
+    Diffuse {
         /// The share, [0, 1].
         albedo: f64,
     },
@@ -120,14 +120,14 @@ impl Fresnel {
             Fresnel::Schlick { f0 } => f_schlick(angle, f0),
             Fresnel::Dielectric { eta } => f_dielectric(angle, eta).mean(),
             Fresnel::Conductor { eta, k } => f_conductor(angle, eta, k).mean(),
-            Fresnel::Even { albedo } => albedo,
+            Fresnel::Diffuse { albedo } => albedo,
         }
     }
 
     /// Reflectance of both polarisations. F = 1 and Schlick's formula know no difference.
     pub fn polarised(&self, angle: FacetAngle) -> Polarised {
         match *self {
-            Fresnel::Perfect | Fresnel::Schlick { .. } | Fresnel::Even { .. } => {
+            Fresnel::Perfect | Fresnel::Schlick { .. } | Fresnel::Diffuse { .. } => {
                 let same = self.reflectance(angle);
                 Polarised { s: same, p: same }
             }

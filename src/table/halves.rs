@@ -8,11 +8,8 @@ impl BrdfTable {
     /// no bin is there. Errors of albedos are those of both sides and are left out.
     pub fn half(&self, below: bool) -> Option<BrdfTable> {
         let half = self.grid.half(below)?;
-        let (all, stops) = (self.grid.bins(), self.grid.stops());
-        let entries = || (0..stops).flat_map(|stop| half.bins.iter().map(move |bin| stop * all + bin));
-        let of = |values: &Vec<f32>| -> Vec<f32> {
-            if values.is_empty() { Vec::new() } else { entries().map(|entry| values[entry]).collect() }
-        };
+        let stops = self.grid.stops();
+        let of = |values: &Vec<f32>| half.of(values, stops);
         let colour = |colour: &ColourChannels| ColourChannels {
             total: of(&colour.total),
             single: of(&colour.single),
@@ -26,24 +23,20 @@ impl BrdfTable {
         };
         Some(BrdfTable {
             colours: self.colours.iter().map(colour).collect(),
-            hits: entries().map(|entry| self.hits[entry]).collect(),
+            hits: half.of(&self.hits, stops),
             ..self.header(&half.grid)
         })
     }
 }
 
 impl Realisations {
-    /// The same part of every realisation of a table of this grid.
-    pub fn half(&self, grid: &Grid, below: bool) -> Option<Realisations> {
+    /// The same part of the incidences of `grid` in every realisation; the first of them is that of `first_stop`.
+    pub fn half(&self, grid: &Grid, first_stop: usize, below: bool) -> Option<Realisations> {
         let half = grid.half(below)?;
-        let (all, stops) = (grid.bins(), grid.stops());
+        let (bins, stops) = (grid.bins(), grid.stops());
+        let here = first_stop * bins..(first_stop + stops) * bins;
         let of = |colours: &Vec<Vec<f32>>| {
-            let colour = |values: &Vec<f32>| {
-                (0..stops)
-                    .flat_map(|stop| half.bins.iter().map(move |bin| values[stop * all + bin]))
-                    .collect()
-            };
-            colours.iter().map(colour).collect()
+            colours.iter().map(|values| half.of(&values[here.clone()], stops)).collect()
         };
         let part = |part: &RealisationPart| RealisationPart {
             total: of(&part.total),

@@ -62,13 +62,11 @@ impl Prediction {
         let means = (0..grid.stops()).into_par_iter().map(|stop| model.means(campaign, grid, stop)).collect();
         Some(Prediction { model, means })
     }
-}
 
-impl Prediction {
     /// For the bins of a table of this grid on one side of the surface.
     pub fn half(&self, grid: &Grid, below: bool) -> Option<Self> {
-        let bins = grid.half(below)?.bins;
-        let of_bins = |values: &Vec<f64>| bins.iter().map(|&bin| values[bin]).collect();
+        let half = grid.half(below)?;
+        let of_bins = |values: &Vec<f64>| half.of(values, 1);
         let of_stop = |means: &StopMeans| StopMeans {
             values: means.values.iter().map(|colours| colours.iter().map(of_bins).collect()).collect(),
         };
@@ -173,10 +171,9 @@ impl Examination {
             energy: Energy::default(),
             seen: SeenLight::default(),
             // What goes through comes back from the other side, in another table.
-            pairs: grid
-                .half(false)
+            pairs: above(grid)
                 .filter(|_| visibility)
-                .map(|above| PairValues::new(&above.grid, exact, campaign.and_then(independent_facets))),
+                .map(|above| PairValues::new(&above, exact, campaign.and_then(independent_facets))),
         }
     }
 
@@ -196,9 +193,8 @@ impl Examination {
         }
         for (scope, below) in SCOPES.into_iter().zip([false, true]) {
             let Some(half) = band.half(below) else { continue };
-            let all = realisations.and_then(|parts| parts.all.half(&self.grid, below));
-            let first_part = realisations.map_or(0, |parts| parts.first_stop);
-            let parts = all.as_ref().map(|all| Parts { all, first_stop: first_part });
+            let all = realisations.and_then(|parts| parts.all.half(&band.grid, parts.first_stop, below));
+            let parts = all.as_ref().map(|all| Parts { all, first_stop: 0 });
             let prediction = prediction.and_then(|prediction| prediction.half(&band.grid, below));
             self.add_side(scope, (&half, first_stop), parts, prediction.as_ref());
         }
@@ -259,7 +255,7 @@ impl Examination {
         ];
         let [back, through]: [Vec<&Comparison>; 2] =
             SCOPES.map(|scope| comparisons.iter().filter(|c| c.scope == scope).collect());
-        if self.grid.half(false).is_some() {
+        if self.grid.looks_above() {
             judgements.push(judgement::model(judgement::MODEL, bar, &back, own_slopes));
         }
         if self.grid.looks_below() {
@@ -281,6 +277,11 @@ impl Examination {
             bar,
         }
     }
+}
+
+/// The sensor above the horizon, where it looks there.
+fn above(grid: &Grid) -> Option<Grid> {
+    if grid.looks_below() { grid.half(false).map(|half| half.grid) } else { Some(grid.clone()) }
 }
 
 /// Squares of the correlation length in a patch of random heights, pits in one of those; `None` where every start meets its

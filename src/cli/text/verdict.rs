@@ -2,7 +2,7 @@
 
 use super::output::{columns, or_na, wrapped};
 use crate::validate::compare::{self, Comparison, Figures};
-use crate::validate::prediction::model::MATT;
+use crate::validate::prediction::model::DIFFUSE;
 use crate::validate::verdict::{SCOPES, Verdict};
 
 /// A verdict: its comparisons, each law, and all of them in one line.
@@ -75,7 +75,7 @@ fn nearest_at(all: &[&Comparison], stop: usize) -> String {
 fn formula(model: &str) -> String {
     match model {
         "mirror" | "torrance_sparrow" | "lambert" => format!("the {model} model"),
-        matt if matt.starts_with(MATT) => {
+        matt if matt.starts_with(DIFFUSE) => {
             format!("{matt} facets, the integral of D G2 <l.m><v.m>/(pi |n.l||n.v|)")
         }
         ndf => format!("{ndf} D F G2/(4 |n.l||n.v|)"),

@@ -145,7 +145,7 @@ impl FresnelSums {
 
     /// Whether Schlick's reflectance for any F0 follows from the sums.
     pub fn serves_any_f0(&self) -> bool {
-        let matt = self.reflectances.iter().any(|one| matches!(one.fresnel, Fresnel::Even { .. }));
+        let matt = self.reflectances.iter().any(|one| matches!(one.fresnel, Fresnel::Diffuse { .. }));
         self.sums == SumKind::Parts || (self.sums == SumKind::Colours && self.bounces == 1 && !matt)
     }
 

@@ -2,21 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
-use super::tracer::{BlockTracer, Turn};
+use super::tracer::{BlockTracer, Carried};
 use crate::measure::accumulate::tally::to_units;
 use crate::measure::optics::PathLight;
 use crate::trace::{PathEnd, SplitEnd};
-
-/// What a path brings to where it ends.
-struct Carried {
-    /// Flux, as a fraction of the incident flux.
-    flux: f64,
-    /// The same in the tally's units.
-    units: u128,
-    /// What of it goes into a bin.
-    part: f64,
-    part_units: u128,
-}
 
 impl BlockTracer<'_> {
     /// Notes whether the light sees the facet of a start, where facets of every slope are started on.
@@ -50,7 +39,7 @@ impl BlockTracer<'_> {
     /// Counts samples that send light into no aperture: they need no ray.
     pub(super) fn leave_out(&mut self, starts: u64) {
         self.counted += starts;
-        self.tally.outside.add_many(starts, self.turn().units);
+        self.tally.outside.add_many(starts, self.turn().carried.units);
         self.rays.skipped += 2 * starts;
     }
 
@@ -72,8 +61,8 @@ impl BlockTracer<'_> {
     pub(super) fn end(&mut self, ending: PathEnd, light: &PathLight) {
         self.counted += 1;
         self.rays.count(&ending, self.context.campaign);
-        let &Turn { flux, units, part, part_units, .. } = self.turn();
-        self.end_with(ending, light, &Carried { flux, units, part, part_units });
+        let carried = self.turn().carried;
+        self.end_with(ending, light, &carried);
     }
 
     /// Counts both parts of the light of a path, each with its share of the flux.
@@ -82,16 +71,13 @@ impl BlockTracer<'_> {
         self.counted += 1;
         self.rays.count(&ends.reflected, campaign);
         self.rays.count_further(&ends.refracted, campaign);
-        let &Turn { flux, units, part, part_units, .. } = self.turn();
-        let carried = |share: f64| {
-            let (flux, part) = (share * flux, share * part);
-            Carried { flux, units: to_units(flux), part, part_units: to_units(part) }
-        };
+        let whole = self.turn().carried;
+        let carried = |share: f64| Carried::new(share * whole.flux, share * whole.part);
         let up = carried(ends.reflectance);
         // Both parts are the whole, to the last unit.
         let down = Carried {
-            units: units - up.units,
-            part_units: part_units - up.part_units,
+            units: whole.units - up.units,
+            part_units: whole.part_units - up.part_units,
             ..carried(1.0 - ends.reflectance)
         };
         self.end_with(ends.reflected, light, &up);

@@ -20,17 +20,30 @@ use crate::trace::{Outcome, PathEnd, SmithWalk, Traced};
 /// Blocks that have taken longer than this when the run is asked to end are not waited for.
 const GRACE: Duration = Duration::from_millis(200);
 
-/// One block among those that are followed together. All of its samples carry the same flux.
+/// What a path brings to where it ends.
 #[derive(Clone, Copy)]
-pub(super) struct Turn {
-    pub(super) arms: BlockArms,
-    /// Flux of a path, as a fraction of the incident flux.
+pub(super) struct Carried {
+    /// Flux, as a fraction of the incident flux.
     pub(super) flux: f64,
     /// The same in the tally's units.
     pub(super) units: u128,
     /// What of it goes into a bin: a half where the mirrored arrival has the other half.
     pub(super) part: f64,
     pub(super) part_units: u128,
+}
+
+impl Carried {
+    pub(super) fn new(flux: f64, part: f64) -> Self {
+        Carried { flux, units: to_units(flux), part, part_units: to_units(part) }
+    }
+}
+
+/// One block among those that are followed together. All of its samples carry the same flux.
+#[derive(Clone, Copy)]
+pub(super) struct Turn {
+    pub(super) arms: BlockArms,
+    /// What each path carries.
+    pub(super) carried: Carried,
     /// The light's azimuth in the field, a unit vector; `None` before the first start.
     pub(super) along: Option<DVec2>,
     /// Starts that were followed.
@@ -56,7 +69,7 @@ pub(super) struct BlockTracer<'a> {
     pub(super) turns: Vec<Turn>,
     /// The turn of the path at hand.
     pub(super) at: usize,
-    /// Samples that were counted.
+    /// Paths that were counted.
     pub(super) counted: u64,
     /// When the blocks began.
     pub(super) begin: Instant,
@@ -92,8 +105,7 @@ impl<'a> BlockTracer<'a> {
     /// One block more: its paths carry `flux` each.
     pub fn take(&mut self, arms: BlockArms, flux: f64) {
         let part = if self.context.plan.folded[self.stop] { 0.5 * flux } else { flux };
-        let (units, part_units) = (to_units(flux), to_units(part));
-        self.turns.push(Turn { arms, flux, units, part, part_units, along: None, started: 0 });
+        self.turns.push(Turn { arms, carried: Carried::new(flux, part), along: None, started: 0 });
     }
 
     pub(super) fn turn(&self) -> &Turn {
@@ -178,7 +190,7 @@ impl<'a> BlockTracer<'a> {
     /// The index of clear facets where both parts of the light are followed: at order 1, without chance.
     pub(super) fn split_eta(&self, way: FacetWay) -> Option<f64> {
         match way.kind {
-            FacetKind::Clear { eta } if self.context.campaign.trace.bounces == 1 => Some(eta),
+            FacetKind::Dielectric { eta } if self.context.campaign.trace.bounces == 1 => Some(eta),
             _ => None,
         }
     }
@@ -213,7 +225,7 @@ impl<'a> BlockTracer<'a> {
         let paths = self.paths();
         // Of both parts of split light one has it all.
         self.tally.hidden.count += paths;
-        self.tally.hidden.flux += self.turn().units * self.ways.len() as u128;
+        self.tally.hidden.flux += self.turn().carried.units * self.ways.len() as u128;
     }
 
     /// Paths that are counted for each start.

@@ -28,9 +28,10 @@ pub(in crate::measure) fn with_waves<T>(count: usize, work: impl FnOnce(&mut [Wa
 #[derive(Default)]
 pub(in crate::measure) struct WaveMemory {
     starts: Vec<SurfacePoint>,
-    /// Which turn each surface sample belongs to, and its number there.
+    /// Which turn each surface sample belongs to.
     turns: Vec<u16>,
-    numbers: Vec<u64>,
+    /// What decides at the facets of its paths.
+    draws: Vec<PathDraws>,
     paths: PathWaves,
     lights: Vec<PathLight>,
     endings: Vec<PathEnd>,
@@ -52,10 +53,9 @@ impl BlockTracer<'_> {
         if self.misses(|| Some(sample.reflected(*wi, &start))) {
             return self.leave_out(1);
         }
-        self.turns[turn].started += 1;
         wave.starts.push(start);
         wave.turns.push(turn as u16);
-        wave.numbers.push(self.turns[turn].started);
+        wave.draws.push(self.draws());
         if wave.starts.len() == WAVE {
             self.follow_wave(views, over, wave);
         }
@@ -70,7 +70,7 @@ impl BlockTracer<'_> {
         }
         memory.starts.clear();
         memory.turns.clear();
-        memory.numbers.clear();
+        memory.draws.clear();
     }
 
     /// The same in one way; in the `first` it is noted what the light sees.
@@ -81,13 +81,9 @@ impl BlockTracer<'_> {
         (way, first): (FacetWay, bool),
         memory: &mut WaveMemory,
     ) {
-        let WaveMemory { starts, turns, numbers, paths, lights, endings, splits } = memory;
-        let of_path = |(&turn, &number): (&u16, &u64)| {
-            let key = self.turns[usize::from(turn)].arms.facets_key;
-            self.light(way, PathDraws::new(key, number))
-        };
+        let WaveMemory { starts, turns, draws, paths, lights, endings, splits } = memory;
         lights.clear();
-        lights.extend(turns.iter().zip(&*numbers).map(of_path));
+        lights.extend(draws.iter().map(|&draws| self.light(way, draws)));
         let bounces = self.context.campaign.trace.bounces;
         let wave = Wave { surface_samples: starts, view_of: turns, views, bounces };
         let split = self.split_eta(way);

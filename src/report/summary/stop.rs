@@ -151,21 +151,25 @@ impl StopSummary {
 
     /// Of each stop of a table, or of a band of it: flux over all bins, mean of the colours, where they gather all flux.
     pub fn of_bins(table: &BrdfTable) -> Vec<Self> {
-        (0..table.grid.stops()).map(|stop| of_bins(table, stop)).collect()
+        let gaps = table.gaps() > 0;
+        (0..table.grid.stops()).map(|stop| of_bins(table, stop, gaps)).collect()
     }
 }
 
-fn of_bins(table: &BrdfTable, stop: usize) -> StopSummary {
+fn of_bins(table: &BrdfTable, stop: usize, gaps: bool) -> StopSummary {
     let (theta_i_deg, phi_i_deg) = table.grid.stop_deg(stop);
     let regions = table.grid.regions(stop);
-    // Of the bins on one side.
-    let flux_of = |below: bool, pick: fn(&ColourChannels) -> &Vec<f32>| {
+    // Of the bins on each side, 0 of the others'.
+    let sizes = [false, true].map(|below| {
         let size =
             |region: &Region| if region.is_below() == below { region.projected_solid_angle() } else { 0.0 };
-        let sizes: Vec<f64> = regions.iter().map(size).collect();
+        regions.iter().map(size).collect::<Vec<f64>>()
+    });
+    let flux_of = |below: bool, pick: fn(&ColourChannels) -> &Vec<f32>| {
+        let sizes = &sizes[usize::from(below)];
         // Bins that fill the hemisphere, up to the rounding of their edges.
-        let whole = (sizes.iter().sum::<f64>() - PI).abs() < 1e-6 && table.gaps() == 0;
-        let flux = |colour| flux(&pick(colour)[stop * sizes.len()..], &sizes);
+        let whole = (sizes.iter().sum::<f64>() - PI).abs() < 1e-6 && !gaps;
+        let flux = |colour| flux(&pick(colour)[stop * sizes.len()..], sizes);
         whole.then(|| stats::mean(&table.colours.iter().map(flux).collect::<Vec<_>>()))
     };
     StopSummary {

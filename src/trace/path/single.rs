@@ -52,13 +52,20 @@ pub trait Traced {
     /// Where the light's ray leaves an open map the path is followed as one that the light may see: it ends as
     /// [`PathEnd::LeftDomain`] with all that is known of it.
     fn trace(&self, start: Self::Point, wi: DVec3, bounces: u32, facets: &mut impl Scatter) -> PathEnd {
-        let perhaps_unshadowed = match self.traverse(&start, wi, false) {
-            Outcome::Escaped => false,
-            Outcome::Hit(_) => return PathEnd::Shadowed,
-            Outcome::LeftDomain => true,
-            Outcome::Lost => return PathEnd::Lost,
-        };
-        self.trace_lit(start, wi, (bounces, perhaps_unshadowed), facets)
+        match self.is_perhaps_lit(&start, wi) {
+            Ok(perhaps) => self.trace_lit(start, wi, (bounces, perhaps), facets),
+            Err(end) => end,
+        }
+    }
+
+    /// Whether the light sees a start as far as the map reaches, not for certain; `Err`: how paths from it end at once.
+    fn is_perhaps_lit(&self, start: &Self::Point, wi: DVec3) -> Result<bool, PathEnd> {
+        match self.traverse(start, wi, false) {
+            Outcome::Escaped => Ok(false),
+            Outcome::LeftDomain => Ok(true),
+            Outcome::Hit(_) => Err(PathEnd::Shadowed),
+            Outcome::Lost => Err(PathEnd::Lost),
+        }
     }
 
     /// The same from a start that the light sees; `perhaps`: as far as the map reaches.
@@ -104,13 +111,10 @@ pub trait Traced {
 
     /// Both parts of the light of a start at its own facet, a clear one: order 1 without chance.
     fn trace_split(&self, start: &Self::Point, wi: DVec3, eta: f64) -> SplitEnd {
-        let perhaps = match self.traverse(start, wi, false) {
-            Outcome::Escaped => false,
-            Outcome::Hit(_) => return SplitEnd::both(PathEnd::Shadowed),
-            Outcome::LeftDomain => true,
-            Outcome::Lost => return SplitEnd::both(PathEnd::Lost),
-        };
-        self.split_lit(start, wi, eta, perhaps)
+        match self.is_perhaps_lit(start, wi) {
+            Ok(perhaps) => self.split_lit(start, wi, eta, perhaps),
+            Err(end) => SplitEnd::both(end),
+        }
     }
 
     /// The same of a start that the light sees; `perhaps`: as far as the map reaches.

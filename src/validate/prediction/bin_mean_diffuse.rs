@@ -48,7 +48,7 @@ pub fn diffuse_means(
         let mut mean = [0.0; MASKINGS];
         for &(wi, weight) in source {
             let wi = model.to_sample(wi);
-            let lit = LitMatt { model, maskings, wi, side: model.side(wi) };
+            let lit = LitDiffuse { model, maskings, wi, side: model.side(wi) };
             let (flux, size) = match *region {
                 Region::Cap { axis, half_angle: 0.0 } => (lit.densities(model.to_sample(axis)), axis.z),
                 _ => (lit.flux(region), region.projected_solid_angle()),
@@ -61,14 +61,14 @@ pub fn diffuse_means(
 }
 
 /// Matt facets under light from one direction, all in the sample's frame.
-struct LitMatt<'a> {
+struct LitDiffuse<'a> {
     model: &'a Microfacet,
     maskings: &'a [Masking],
     wi: DVec3,
     side: ArmSide,
 }
 
-impl LitMatt<'_> {
+impl LitDiffuse<'_> {
     /// f cos(theta_r), 1/sr.
     fn densities(&self, wo: DVec3) -> Values {
         let (o, overlap) = (self.model.side(wo), self.model.facet_overlap(self.wi, wo));

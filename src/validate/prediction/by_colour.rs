@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::bin_mean::{BinMean, BinMeans, MASKINGS};
 use super::bin_mean_diffuse::diffuse_means;
-use super::formulas::{MattFormula, formula_means};
+use super::formulas::{DiffuseModel, formula_means};
 use crate::instrument::Region;
 use crate::optics::Fresnel;
 use crate::optics::reflectance::Reflectance;
@@ -63,7 +63,7 @@ fn reflected_means(
 }
 
 /// The means of matt facets: \[masking\]\[colour\]\[bin\].
-pub(super) fn matt_means(
+pub(super) fn diffuse_means_by_colour(
     surface: &Microfacet,
     maskings: &[Masking],
     source: &[(DVec3, f64)],
@@ -71,9 +71,7 @@ pub(super) fn matt_means(
     colours: &[Reflectance],
 ) -> Vec<Vec<Vec<f64>>> {
     let unit = diffuse_means(surface, maskings, source, regions);
-    let of = |k: usize, albedo: f64| unit.iter().map(|values| albedo * values[k]).collect();
-    let of_masking = |k| colours.iter().map(|colour| of(k, albedo_of(colour))).collect();
-    (0..maskings.len()).map(of_masking).collect()
+    coloured(&unit, maskings.len(), colours)
 }
 
 /// The means of the models that know no masking: \[formula\]\[colour\]\[bin\].
@@ -83,16 +81,20 @@ pub(super) fn formula_means_by_colour(
     regions: &[Region],
     colours: &[Reflectance],
 ) -> Vec<Vec<Vec<f64>>> {
-    let unit = formula_means(surface, source, regions);
-    let of = |k: usize, albedo: f64| unit.iter().map(|values| albedo * values[k]).collect();
-    let of_formula = |k| colours.iter().map(|colour| of(k, albedo_of(colour))).collect();
-    (0..MattFormula::ALL.len()).map(of_formula).collect()
+    coloured(&formula_means(surface, source, regions), DiffuseModel::ALL.len(), colours)
+}
+
+/// Means for an albedo of 1, \[bin\]\[model\], as \[model\]\[colour\]\[bin\]; of the first `models`.
+fn coloured<const N: usize>(unit: &[[f64; N]], models: usize, colours: &[Reflectance]) -> Vec<Vec<Vec<f64>>> {
+    let of = |model: usize, albedo: f64| unit.iter().map(|values| albedo * values[model]).collect();
+    let of_model = |model| colours.iter().map(|colour| of(model, albedo_of(colour))).collect();
+    (0..models).map(of_model).collect()
 }
 
 /// What a matt facet reflects, whatever the angle.
 pub(super) fn albedo_of(colour: &Reflectance) -> f64 {
     match colour.fresnel {
-        Fresnel::Even { albedo } => albedo,
+        Fresnel::Diffuse { albedo } => albedo,
         _ => unreachable!("matt facets have one albedo"),
     }
 }

@@ -12,7 +12,7 @@ use crate::theory::empirical::{LAMBERT, oren_nayar, oren_nayar_full};
 
 /// A model of the whole surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MattFormula {
+pub enum DiffuseModel {
     /// The surface is flat.
     Lambert,
     /// Oren and Nayar's qualitative model.
@@ -21,26 +21,26 @@ pub enum MattFormula {
     OrenNayarFull,
 }
 
-impl MattFormula {
+impl DiffuseModel {
     /// All, in the order of the comparisons.
-    pub const ALL: [MattFormula; 3] =
-        [MattFormula::Lambert, MattFormula::OrenNayar, MattFormula::OrenNayarFull];
+    pub const ALL: [DiffuseModel; 3] =
+        [DiffuseModel::Lambert, DiffuseModel::OrenNayar, DiffuseModel::OrenNayarFull];
 
     /// The name in comparisons.
     pub fn name(self) -> &'static str {
         match self {
-            MattFormula::Lambert => "lambert",
-            MattFormula::OrenNayar => "oren_nayar",
-            MattFormula::OrenNayarFull => "oren_nayar_full",
+            DiffuseModel::Lambert => "lambert",
+            DiffuseModel::OrenNayar => "oren_nayar",
+            DiffuseModel::OrenNayarFull => "oren_nayar_full",
         }
     }
 
     /// The value for an albedo of 1, 1/sr; `sigma`: rms slope along any direction.
     fn value(self, wi: DVec3, wo: DVec3, sigma: f64) -> f64 {
         match self {
-            MattFormula::Lambert => LAMBERT,
-            MattFormula::OrenNayar => oren_nayar(wi, wo, sigma),
-            MattFormula::OrenNayarFull => oren_nayar_full(wi, wo, sigma),
+            DiffuseModel::Lambert => LAMBERT,
+            DiffuseModel::OrenNayar => oren_nayar(wi, wo, sigma),
+            DiffuseModel::OrenNayarFull => oren_nayar_full(wi, wo, sigma),
         }
     }
 }
@@ -54,11 +54,11 @@ pub(super) fn formula_means(
     surface: &Microfacet,
     source: &[(DVec3, f64)],
     regions: &[Region],
-) -> Vec<[f64; MattFormula::ALL.len()]> {
+) -> Vec<[f64; DiffuseModel::ALL.len()]> {
     let sigma = surface.alpha_x / 2f64.sqrt();
     let precision = Precision { relative: [1e-6; COMPONENTS], absolute: 0.0, max_rectangles: MAX_RECTANGLES };
     let mean = |region: &Region| {
-        let mut mean = [0.0; MattFormula::ALL.len()];
+        let mut mean = [0.0; DiffuseModel::ALL.len()];
         for &(wi, weight) in source {
             let density = Lit { wi, sigma };
             let (flux, size) = match *region {
@@ -86,7 +86,7 @@ struct Lit {
 impl FluxDensity for Lit {
     fn densities(&self, wo: DVec3) -> Components {
         let mut values = [0.0; COMPONENTS];
-        for (value, formula) in values.iter_mut().zip(MattFormula::ALL) {
+        for (value, formula) in values.iter_mut().zip(DiffuseModel::ALL) {
             *value = formula.value(self.wi, wo, self.sigma) * wo.z;
         }
         values
@@ -117,7 +117,7 @@ mod tests {
                     let wo = direction(at(theta, i), at(phi, j));
                     let weight = wo.z * at(theta, i).sin();
                     size += weight;
-                    for (sum, formula) in sums.iter_mut().zip(MattFormula::ALL) {
+                    for (sum, formula) in sums.iter_mut().zip(DiffuseModel::ALL) {
                         *sum += weight * formula.value(wi, wo, 0.5 / 2f64.sqrt());
                     }
                 }

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::bin_mean::{MASKINGS, source_nodes};
-use super::by_colour::{albedo_of, formula_means_by_colour, matt_means, microfacet_means};
-use super::formulas::MattFormula;
+use super::by_colour::{albedo_of, diffuse_means_by_colour, formula_means_by_colour, microfacet_means};
+use super::formulas::DiffuseModel;
 use super::lobes::{bare_flux, lobe_means, mirrored, reflected, refracted};
 use crate::campaign::{Azimuth, Campaign, Optics, SmithNdf, SurfaceKind};
 use crate::instrument::{Grid, grid_of};
@@ -37,13 +37,13 @@ pub enum Model {
         mirror_base: bool,
     },
     /// Matt facets with each of the maskings.
-    Matt {
+    Diffuse {
         /// The surface.
         surface: Microfacet,
         /// In the order of the comparisons.
         maskings: Vec<Masking>,
         /// Further models, of isotropic Gaussian slopes, after those.
-        formulas: Vec<MattFormula>,
+        formulas: Vec<DiffuseModel>,
     },
     /// A flat matt surface: the same in every bin.
     Lambert,
@@ -61,7 +61,7 @@ pub enum Model {
 }
 
 /// Begins the names of models of matt facets.
-pub const MATT: &str = "matt ";
+pub const DIFFUSE: &str = "matt ";
 
 /// The law of a surface's normals; `None` of a mirror, of grooves, and of a measured map.
 pub fn ndf_of(kind: &SurfaceKind) -> Option<Ndf> {
@@ -107,8 +107,8 @@ impl Model {
                     if campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] }.to_vec();
                 if matt {
                     let gaussian = ndf == Ndf::Beckmann && surface.is_isotropic();
-                    let formulas = if gaussian { MattFormula::ALL.to_vec() } else { vec![] };
-                    return Some(Model::Matt { surface, maskings, formulas });
+                    let formulas = if gaussian { DiffuseModel::ALL.to_vec() } else { vec![] };
+                    return Some(Model::Diffuse { surface, maskings, formulas });
                 }
                 let grains = matches!(kind, SurfaceKind::Grains(_));
                 if grains && campaign.trace.visibility {
@@ -125,7 +125,7 @@ impl Model {
     pub fn name(&self) -> String {
         match self {
             Model::Microfacet { surface, .. } => surface.ndf.name().into(),
-            Model::Matt { surface, .. } => format!("{MATT}{}", surface.ndf.name()),
+            Model::Diffuse { surface, .. } => format!("{DIFFUSE}{}", surface.ndf.name()),
             Model::Lambert => "lambert".into(),
             Model::Lobes { name, .. } => (*name).into(),
         }
@@ -135,7 +135,7 @@ impl Model {
     pub fn maskings(&self) -> Vec<&'static str> {
         match self {
             Model::Microfacet { maskings, .. } => maskings.iter().map(|masking| masking.name()).collect(),
-            Model::Matt { maskings, formulas, .. } => {
+            Model::Diffuse { maskings, formulas, .. } => {
                 let further = formulas.iter().map(|formula| formula.name());
                 maskings.iter().map(|masking| masking.name()).chain(further).collect()
             }
@@ -157,7 +157,7 @@ impl Model {
     /// vector, stage's frame.
     // Tested by `smith_masks_all_facets_alike_up_to_a_slope`.
     pub fn smith(&self, wi: DVec3, averaged: bool) -> Option<[f64; 2]> {
-        let (Model::Microfacet { surface, maskings, .. } | Model::Matt { surface, maskings, .. }) = self
+        let (Model::Microfacet { surface, maskings, .. } | Model::Diffuse { surface, maskings, .. }) = self
         else {
             return None;
         };
@@ -173,7 +173,7 @@ impl Model {
     /// The means over the bins of one stop, over the same bins and light aperture as the measurement.
     pub fn means(&self, campaign: &Campaign, grid: &Grid, stop: usize) -> StopMeans {
         let half_angle = campaign.light.aperture_deg.to_radians();
-        let smooth = matches!(self, Model::Matt { .. } | Model::Lambert);
+        let smooth = matches!(self, Model::Diffuse { .. } | Model::Lambert);
         let order = if smooth { SMOOTH_APERTURE_ORDER } else { APERTURE_ORDER };
         let source = source_nodes(grid.wi(stop), half_angle, order);
         let colours = reflectances_of(&campaign.optics);
@@ -213,10 +213,10 @@ impl Model {
                 }
                 means
             }
-            Model::Matt { surface, maskings, formulas } => {
+            Model::Diffuse { surface, maskings, formulas } => {
                 let (surface, regions) =
                     (Microfacet { rotation: surface.rotation + turn, ..*surface }, grid.regions(stop));
-                let mut means = matt_means(&surface, maskings, source, &regions, colours);
+                let mut means = diffuse_means_by_colour(&surface, maskings, source, &regions, colours);
                 if !formulas.is_empty() {
                     means.extend(formula_means_by_colour(&surface, source, &regions, colours));
                 }

@@ -38,7 +38,7 @@ fn split_light_in_lanes_is_that_of_single_paths() {
         let wave = Wave { surface_samples: &starts, view_of: &view_of, views: &views, bounces: 5 };
         let mut splits = Vec::new();
         paths.trace_split(&over, &wave, eta, &mut splits);
-        let way = FacetWay { kind: FacetKind::Clear { eta }, light: LightSide::Front, place: 0 };
+        let way = FacetWay { kind: FacetKind::Dielectric { eta }, light: LightSide::Front, place: 0 };
         let light = |k: usize| PathLight::new(way, PathDraws::new(9, k as u64), false);
         let mut lights: Vec<PathLight> = (0..starts.len()).map(light).collect();
         let mut endings = Vec::new();
