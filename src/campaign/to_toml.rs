@@ -5,7 +5,7 @@ use std::fmt::{Debug, Display};
 use super::parse::{arms, campaign, grains, height_map, optics, surface};
 use super::schema::{
     Alpha, Azimuth, Campaign, Expect, GrainShape, Grains, HeightMap, LightArm, LightSide, Medium, Optics,
-    RefractiveIndex, SensorArm, SensorSide, Surface, SurfaceKind,
+    Polarisation, RefractiveIndex, SensorArm, SensorSide, Surface, SurfaceKind,
 };
 
 /// The campaign as resolved, in the schema that [`parse`](super::parse()) reads: parsing it gives the campaign again.
@@ -258,6 +258,9 @@ fn clear_lines(text: &mut Text, optics: &Optics) {
         if !names.contains(&name) {
             names.push(name);
         }
+    }
+    if first.polarisation != Polarisation::None {
+        text.line("polarisation", word(&optics::POLARISATIONS, &first.polarisation));
     }
     let nm: Vec<f64> = first.media.iter().filter_map(|medium| medium.wavelength_nm).collect();
     match names[..] {

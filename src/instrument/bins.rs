@@ -133,20 +133,26 @@ impl Sensor {
         seen
     }
 
-    /// Calls `visit(bin)` for every bin that holds `wo`, and for every one that holds its `image`, the mirror image about
-    /// the plane at the azimuth of half `about_deg`, in [0, 720).
+    /// Calls `visit(bin, false)` for every bin that holds `wo`, and `visit(bin, true)` for every one that holds its
+    /// `image`, the mirror image about the plane at the azimuth of half `about_deg`, in [0, 720).
     // Tested by `images_fall_where_they_fall_alone`.
-    pub fn each_bin_of_both(&self, wo: DVec3, image: DVec3, about_deg: f64, mut visit: impl FnMut(usize)) {
+    pub fn each_bin_of_both(
+        &self,
+        wo: DVec3,
+        image: DVec3,
+        about_deg: f64,
+        mut visit: impl FnMut(usize, bool),
+    ) {
         if let Sensor::Hemisphere { theta, above, phi } = self {
             let Some(row) = row(wo, theta, *above) else { return };
             let (first, azimuth) = (row * phi.len(), quick_atan2_deg(wo.y, wo.x));
             let turned = about_deg - azimuth;
             let mirrored = if turned < 0.0 { turned + 360.0 } else { turned % 360.0 };
-            visit(first + column(wo, azimuth, phi));
-            visit(first + column(image, mirrored, phi));
+            visit(first + column(wo, azimuth, phi), false);
+            visit(first + column(image, mirrored, phi), true);
         } else {
-            self.each_bin(wo, &mut visit);
-            self.each_bin(image, visit);
+            self.each_bin(wo, |bin| visit(bin, false));
+            self.each_bin(image, |bin| visit(bin, true));
         }
     }
 
@@ -307,7 +313,7 @@ mod tests {
                     sphere::turned(DVec3::new(wo.x, -wo.y, wo.z), sphere::sin_cos_deg(2.0 * azimuth_i));
                 let (mut both, mut alone) = (vec![], vec![]);
                 let about_deg = 2.0 * sphere::reduced_deg(azimuth_i);
-                sensor.each_bin_of_both(wo, mirrored, about_deg, |bin| both.push(bin));
+                sensor.each_bin_of_both(wo, mirrored, about_deg, |bin, _| both.push(bin));
                 [wo, mirrored].into_iter().for_each(|wo| sensor.each_bin(wo, |bin| alone.push(bin)));
                 assert_eq!(both, alone, "{wo} under {azimuth_i}");
             }

@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::blocks::polarimeter::Polarimeter;
 use super::cost::{Clocks, Cost};
 use super::optics::{FacetWay, ways_of};
 use super::persist::run_state::RunState;
@@ -20,6 +21,8 @@ pub(super) struct Context<'a> {
     pub plan: &'a Plan,
     pub session: &'a Session<'a>,
     pub sensor: Sensor,
+    /// Where Mueller matrices are measured.
+    pub polarimeter: Option<Polarimeter<'a>>,
     pub kernel: Kernel,
     /// How paths are followed from the surface samples.
     pub ways: Vec<FacetWay>,
@@ -41,6 +44,7 @@ impl<'a> Context<'a> {
             plan,
             session,
             sensor: Sensor::new(&plan.grid),
+            polarimeter: campaign.optics.has_mueller().then(|| Polarimeter::new(plan)),
             kernel: Kernel::widest(),
             ways: ways_of(&campaign.optics),
             clocks: Mutex::new(Clocks::new(run_state.cost.clone())),

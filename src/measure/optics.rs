@@ -9,7 +9,7 @@ use crate::optics::fresnel::Fresnel;
 use crate::optics::reflectance::{Field, Reflectance};
 use crate::optics::{FacetAngle, FacetKind};
 use crate::rng::PathDraws;
-use crate::trace::{Onward, Scatter};
+use crate::trace::{Onward, Scatter, upside_down_if};
 
 /// The reflectance of a facet in each colour of a material's table.
 pub fn reflectances_of(optics: &Optics) -> Vec<Reflectance> {
@@ -38,7 +38,7 @@ pub fn reflectances_of(optics: &Optics) -> Vec<Reflectance> {
 
 fn of_medium(medium: Medium, index: &RefractiveIndex) -> Reflectance {
     let field = match index.polarisation {
-        Polarisation::None => Field::Both,
+        Polarisation::None | Polarisation::Mueller => Field::Both,
         Polarisation::S => Field::Across,
         Polarisation::P => Field::Along,
     };
@@ -98,14 +98,49 @@ impl FacetWay {
 pub struct PathLight {
     way: FacetWay,
     draws: PathDraws,
-    weighed: bool,
+    kept: Kept,
     angles: SmallVec<[FacetAngle; 2]>,
+    facets: Vec<FacetMet>,
+}
+
+/// What a path keeps of its facets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Kept {
+    /// The angles at mirrors.
+    pub angles: bool,
+    /// Everything, for Mueller matrices.
+    pub facets: bool,
+}
+
+/// A facet that a path met, in the frame that it began in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FacetMet {
+    /// Unit vector back to where the light came from.
+    pub back: DVec3,
+    /// Unit vector along which it went on.
+    pub to: DVec3,
+    /// Its normal, a unit vector of either sign.
+    pub normal: DVec3,
+    /// Whether the light came from the other side than that which the path began on.
+    pub below: bool,
+    /// Whether it went through.
+    pub through: bool,
 }
 
 impl PathLight {
-    /// The light at a surface sample; angles are kept where `weighed`.
-    pub fn new(way: FacetWay, draws: PathDraws, weighed: bool) -> Self {
-        PathLight { way, draws, weighed, angles: SmallVec::new() }
+    /// The light at a surface sample.
+    pub fn new(way: FacetWay, draws: PathDraws, kept: Kept) -> Self {
+        PathLight { way, draws, kept, angles: SmallVec::new(), facets: Vec::new() }
+    }
+
+    /// The facets that it met, where they are kept; at order 1 without chance none is.
+    pub fn facets(&self) -> &[FacetMet] {
+        &self.facets
+    }
+
+    /// How it is followed.
+    pub fn way(&self) -> FacetWay {
+        self.way
     }
 
     /// The angles at the facets of its bounces.
@@ -121,10 +156,21 @@ impl PathLight {
 
 impl Scatter for PathLight {
     fn scatter(&mut self, back: DVec3, normal: DVec3, below: bool) -> Onward {
+        let onward = self.onward(back, normal, below);
+        if self.kept.facets {
+            let [back, to, normal] = [back, onward.to, normal.normalize()].map(|w| upside_down_if(below, w));
+            self.facets.push(FacetMet { back, to, normal, below, through: onward.through });
+        }
+        onward
+    }
+}
+
+impl PathLight {
+    fn onward(&mut self, back: DVec3, normal: DVec3, below: bool) -> Onward {
         match self.way.kind {
             FacetKind::Mirror => {
                 let to = facet::mirrored(back, normal);
-                if self.weighed {
+                if self.kept.angles {
                     self.angles.push(FacetAngle::of_pair(back, to));
                 }
                 Onward { to, through: false }

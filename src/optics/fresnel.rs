@@ -162,12 +162,17 @@ pub fn f_schlick(angle: FacetAngle, f0: f64) -> f64 {
 /// - Source: Fresnel's equations, rationalised.
 // Tested by `every_reference_value_is_met`, `brewsters_angle_reflects_no_p_light`.
 pub fn f_dielectric(angle: FacetAngle, eta: f64) -> Polarised {
-    let Some(d) = DielectricTerms::new(angle, eta) else {
-        return Polarised { s: 1.0, p: 1.0 };
-    };
-    let r_s = d.m / (d.across * d.across);
-    let r_p = d.m * ((d.eta2 + 1.0) * d.c * d.c - 1.0) / (d.along * d.along);
-    Polarised { s: r_s * r_s, p: r_p * r_p }
+    let amplitudes = dielectric_amplitudes(angle, eta);
+    amplitudes.map_or(Polarised { s: 1.0, p: 1.0 }, |[s, p]| Polarised { s: s * s, p: p * p })
+}
+
+/// The amplitudes r_s and r_p of a dielectric, as `f_dielectric` has them, with p = k x s; `None` in total reflection.
+pub(super) fn dielectric_amplitudes(angle: FacetAngle, eta: f64) -> Option<[f64; 2]> {
+    DielectricTerms::new(angle, eta).map(|d| {
+        let r_s = -d.m / (d.across * d.across);
+        let r_p = d.m * ((d.eta2 + 1.0) * d.c * d.c - 1.0) / (d.along * d.along);
+        [r_s, r_p]
+    })
 }
 
 /// What a dielectric transmits, unpolarised: 1 - F = (T_s + T_p)/2 with T_s = 4 c g/(c + g)^2 and
@@ -225,6 +230,23 @@ pub fn f_conductor(angle: FacetAngle, eta: f64, k: f64) -> Polarised {
     let n2_minus_1 = q * q + t.u * t.u;
     let (x, y) = (q * c2 + (c2 - s2), t.u * c2);
     Polarised { s: n2_minus_1 / (t.across * t.across), p: n2_minus_1 * (x * x + y * y) / (t.along * t.along) }
+}
+
+/// r_s conj(r_p) of a conductor, [re, im], for a field E exp(-i w t) and p = k x s:
+/// -|n^2 - 1|^2 conj(y w^2 conj(v)^2)/(|w|^4 |v|^4) with y = n^2 c^2 - s2, w = c + a + i b, v = n^2 c + a + i b.
+///
+/// - Same domain and notation as `f_conductor`; |r_s conj(r_p)|^2 = R_s R_p.
+// Tested by `facets_turn_polarised_light_as_reference_values_say` (tests/it/facets/mueller.rs).
+pub(super) fn conductor_product(angle: FacetAngle, eta: f64, k: f64) -> [f64; 2] {
+    let t = ConductorTerms::new(angle, eta, k);
+    let times = |[x, y]: [f64; 2], [p, q]: [f64; 2]| [x * p - y * q, x * q + y * p];
+    let square = |z: [f64; 2]| times(z, z);
+    let q = (eta - 1.0) * (eta + 1.0) - k * k;
+    let y = [q * t.c * t.c + (t.c * t.c - angle.sin2), t.u * t.c * t.c];
+    let (w, v) = ([t.c + t.a, t.b], [t.n2_re * t.c + t.a, t.u * t.c + t.b]);
+    let [re, im] = times(y, times(square(w), square([v[0], -v[1]])));
+    let scale = (q * q + t.u * t.u) / (t.across * t.across * t.along * t.along);
+    [-scale * re, scale * im]
 }
 
 /// What a conductor absorbs, unpolarised: 1 - F = (A_s + A_p)/2 with A_s = 4 a c/((c + a)^2 + b^2) and

@@ -42,6 +42,11 @@ pub struct ColourChannels {
     pub albedo_se: Vec<f32>,
     /// Orders 2, 3, ... by themselves, where they were asked for.
     pub orders: Vec<Vec<f32>>,
+    /// The elements m00, m01, ... m33 of the Mueller matrix, all orders together, 1/sr like `total`; empty where they were
+    /// not asked for. Frames: `optics::mueller`.
+    pub mueller: Vec<Vec<f32>>,
+    /// Standard errors of the mean of each element over the realisations; -1: not available.
+    pub stderr_mueller: Vec<Vec<f32>>,
     /// What light over the edge of an open map may have added to `total` at most, were there nothing beyond, and all of
     /// what may go on beyond besides; empty where the surface has no edge. The errors cover it.
     pub left_map: Vec<f32>,
@@ -101,6 +106,8 @@ impl BrdfTable {
     pub fn header(&self, grid: &Grid) -> Self {
         let empty = |colour: &ColourChannels| ColourChannels {
             orders: vec![Vec::new(); colour.orders.len()],
+            mueller: vec![Vec::new(); colour.mueller.len()],
+            stderr_mueller: vec![Vec::new(); colour.mueller.len()],
             wavelength_nm: colour.wavelength_nm,
             ..ColourChannels::default()
         };

@@ -15,6 +15,12 @@ use super::{BrdfTable, SchlickSums};
 /// Name of the grid's attribute.
 pub(super) const GRID: &str = "gonio.grid";
 
+/// Layers of the Mueller matrix, row by row: the light that leaves by the light that comes.
+pub const MUELLER_ELEMENTS: [&str; 16] = [
+    "m00", "m01", "m02", "m03", "m10", "m11", "m12", "m13", "m20", "m21", "m22", "m23", "m30", "m31", "m32",
+    "m33",
+];
+
 /// Name of the attribute of the albedos' errors: a number for each incidence and colour, incidence major.
 const ALBEDO_SE: &str = "gonio.albedo_se";
 
@@ -187,6 +193,12 @@ pub(crate) fn planes(table: &BrdfTable, first_stop: usize) -> Checked<BTreeMap<S
         }
         for (order, values) in (2..).zip(&colour.orders) {
             planes.insert(format!("order{order}.{name}"), Plane::F32(values));
+        }
+        for (element, (values, errors)) in
+            MUELLER_ELEMENTS.iter().zip(colour.mueller.iter().zip(&colour.stderr_mueller))
+        {
+            planes.insert(format!("{element}.{name}"), Plane::F32(values));
+            planes.insert(format!("stderr.{element}.{name}"), Plane::F32(errors));
         }
     }
     let sums = table.schlick.iter().flat_map(|sums| sums.channels(table.is_by_order()));

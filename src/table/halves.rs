@@ -18,6 +18,8 @@ impl BrdfTable {
             stderr_single: of(&colour.stderr_single),
             albedo_se: Vec::new(),
             orders: colour.orders.iter().map(of).collect(),
+            mueller: colour.mueller.iter().map(of).collect(),
+            stderr_mueller: colour.stderr_mueller.iter().map(of).collect(),
             left_map: of(&colour.left_map),
             wavelength_nm: colour.wavelength_nm,
         };

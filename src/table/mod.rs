@@ -14,7 +14,7 @@ mod test_tables;
 pub mod writer;
 
 pub use brdf_table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
-pub use channels::check_grid;
+pub use channels::{MUELLER_ELEMENTS, check_grid};
 pub(crate) use channels::{Plane, planes};
 pub use rows::TableRows;
 pub use writer::TableWriter;

@@ -11,7 +11,7 @@ use crate::files::NewFile;
 use crate::files::image::{self, ImagePart, Samples};
 use crate::instrument::Grid;
 
-use super::channels::{self, ColourName, DIGEST, GRID, Plane};
+use super::channels::{self, ColourName, DIGEST, GRID, MUELLER_ELEMENTS, Plane};
 use super::content_digest::ContentDigest;
 use super::{BrdfTable, ColourChannels, TableWriter};
 
@@ -34,6 +34,14 @@ const THROUGH_TEXT: &str = " theta_r beyond 90 degrees is light that has gone th
     projected solid angle |cos(theta_r)| dw and incident flux, without a factor n^2. The light stands on the side of z; \
     where it is the back of the sample, z points inwards. With n_i and n_o the indices on both sides, f(wo -> wi) = \
     f(wi -> wo) (n_i/n_o)^2 for light the other way round, and f (n_i/n_o)^2 carries the basic radiance L/n^2.";
+
+/// What Mueller matrices mean, where they are there.
+const MUELLER: &str = "gonio.mueller";
+const MUELLER_TEXT: &str = "m00 to m33: the Mueller matrix, row of the light that leaves, column of the light that comes, in \
+    1/sr, all orders together. Stokes vector (I, Q, U, V) in the frame s, p = k x s, k of the ray along k: s lies across the \
+    plane of z and the arm, Q = |E_s|^2 - |E_p|^2, U + i V = 2 E_s conj(E_p) for E exp(-i w t), so that V > 0 turns clockwise \
+    for who looks against the light. A cap all about z has the light's plane for every azimuth. m00 is what unpolarised \
+    light becomes with its polarisation kept from facet to facet; the other channels take it as unpolarised at each.";
 
 /// How directions and values of a table of this grid are to be understood.
 pub fn convention(grid: &Grid) -> String {
@@ -204,6 +212,9 @@ pub(super) fn outline(
     part.set_text(VERSION, &table.version);
     part.set_text(CAMPAIGN, &table.campaign);
     part.set_text(CONVENTION, &convention(grid));
+    if table.colours.iter().any(|colour| !colour.mueller.is_empty()) {
+        part.set_text(MUELLER, MUELLER_TEXT);
+    }
     part.set_text(SEED, &table.seed.to_string());
     part.set_text(PATCH_DIGEST, &table.patch_digest);
     let errors: Vec<Vec<f32>> = table.colours.iter().map(|colour| colour.albedo_se.clone()).collect();
@@ -233,7 +244,15 @@ fn take_colour(
         orders.push(channels::take(part, &channel, first)?);
     }
     let left_map = format!("left_map.{name}");
+    let polarised = part.channels.contains_key(&format!("{}.{name}", MUELLER_ELEMENTS[0]));
+    let mut elements = |layer: &str| {
+        let channels =
+            MUELLER_ELEMENTS.iter().filter(|_| polarised).map(|element| format!("{layer}{element}.{name}"));
+        channels.map(|channel| channels::take(part, &channel, first)).collect::<Checked<_>>()
+    };
     Ok(ColourChannels {
+        mueller: elements("")?,
+        stderr_mueller: elements("stderr.")?,
         left_map: match part.channels.contains_key(&left_map) {
             true => channels::take(part, &left_map, first)?,
             false => Vec::new(),
@@ -257,7 +276,13 @@ fn drop_unknown(part: &mut ImagePart, colours: &[ColourName], warnings: &mut Vec
     let known = |name: &str| match name.split_once('.') {
         None => matches!(name, "hits" | "schlick" | "unit") || of_colour(name),
         Some(("single" | "multiple" | "left_map", rest)) => of_colour(rest),
-        Some(("stderr", rest)) => of_colour(rest.strip_prefix("single.").unwrap_or(rest)),
+        Some(("stderr", rest)) => match rest.split_once('.') {
+            Some((layer, rest)) => {
+                (layer == "single" || MUELLER_ELEMENTS.contains(&layer)) && of_colour(rest)
+            }
+            None => of_colour(rest),
+        },
+        Some((layer, rest)) if MUELLER_ELEMENTS.contains(&layer) => of_colour(rest),
         Some(("parts", rest)) => number(rest),
         Some((layer, rest)) if order(layer) => {
             of_colour(rest) || rest.strip_prefix("parts.").is_some_and(number)

@@ -10,6 +10,7 @@ pub mod symmetry;
 pub use grains::patch::TracedGrains;
 pub use grains::point::GrainPoint;
 pub use grains::starts::{GrainSampler, RaysFromAbove};
+pub(crate) use path::scatter::upside_down_if;
 pub use path::scatter::{Mirrors, Onward, PathEnd, Scatter, SplitEnd};
 pub use path::single::{Traced, TracedPatch};
 pub use path::smith_walk::SmithWalk;

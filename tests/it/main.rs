@@ -64,6 +64,7 @@ mod facets {
     mod faults;
     mod interface;
     mod lanes;
+    mod mueller;
     mod reciprocity;
     mod smith_walk;
 }

@@ -249,7 +249,12 @@ fn clear() -> impl Strategy<Value = Optics> {
     (prop_oneof![listed, single, named], sides).prop_map(|(materials, sides)| {
         let of_side = |&light: &LightSide| {
             let all = materials.iter().map(move |(material, media): &(Option<String>, Vec<Medium>)| {
-                Optics::Dielectric(Dielectric { material: material.clone(), media: media.clone(), light })
+                Optics::Dielectric(Dielectric {
+                    material: material.clone(),
+                    media: media.clone(),
+                    light,
+                    polarisation: Polarisation::None,
+                })
             });
             all.collect::<Vec<_>>()
         };

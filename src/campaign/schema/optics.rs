@@ -51,6 +51,8 @@ pub struct Dielectric {
     pub media: Vec<Medium>,
     /// The side that the light comes from.
     pub light: LightSide,
+    /// What light is counted: `None` or `Mueller`.
+    pub polarisation: Polarisation,
 }
 
 /// A side of the surface.
@@ -94,6 +96,8 @@ pub enum Polarisation {
     S,
     /// In the plane.
     P,
+    /// Unpolarised, with the Mueller matrix beside it.
+    Mueller,
 }
 
 impl Optics {
@@ -138,6 +142,15 @@ impl Optics {
         self.each().iter().any(|one| matches!(one, Optics::Dielectric(_)))
     }
 
+    /// Whether Mueller matrices are measured; never of some materials alone.
+    pub fn has_mueller(&self) -> bool {
+        self.each().iter().any(|one| match one {
+            Optics::Index(index) => index.polarisation == Polarisation::Mueller,
+            Optics::Dielectric(clear) => clear.polarisation == Polarisation::Mueller,
+            _ => false,
+        })
+    }
+
     /// The material's name, where it has one.
     pub fn material(&self) -> Option<&str> {
         match self {
@@ -164,7 +177,7 @@ impl Optics {
         match self {
             Optics::Index(index) => {
                 let polarisation = match index.polarisation {
-                    Polarisation::None => None,
+                    Polarisation::None | Polarisation::Mueller => None,
                     Polarisation::S => Some("s"),
                     Polarisation::P => Some("p"),
                 };
@@ -209,6 +222,7 @@ impl RefractiveIndex {
             Polarisation::None => "",
             Polarisation::S => ", s-polarised about the plane of wi and wo",
             Polarisation::P => ", p-polarised about the plane of wi and wo",
+            Polarisation::Mueller => WITH_MUELLER,
         };
         format!("{material}{law}, {at}{polarised}")
     }
@@ -223,7 +237,8 @@ impl Dielectric {
     fn described(&self) -> String {
         let material = self.material.as_ref().map_or(String::new(), |name| format!("{name}, "));
         let side = if self.light == LightSide::Front { "" } else { ", light from inside" };
-        format!("{material}clear, {}{side}", described(&self.media))
+        let mueller = if self.polarisation == Polarisation::Mueller { WITH_MUELLER } else { "" };
+        format!("{material}clear, {}{side}{mueller}", described(&self.media))
     }
 
     /// The media in the order of the table's colours: R, G, B where there are three.
@@ -231,6 +246,8 @@ impl Dielectric {
         by_colour(&self.media)
     }
 }
+
+const WITH_MUELLER: &str = ", with Mueller matrices";
 
 fn described(media: &[Medium]) -> String {
     let index = |medium: &Medium| match medium.k {

@@ -1,7 +1,7 @@
 //! NPZ: every array of the table for NumPy, stored in a zip without compression; comes back bit for bit.
 //!
 //! Arrays: `brdf` [theta_i, phi_i, theta_r, phi_r(, colour)] f4, `single`, `stderr`, `stderr_single` alike, `hits` u4
-//! (`schlick`, `unit`, `parts.*` f4) without colours, `order2` ... and `wavelength_nm` where the table has them, axes
+//! (`schlick`, `unit`, `parts.*` f4) without colours, `order2` ..., `m00` ... `m33` with `stderr.m00` ... and `wavelength_nm` where the table has them, axes
 //! f8 in degrees, `phi_r_relative` u1, texts as `str` (`<U`): `campaign`, `grid` (JSON, the whole geometry),
 //! `version`, `seed`, `patch_digest`; older files have them as u1 (UTF-8), which are read too. Lists of patches or
 //! points have [incidence, bin(, colour)].
@@ -23,7 +23,7 @@ use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
 use crate::interchange::read_back::{Listing, ReadBack};
 use crate::interchange::text::seam;
 use crate::interchange::{Checked, Imported, Options, spectral_table};
-use crate::table::{BrdfTable, ColourChannels, SchlickSums, check_grid};
+use crate::table::{BrdfTable, ColourChannels, MUELLER_ELEMENTS, SchlickSums, check_grid};
 
 /// How the values are meant.
 const CONVENTION: &str = "the table as it is: f4, C order, [theta_i, phi_i, theta_r, phi_r(, colour)]; BRDF in 1/sr, no \
@@ -74,6 +74,12 @@ const CHANNELS: [ChannelArray; 5] = [
     ("stderr_single", |c| &c.stderr_single, |c| &mut c.stderr_single),
 ];
 
+/// The elements of Mueller matrices likewise.
+type MuellerArrays =
+    (&'static str, fn(&ColourChannels) -> &Vec<Vec<f32>>, fn(&mut ColourChannels) -> &mut Vec<Vec<f32>>);
+const MUELLER: [MuellerArrays; 2] =
+    [("", |c| &c.mueller, |c| &mut c.mueller), ("stderr.", |c| &c.stderr_mueller, |c| &mut c.stderr_mueller)];
+
 /// The archive while it is written.
 struct Archive<W: Write> {
     zip: ZipWriter<StreamWriter<W>>,
@@ -122,6 +128,13 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
         let values: Vec<&[f32]> =
             table.colours.iter().map(|colour| colour.orders[order].as_slice()).collect();
         archive.array(&format!("order{}", order + 2), &shape_of(values.len()), interleaved(&values))?;
+    }
+    for (layer, planes, _) in MUELLER {
+        for (k, element) in MUELLER_ELEMENTS.iter().enumerate().take(planes(&table.colours[0]).len()) {
+            let values: Vec<&[f32]> =
+                table.colours.iter().map(|colour| planes(colour)[k].as_slice()).collect();
+            archive.array(&format!("{layer}{element}"), &shape_of(values.len()), interleaved(&values))?;
+        }
     }
     for (name, sums) in table.schlick.iter().flat_map(|sums| sums.channels(table.is_by_order())) {
         archive.array(&name, &shape_of(1), sums.iter().copied())?;
@@ -191,6 +204,20 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
         let Some(values) = members.channel(&format!("order{order}"), &wanted)? else { break };
         let channels = table.colours.iter_mut().zip(apart(&values, colours));
         channels.for_each(|(colour, values)| colour.orders.push(values));
+    }
+    for (layer, _, place) in MUELLER {
+        for element in MUELLER_ELEMENTS {
+            let Some(values) = members.channel(&format!("{layer}{element}"), &wanted)? else { break };
+            let channels = table.colours.iter_mut().zip(apart(&values, colours));
+            channels.for_each(|(colour, values)| place(colour).push(values));
+        }
+    }
+    if table
+        .colours
+        .iter()
+        .any(|colour| !matches!((colour.mueller.len(), colour.stderr_mueller.len()), (0, 0) | (16, 16)))
+    {
+        return Err("arrays `m00` to `m33` and `stderr.m00` to `stderr.m33`: all of them, or none".into());
     }
     table.campaign = members.text("campaign")?;
     table.patch_digest = members.text("patch_digest")?;

@@ -90,7 +90,8 @@ fn of_pixels(mut table: BrdfTable, grid: Grid, pixels: &[usize]) -> BrdfTable {
             &mut colour.stderr,
             &mut colour.stderr_single,
         ];
-        channels.into_iter().chain(&mut colour.orders).for_each(|values| take(values, pixels));
+        let planes = colour.orders.iter_mut().chain(&mut colour.mueller).chain(&mut colour.stderr_mueller);
+        channels.into_iter().chain(planes).for_each(|values| take(values, pixels));
     }
     take(&mut table.hits, pixels);
     BrdfTable { grid, schlick: None, ..table }

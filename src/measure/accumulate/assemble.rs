@@ -94,6 +94,8 @@ pub(crate) fn assemble(
         let wavelengths = optics.wavelengths_nm();
         let channels = |(place, &colour): (usize, &ColourSource)| {
             let measured = ColourChannels::of_realisations(&parts, place, &hits, &empty);
+            let [mueller, stderr_mueller] = source.mueller(colour, &empty);
+            let measured = ColourChannels { mueller, stderr_mueller, ..measured };
             ColourChannels {
                 orders: source.orders(colour),
                 wavelength_nm: wavelengths.get(place).copied(),

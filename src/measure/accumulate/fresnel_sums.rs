@@ -7,13 +7,16 @@
 use std::ops::Range;
 
 use crate::campaign::{Campaign, FresnelLaw, Optics};
-use crate::measure::optics::{PathLight, reflectances_of};
+use crate::measure::optics::{Kept, PathLight, reflectances_of};
 use crate::optics::fresnel::Fresnel;
 use crate::optics::parts;
 use crate::optics::reflectance::Reflectance;
 
 /// Highest order up to which parts are summed: their number grows with the order.
 pub const HIGHEST: u32 = 8;
+
+/// Elements of a Mueller matrix, row by row.
+pub const ELEMENTS: usize = 16;
 
 /// What is summed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,6 +41,7 @@ pub struct FresnelSums {
     reflectances: Vec<Reflectance>,
     /// Colours of each material.
     of_material: Vec<usize>,
+    mueller: bool,
 }
 
 /// How one colour of a table follows from the sums.
@@ -100,6 +104,7 @@ impl FresnelSums {
             by_order: campaign.trace.by_order,
             reflectances: reflectances_of(&campaign.optics),
             of_material,
+            mueller: campaign.optics.has_mueller(),
         }
     }
 
@@ -119,9 +124,24 @@ impl FresnelSums {
         self.by_order
     }
 
-    /// Whether paths need the angles at their facets.
-    pub fn needs_angles(&self) -> bool {
-        !matches!(self.sums, SumKind::Counts | SumKind::Paths)
+    /// What paths keep of their facets.
+    pub fn kept(&self) -> Kept {
+        Kept { angles: !matches!(self.sums, SumKind::Counts | SumKind::Paths), facets: self.mueller }
+    }
+
+    /// The materials of the colours, one after the other.
+    pub fn reflectances(&self) -> &[Reflectance] {
+        &self.reflectances
+    }
+
+    /// Sums for each bin, next to the flux with F = 1.
+    pub fn sums_of_a_bin(&self) -> usize {
+        self.first_sums() + self.multiple_sums() + self.mueller_sums()
+    }
+
+    /// Signed sums for each bin: the 16 elements of the Mueller matrix of each colour, one after the other.
+    pub fn mueller_sums(&self) -> usize {
+        if self.mueller { ELEMENTS * self.reflectances.len() } else { 0 }
     }
 
     /// Whether every colour has paths of its own, which may go through the surface.

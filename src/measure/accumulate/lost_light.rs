@@ -28,6 +28,8 @@ pub(crate) fn covered(
     });
     ColourChannels {
         stderr: widened(&channels.stderr, &total),
+        // No element of a Mueller matrix exceeds the first.
+        stderr_mueller: channels.stderr_mueller.iter().map(|stderr| widened(stderr, &total)).collect(),
         stderr_single: widened(&channels.stderr_single, &single),
         left_map: total,
         ..channels

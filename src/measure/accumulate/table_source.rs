@@ -1,8 +1,9 @@
 //! The sums that tables are made of, as BRDF values.
 
-use super::fresnel_sums::ColourSource;
+use super::fresnel_sums::{ColourSource, ELEMENTS};
 use super::tally_flux::TallyFlux;
 use crate::measure::plan::Plan;
+use crate::stats;
 use crate::table::{RealisationPart, SchlickSums};
 
 /// What tables are made of: [realisation][incidence], and the bins' projected solid angles, [incidence][bin].
@@ -59,6 +60,33 @@ impl TableSource<'_> {
             first: self.brdf(realisations, |flux, bin| flux.of(flux.tally.first[0][bin])),
             further: (0..sums.groups()).map(group).collect(),
         })
+    }
+
+    /// The elements of a colour's Mueller matrix and their standard errors, where they are measured: of the very f32 values
+    /// that realisations hold. `empty` is the error of a bin without light.
+    pub fn mueller(&self, colour: ColourSource, empty: &[f32]) -> [Vec<Vec<f32>>; 2] {
+        let (ColourSource::Traced { place } | ColourSource::Followed { place }) = colour else {
+            return [vec![], vec![]];
+        };
+        let elements = if self.plan.sums.mueller_sums() > 0 { ELEMENTS } else { 0 };
+        let [mut values, mut errors] = [vec![Vec::new(); elements], vec![Vec::new(); elements]];
+        for (stop, sizes) in self.sizes.iter().enumerate() {
+            for (bin, size) in sizes.iter().enumerate() {
+                let of = |element: usize| {
+                    let one =
+                        |stops: &Vec<TallyFlux>| (stops[stop].mueller(place, element, bin) / size) as f32;
+                    stats::mean_and_se(self.flux.iter().map(one).map(f64::from))
+                };
+                let no_light = elements > 0 && of(0).0 == 0.0;
+                for (element, (values, errors)) in values.iter_mut().zip(&mut errors).enumerate() {
+                    let (mean, se) = of(element);
+                    let se = se.map_or(-1.0, |se| se as f32);
+                    values.push(mean as f32);
+                    errors.push(if no_light && se >= 0.0 { empty[stop * self.plan.bins + bin] } else { se });
+                }
+            }
+        }
+        [values, errors]
     }
 
     /// Orders 2, 3, ... of a colour, where they are kept apart.

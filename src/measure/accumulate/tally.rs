@@ -22,6 +22,16 @@ pub fn from_units(units: u128) -> f64 {
     units as f64 / UNITS
 }
 
+/// Flux with a sign in units.
+pub fn to_signed_units(flux: f64) -> i128 {
+    (flux * UNITS).round() as i128
+}
+
+/// Units with a sign as flux.
+pub fn from_signed_units(units: i128) -> f64 {
+    units as f64 / UNITS
+}
+
 /// The sums of one incidence and realisation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tally {
@@ -52,6 +62,8 @@ pub struct Tally {
     pub absorbed: FluxCount,
     /// What the light sees of the samples, by the slope of their facets.
     pub seen: SeenBySlope,
+    /// Elements of Mueller matrices, each for each bin, as `FresnelSums` has them; units with a sign.
+    pub mueller: Vec<Vec<i128>>,
     /// Faults of the program.
     pub lost: u64,
 }
@@ -96,6 +108,7 @@ impl Tally {
             outside: FluxCount::default(),
             absorbed: FluxCount::default(),
             seen: SeenBySlope::default(),
+            mueller: vec![vec![0; bins]; sums.mueller_sums()],
             lost: 0,
         }
     }
@@ -105,6 +118,9 @@ impl Tally {
         add(&mut self.single, &other.single);
         let planes = self.first.iter_mut().zip(&other.first);
         for (mine, theirs) in planes.chain(self.multiple.iter_mut().zip(&other.multiple)) {
+            add(mine, theirs);
+        }
+        for (mine, theirs) in self.mueller.iter_mut().zip(&other.mueller) {
             add(mine, theirs);
         }
         for (mine, theirs) in self.hits.iter_mut().zip(&other.hits) {
@@ -133,12 +149,15 @@ impl Tally {
 
     /// Whether another tally has sums for the same things.
     pub fn has_shape_of(&self, other: &Self) -> bool {
-        let planes = |sums: &[Vec<u128>]| sums.iter().map(Vec::len).collect::<Vec<_>>();
+        fn planes<T>(sums: &[Vec<T>]) -> Vec<usize> {
+            sums.iter().map(Vec::len).collect()
+        }
         let orders = |orders: &[Order]| orders.iter().map(|order| order.weighted.len()).collect::<Vec<_>>();
         self.single.len() == other.single.len()
             && self.hits.len() == other.hits.len()
             && planes(&self.first) == planes(&other.first)
             && planes(&self.multiple) == planes(&other.multiple)
+            && planes(&self.mueller) == planes(&other.mueller)
             && orders(&self.orders) == orders(&other.orders)
             && orders(&self.through) == orders(&other.through)
             && self.left.iter().all(|left| left.left.is_none() && left.has_shape_of(other))
@@ -174,6 +193,7 @@ impl Tally {
             && self.seen.is_sound(paths)
             && self.lost == 0
             && planes.flatten().chain(fluxes).chain(weighted).all(|&units| units <= u128::MAX / 4)
+            && self.mueller.iter().flatten().all(|units| units.unsigned_abs() <= u128::MAX / 8)
     }
 
     /// The sums of the paths over the edge of an open map.
@@ -185,7 +205,7 @@ impl Tally {
     /// How many sums by bin there are, hits not among them.
     pub fn sums(&self) -> usize {
         let left = self.left.as_ref().map_or(0, |left| left.sums());
-        self.single.len() * (1 + self.first.len() + self.multiple.len()) + left
+        self.single.len() * (1 + self.first.len() + self.multiple.len() + self.mueller.len()) + left
     }
 
     /// All paths that were counted.
@@ -214,8 +234,8 @@ impl FluxCount {
     }
 }
 
-fn add(mine: &mut [u128], theirs: &[u128]) {
-    for (mine, theirs) in mine.iter_mut().zip(theirs) {
+fn add<T: Copy + std::ops::AddAssign>(mine: &mut [T], theirs: &[T]) {
+    for (mine, &theirs) in mine.iter_mut().zip(theirs) {
         *mine += theirs;
     }
 }

@@ -1,7 +1,7 @@
 //! The sums of one incidence and realisation as fractions of the incident flux: what colours are made of.
 
-use super::fresnel_sums::{ColourSource, FresnelSums};
-use super::tally::{Order, Tally, from_units};
+use super::fresnel_sums::{ColourSource, ELEMENTS, FresnelSums};
+use super::tally::{Order, Tally, from_signed_units, from_units};
 use crate::optics::parts;
 
 /// A tally, read as fractions of what fell on the patch in its blocks.
@@ -21,6 +21,11 @@ impl<'a> TallyFlux<'a> {
     /// Units of the tally as a fraction of the incident flux.
     pub fn of(&self, units: u128) -> f64 {
         from_units(units) / self.blocks
+    }
+
+    /// Flux with a sign: an element of a colour's Mueller matrix, all orders together.
+    pub fn mueller(&self, place: usize, element: usize, bin: usize) -> f64 {
+        from_signed_units(self.tally.mueller[place * ELEMENTS + element][bin]) / self.blocks
     }
 
     /// What left an open map, where anything did.

@@ -113,6 +113,7 @@ impl BlockTracer<'_> {
         let arms = &self.turns[self.at].arms;
         let hits_first = light.place() * context.plan.bins;
         context.plan.sums.weigh(light, order, weights);
+        let polarised = context.polarimeter.as_ref().map(|it| it.light_of(light, arms, wo, weights));
         let orders = if wo.z > 0.0 { &mut tally.orders } else { &mut tally.through };
         let out = &mut orders[order as usize - 1];
         out.count += 1;
@@ -121,8 +122,11 @@ impl BlockTracer<'_> {
             *sum += to_units(flux * weight);
         }
         let share = |weight: &f64| to_units(part * weight);
-        let into_bin = |bin: usize| {
+        let into_bin = |bin: usize, mirrored: bool| {
             tally.hits[hits_first + bin] += 1;
+            if let Some(polarised) = &polarised {
+                polarised.add(bin, mirrored, *part, &mut tally.mueller);
+            }
             let sums = if order > 1 {
                 &mut tally.multiple[weights.first..]
             } else {
@@ -137,7 +141,8 @@ impl BlockTracer<'_> {
         if context.plan.folded[self.stop] {
             context.sensor.each_bin_of_both(wo, arms.mirrored(wo), arms.mirror_deg, into_bin);
         } else {
-            context.sensor.each_bin(wo, into_bin);
+            let mut into_bin = into_bin;
+            context.sensor.each_bin(wo, |bin| into_bin(bin, false));
         }
     }
 }

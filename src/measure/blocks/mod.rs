@@ -3,6 +3,7 @@
 pub mod arms;
 mod block;
 mod endings;
+pub(super) mod polarimeter;
 mod ray_counts;
 pub(super) mod tracer;
 mod waves;

@@ -184,7 +184,7 @@ impl<'a> BlockTracer<'a> {
     }
 
     pub(super) fn light(&self, way: FacetWay, draws: PathDraws) -> PathLight {
-        PathLight::new(way, draws, self.context.plan.sums.needs_angles())
+        PathLight::new(way, draws, self.context.plan.sums.kept())
     }
 
     /// The index of clear facets where both parts of the light are followed: at order 1, without chance.

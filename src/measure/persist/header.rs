@@ -13,7 +13,7 @@ use crate::files::sealed;
 use crate::measure::cost::Cost;
 
 /// What the files of a run begin with, checkpoints and finished parts alike; another number is another format.
-pub const KIND: &str = "gonio run 3";
+pub const KIND: &str = "gonio run 4";
 /// A header is no longer than this: a campaign's text, and 33 bytes for each patch.
 const LONGEST: usize = 1 << 24;
 

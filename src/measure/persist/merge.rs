@@ -100,7 +100,7 @@ fn with_stops(files: Vec<PartFile>, whole: &Plan) -> Vec<(PartFile, Vec<usize>)>
 
 /// Bytes of the sums of one incidence in memory: counts and hits of a bin, fixed-point sums, and what it has besides.
 fn sums_of(campaign: &Campaign, plan: &Plan) -> u128 {
-    let sums = (plan.sums.first_sums() + plan.sums.multiple_sums()) as u128;
+    let sums = plan.sums.sums_of_a_bin() as u128;
     let tallies = u128::from(plan.realisations) * campaign.alphas().len() as u128;
     let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
     let counts = 8 + 8 * plan.sums.hit_sets() as u128;

@@ -43,7 +43,7 @@ impl Disk {
     // Tested by `what_a_run_takes_on_the_disk_is_said_before` (tests/process/full_disk.rs).
     pub fn of(campaign: &Campaign, plan: &Plan, limit: u64) -> Self {
         let sums = &plan.sums;
-        let sums = (sums.first_sums() + sums.multiple_sums()) as u128;
+        let sums = sums.sums_of_a_bin() as u128;
         // Of an open map the sums of what leaves it besides.
         let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };
         let tally =
@@ -99,7 +99,7 @@ fn tables(campaign: &Campaign, plan: &Plan, limit: u64) -> u128 {
         let colours = sums.colours(material).len();
         let orders = if sums.by_order() { sums.groups() } else { 0 };
         let left_map = usize::from(campaign.surface.kind.is_open_map());
-        let channels = (colours * (5 + left_map + orders) + 1 + schlick) as u128;
+        let channels = (colours * (5 + left_map + orders) + 2 * sums.mueller_sums() + 1 + schlick) as u128;
         let parts = realisations_of(plan, material, limit);
         let shown = values.saturating_mul(BYTES_PER_SHOWN_VALUE * colours as u128);
         let page = shown.saturating_add(BYTES_PER_PAGE).min(LARGEST_PAGE);

@@ -105,7 +105,7 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let bins = plan.bins as u128;
     // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
     // that threads have in hand; f32 tables and realisations' files, with the sums of Schlick's formula in each.
-    let sums = (1 + plan.sums.first_sums() + plan.sums.multiple_sums()) as u128;
+    let sums = 1 + plan.sums.sums_of_a_bin() as u128;
     let (realisations, roughnesses) = (u128::from(plan.realisations), campaign.alphas().len() as u128);
     // Of an open map the sums of what leaves it besides.
     let copies = if campaign.surface.kind.is_open_map() { 2 } else { 1 };

@@ -78,7 +78,7 @@ impl SchlickError {
 /// Fresnel's equations for the colours of a material, in their order.
 fn index_of(optics: &Optics) -> Option<Vec<Fresnel>> {
     match optics {
-        Optics::Index(index) if index.polarisation == Polarisation::None => {
+        Optics::Index(index) if matches!(index.polarisation, Polarisation::None | Polarisation::Mueller) => {
             Some(index.by_colour().into_iter().map(fresnel_of).collect())
         }
         Optics::Schlick { material: Some(name), .. } => {

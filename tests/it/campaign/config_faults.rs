@@ -542,9 +542,20 @@ fn indices_outside_physics_are_refused() {
         polarisation,
         "each polarisation once",
     );
+    one(
+        "material = \"gold\"\npolarisation = \"mueller\"",
+        polarisation,
+        "Schlick's formula knows no polarisation",
+    );
+    one(
+        "eta = 1.5\nfresnel = \"exact\"\npolarisation = [\"mueller\", \"s\"]",
+        polarisation,
+        "\"mueller\" alone",
+    );
+    one("facet = \"dielectric\"\neta = 1.5\npolarisation = \"s\"", polarisation, "\"none\" or \"mueller\"");
     let polarised = with(gold, "eta = 1.5\nfresnel = \"exact\"\npolarisation = \"p\"");
     let twice = polarised.replace("bounces = 1", "bounces = 2");
-    one_fault(&twice, "polarisation", polarisation, "must be \"none\" with bounces = 2");
+    one_fault(&twice, "polarisation", polarisation, "must be \"none\" or \"mueller\" with bounces = 2");
     assert_eq!(accepted(&polarised).campaign.optics.colours(), 1);
     let apart = with("bounces = 1", "bounces = 1\nby_order = true");
     one_fault(&apart, "by_order", "trace.by_order", "2 to 16 orders");

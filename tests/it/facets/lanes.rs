@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 use gonio::campaign::LightSide;
-use gonio::measure::optics::{FacetWay, PathLight};
+use gonio::measure::optics::{FacetWay, Kept, PathLight};
 use gonio::optics::FacetKind;
 use gonio::rng::PathDraws;
 use gonio::sphere;
@@ -39,7 +39,7 @@ fn split_light_in_lanes_is_that_of_single_paths() {
         let mut splits = Vec::new();
         paths.trace_split(&over, &wave, eta, &mut splits);
         let way = FacetWay { kind: FacetKind::Dielectric { eta }, light: LightSide::Front, place: 0 };
-        let light = |k: usize| PathLight::new(way, PathDraws::new(9, k as u64), false);
+        let light = |k: usize| PathLight::new(way, PathDraws::new(9, k as u64), Kept::default());
         let mut lights: Vec<PathLight> = (0..starts.len()).map(light).collect();
         let mut endings = Vec::new();
         paths.trace(&over, &wave, &mut lights, &mut endings);

@@ -42,6 +42,8 @@ fn table(colours: usize) -> BrdfTable {
             albedo_se: channel()[..grid.stops()].to_vec(),
             // Orders 2 and 3 by themselves; colours beyond R, G, B are told by their wavelengths.
             orders: vec![channel(), channel()],
+            mueller: (0..16).map(|_| channel()).collect(),
+            stderr_mueller: (0..16).map(|_| channel()).collect(),
             left_map: channel(),
             wavelength_nm: (colours > 3).then_some(400.0 + 12.5 * k as f64),
         })
@@ -143,7 +145,17 @@ fn with_a_bit_flipped(part: &ImagePart) -> Vec<(String, ImagePart)> {
 fn one_flipped_bit_in_any_text_of_a_table_is_an_error() {
     let part = opened(&table(3));
     let flipped = with_a_bit_flipped(&part);
-    let names = ["albedo_se", "campaign", "convention", "digest", "grid", "patch_digest", "seed", "version"];
+    let names = [
+        "albedo_se",
+        "campaign",
+        "convention",
+        "digest",
+        "grid",
+        "mueller",
+        "patch_digest",
+        "seed",
+        "version",
+    ];
     assert_eq!(flipped.len(), 3 * names.len());
     let folder = tempfile::tempdir().expect("temporary folder");
     let path = folder.path().join("table.exr");

@@ -3,7 +3,7 @@
 use super::material_keys::{Around, MaterialKeys, distinct, reflectances};
 use crate::campaign::materials;
 use crate::campaign::parse::reader::{GivenValue, Slot, plain};
-use crate::campaign::schema::{Dielectric, LightSide, Medium, Optics};
+use crate::campaign::schema::{Dielectric, LightSide, Medium, Optics, Polarisation};
 
 impl MaterialKeys<'_> {
     /// Facets that scatter evenly.
@@ -20,7 +20,7 @@ impl MaterialKeys<'_> {
     }
 
     /// Clear facets, one table for each material and side of the light.
-    pub fn clear(&self, around: &Around<'_>) -> Option<Optics> {
+    pub fn clear(&self, around: &Around<'_>, polarisation: Polarisation) -> Option<Optics> {
         self.f0.absent("belongs to facet = \"mirror\": give the index, eta or a material")?;
         self.k.absent("belongs to facet = \"mirror\": nothing goes through what absorbs")?;
         let named = |item: &GivenValue<'_>| {
@@ -51,7 +51,8 @@ impl MaterialKeys<'_> {
         };
         let of_side = |light: LightSide| {
             all.iter().map(move |(material, media)| {
-                Optics::Dielectric(Dielectric { material: material.clone(), media: media.clone(), light })
+                let (material, media) = (material.clone(), media.clone());
+                Optics::Dielectric(Dielectric { material, media, light, polarisation })
             })
         };
         let mut each: Vec<Optics> = around.sides.iter().flat_map(|&side| of_side(side)).collect();

@@ -14,8 +14,16 @@ pub(crate) const LAWS: [(&str, FresnelLaw); 2] =
     [("schlick", FresnelLaw::Schlick), ("exact", FresnelLaw::Exact)];
 
 /// Words for [`Polarisation`].
-pub(crate) const POLARISATIONS: [(&str, Polarisation); 3] =
-    [("none", Polarisation::None), ("s", Polarisation::S), ("p", Polarisation::P)];
+pub(crate) const POLARISATIONS: [(&str, Polarisation); 4] = [
+    ("none", Polarisation::None),
+    ("s", Polarisation::S),
+    ("p", Polarisation::P),
+    ("mueller", Polarisation::Mueller),
+];
+
+/// Words for it at clear facets, where light is followed on both sides.
+const CLEAR_POLARISATIONS: [(&str, Polarisation); 2] =
+    [("none", Polarisation::None), ("mueller", Polarisation::Mueller)];
 
 /// What facets do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,10 +78,13 @@ fn given(table: TableReader<'_>, around: &Around<'_>) -> Option<Optics> {
     match facet.or(Facet::Mirror, |i| i.choice(&FACETS))? {
         Facet::Mirror => albedo.absent("belongs to facet = \"diffuse\"")?,
         Facet::Dielectric => {
-            let why = "belongs to facet = \"mirror\": clear facets follow Fresnel's equations, unpolarised";
-            let absent = [&fresnel, &polarisation].map(|slot| slot.absent(why));
-            let albedo = albedo.absent("belongs to facet = \"diffuse\"");
-            return source.clear(around).filter(|_| absent.iter().all(Option::is_some) && albedo.is_some());
+            let absent = [
+                fresnel.absent("belongs to facet = \"mirror\": clear facets follow Fresnel's equations"),
+                albedo.absent("belongs to facet = \"diffuse\""),
+            ];
+            let polarisation = polarisation.or(Polarisation::None, |i| i.choice(&CLEAR_POLARISATIONS));
+            let clear = source.clear(around, polarisation.unwrap_or(Polarisation::None));
+            return clear.filter(|_| absent.iter().all(Option::is_some) && polarisation.is_some());
         }
         Facet::Diffuse => return source.diffuse(&albedo, &[&fresnel, &polarisation]),
     }
@@ -83,13 +94,14 @@ fn given(table: TableReader<'_>, around: &Around<'_>) -> Option<Optics> {
     let materials = source.read(law.unwrap_or(FresnelLaw::Schlick), around);
     let (law, polarisations) = (law?, polarisations?);
     let polarised = polarisations.iter().any(|p| *p != Polarisation::None);
+    let by_plane = polarisations.iter().any(|p| matches!(p, Polarisation::S | Polarisation::P));
     if polarised && law == FresnelLaw::Schlick {
         return polarisation
             .refuse("must be \"none\": Schlick's formula knows no polarisation; fresnel = \"exact\" does");
     }
-    if let (true, Some(orders @ 2..)) = (polarised, around.orders) {
+    if let (true, Some(orders @ 2..)) = (by_plane, around.orders) {
         return polarisation.refuse(format!(
-            "must be \"none\" with bounces = {orders}: after one bounce light is partly polarised, and turned planes mix s and p"
+            "must be \"none\" or \"mueller\" with bounces = {orders}: after one bounce light is partly polarised, and turned planes mix s and p"
         ));
     }
     let materials = materials?;
@@ -115,6 +127,9 @@ fn polarisations(item: &GivenValue<'_>) -> Option<Vec<Polarisation>> {
     let read = item.each(|i| i.choice(&POLARISATIONS))?;
     if read.is_empty() || (1..read.len()).any(|k| read[..k].contains(&read[k])) {
         return item.refuse("must hold each polarisation once: one table is made for each");
+    }
+    if read.len() > 1 && read.contains(&Polarisation::Mueller) {
+        return item.refuse("must be \"mueller\" alone: its matrices hold unpolarised, s and p light");
     }
     Some(read)
 }
