@@ -1,15 +1,14 @@
 //! `gonio fit`: analytic models fitted to a stored table, best first.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 
 use super::table_file;
-use super::text::output::{Output, columns, or_na, say, to_json, wrapped};
+use super::text::output::{Output, columns, or_na, to_json, wrapped};
 use crate::error::{Error, Result};
 use crate::fit::{self, Fit, FitData, FitLaw, Fits, NAMES};
 use crate::stats;
-use crate::table::{BrdfTable, Realisations};
 
 /// L1 from which on the best model is called no good one.
 const POOR: f64 = 0.25;
@@ -23,6 +22,8 @@ const STRETCHED: &str = "direction_correlated: lambda takes the azimuth between 
 #[command(
     after_help = "Errors come from leaving out one realisation at a time. Amplitudes are held at 0 or above,\n\
     F0 in 0 .. 1, slopes in 0.0001 .. 10; a parameter on its bound is named and has no error.\n\
+    Of dielectric facets eta is fitted with the roughness, one index for all colours, to light\n\
+    that comes back and light that has gone through together. student_t fits gamma too.\n\
     Gaps of an imported table (error -2) are left out. direction_correlated takes the\n\
     azimuth between the stretched directions (alpha_x x, alpha_y y).\n\n\
     Example: gonio fit out/quickstart/quickstart.exr --model ggx"
@@ -46,20 +47,22 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let table = table_file::load(path)?;
     let campaign = table_file::campaign_if_any(path, &table)?;
     let parts = table_file::realisations_beside(path, &table)?;
-    let (table, parts) = light_that_comes_back(path, table, parts)?;
     let data = FitData::new(&table, campaign.as_ref(), parts.as_ref());
     if data.value.iter().flatten().all(|&value| value == 0.0) {
         return Err(Error::format(path, "channel `single` is 0 everywhere: nothing can be fitted"));
     }
     let own = campaign.as_ref().map_or(Vec::new(), |c| FitLaw::of_surface(&c.surface.kind, &data));
-    let laws = FitLaw::all(&data).into_iter().chain(own);
-    let laws: Vec<FitLaw> =
-        laws.filter(|law| arguments.model.as_ref().is_none_or(|name| name == law.name())).collect();
-    if laws.is_empty() {
-        return Err(Error::format(
-            path,
-            "holds no [surface.student_t], whose gamma the model student_t needs",
-        ));
+    let mut laws: Vec<FitLaw> = FitLaw::all(&data).into_iter().chain(own).collect();
+    if let Some(name) = &arguments.model {
+        laws.retain(|law| law.name() == name);
+        if laws.is_empty() && name == "student_t" {
+            laws = FitLaw::student_t(&data);
+        }
+        if laws.is_empty() {
+            let why =
+                format!("--model {name} knows no light that has gone through: beckmann, ggx or student_t");
+            return Err(Error::Usage(format!("{}: {why}", path.display())));
+        }
     }
     let fits = fit::fit(&data, &laws);
     let mut out = Output::default();
@@ -69,24 +72,6 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         out.lines(lines(&fits))?;
     }
     Ok(0)
-}
-
-/// The bins above the horizon: models of light that has gone through are not fitted.
-fn light_that_comes_back(
-    path: &Path,
-    table: BrdfTable,
-    parts: Option<Realisations>,
-) -> Result<(BrdfTable, Option<Realisations>)> {
-    if !table.grid.looks_below() {
-        return Ok((table, parts));
-    }
-    let Some(half) = table.half(false) else {
-        let why =
-            "holds light that has gone through the surface alone: models are fitted to light that comes back";
-        return Err(Error::format(path, why));
-    };
-    say("note: fitted to light that comes back (theta_r below 90)");
-    Ok((half, parts.and_then(|parts| parts.half(&table.grid, 0, false))))
 }
 
 fn lines(fits: &Fits) -> Vec<String> {

@@ -1,6 +1,6 @@
 //! What a fit is made to: order 1 of a table, its weights, and how far the realisations scatter.
 
-use crate::campaign::{Azimuth, Campaign, Optics};
+use crate::campaign::{Azimuth, Campaign, LightSide, Optics};
 use crate::instrument::Grid;
 use crate::table::{BrdfTable, Realisations};
 
@@ -27,6 +27,9 @@ pub struct FitData {
     pub suffixes: Vec<String>,
     /// Whether F = 1 is known, so that no amplitude is fitted to physical models.
     pub perfect_mirror: bool,
+    /// Sides that the light may come from where facets are clear: the campaign's, or both where none is known and light
+    /// goes through; empty for mirrors.
+    pub clear: Vec<LightSide>,
     /// Whether the table distinguishes azimuths.
     pub absolute: bool,
     /// The campaign's turn of the sample, rad: alpha_x is given for the axis within 45 degrees of it.
@@ -54,6 +57,11 @@ impl FitData {
         FitData {
             aperture: campaign.map_or(0.0, |c| c.light.aperture_deg.to_radians()),
             perfect_mirror: campaign.is_some_and(|c| c.optics == Optics::PerfectMirror),
+            clear: match campaign {
+                Some(campaign) if campaign.optics.lets_through() => campaign.optics.light_sides(),
+                None if grid.looks_below() => vec![LightSide::Front, LightSide::Back],
+                _ => vec![],
+            },
             absolute: !average && (!grid.phi_r_relative || grid.azimuths() > 1),
             rotation: campaign.map_or(0.0, |c| c.surface.rotation_deg.to_radians()),
             // A table without any scatter at all has no errors either.

@@ -2,21 +2,16 @@
 //!
 //! A model is a *shape* (roughness, exponent, ...) and amplitudes that it depends on linearly, one set for each colour:
 //! f = amplitude_0 basis_0 + amplitude_1 basis_1 (empirical), f = basis_0 (F = 1) or f = F0 (basis_0 - basis_1) +
-//! basis_1 (Schlick, basis_1 the mean with (1-c)^5). Shapes are fitted as logarithms, so every roughness is positive;
-//! an anisotropic one as the logarithm of its matrix, [[a + b, c], [c, a - b]], which is smooth also where alpha_x =
-//! alpha_y and no rotation is defined.
+//! basis_1 (Schlick, basis_1 the mean with (1-c)^5). Shapes are fitted as logarithms, so every roughness is positive.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
-
-use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
 
 use super::data::FitData;
+use super::microfacet_law::{MicrofacetLaw, ON_BOUND, SLOPES, with_schlick};
 use super::nodes::StopNodes;
 use super::pilot::Pilot;
-use crate::campaign::SurfaceKind;
-use crate::optics::fresnel::schlick_weight;
-use crate::theory::smith::visibility;
-use crate::theory::{Masking, Microfacet, Ndf, cavities, empirical};
+use crate::campaign::{LightSide, SurfaceKind};
+use crate::theory::{Masking, Ndf, cavities, empirical};
 
 /// A model that can be fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,16 +29,7 @@ pub enum FitLaw {
     /// Gaussian tilts on V-cavities.
     TorranceSparrow,
     /// Smith's masking.
-    Microfacet {
-        /// Law of the normals.
-        ndf: Ndf,
-        /// How shadowing and masking are joined. The direction-correlated one takes lambda = 4.41 phi/(4.41 phi + 1) of
-        /// the azimuth phi between the *stretched* directions (alpha_x x, alpha_y y), not between the arms themselves:
-        /// the two differ where alpha_x and alpha_y do.
-        masking: Masking,
-        /// Whether alpha_x, alpha_y and the rotation are fitted.
-        anisotropic: bool,
-    },
+    Microfacet(MicrofacetLaw),
 }
 
 /// How the basis makes a BRDF.
@@ -72,16 +58,10 @@ pub const NAMES: [&str; 9] = [
     "student_t",
 ];
 
-/// Slopes that a fit may return. Beyond 10 the facets stand on edge and every larger value looks the same; below, no
-/// bin resolves the lobe.
-const SLOPES: [f64; 2] = [1e-4, 10.0];
 /// Exponents: the lobe of 0.01 is the hemisphere's, that of 1e6 is as narrow as a slope of 0.0014.
 const EXPONENTS: [f64; 2] = [0.01, 1e6];
 /// Tilts: no facet is turned further than upright.
 const TILTS: [f64; 2] = [1e-4, FRAC_PI_2];
-/// Distance from a bound, in the shape's parameter, that is none.
-const ON_BOUND: f64 = 1e-9;
-
 impl Amplitudes {
     /// Amplitudes that each colour adds to the parameters.
     pub fn per_colour(self) -> usize {
@@ -104,24 +84,46 @@ impl FitLaw {
             FitLaw::CookTorrance,
             FitLaw::TorranceSparrow,
         ];
+        if data.grid.looks_below() {
+            // None of them knows light that has gone through.
+            laws.clear();
+        }
         laws.extend([Ndf::Beckmann, Ndf::Ggx].into_iter().flat_map(|ndf| FitLaw::of_normals(ndf, data)));
         laws
     }
 
     /// One law of normals with every masking.
     pub fn of_normals(ndf: Ndf, data: &FitData) -> Vec<FitLaw> {
-        let kinds = [false, true].into_iter().filter(|anisotropic| !anisotropic || data.absolute);
-        let pairs =
-            Masking::ALL.into_iter().flat_map(|masking| kinds.clone().map(move |kind| (masking, kind)));
-        pairs.map(|(masking, anisotropic)| FitLaw::Microfacet { ndf, masking, anisotropic }).collect()
+        let kinds: Vec<bool> = [false, true].into_iter().filter(|two| !two || data.absolute).collect();
+        let sides: Vec<Option<LightSide>> =
+            if data.clear.is_empty() { vec![None] } else { data.clear.iter().copied().map(Some).collect() };
+        let mut laws = Vec::new();
+        for masking in Masking::ALL {
+            for &anisotropic in &kinds {
+                let law = MicrofacetLaw::new(ndf, masking, anisotropic);
+                laws.extend(sides.iter().map(|&clear| FitLaw::Microfacet(MicrofacetLaw { clear, ..law })));
+            }
+        }
+        laws
     }
 
-    /// The models of a surface's own law of normals where they are not among `all`: those of Student's t, whose gamma only
-    /// the campaign knows.
+    /// Student's t with its gamma fitted, with every masking.
+    // Tested by `a_students_patch_is_known_by_its_own_law` (tests/it/fit.rs).
+    pub fn student_t(data: &FitData) -> Vec<FitLaw> {
+        let mut laws = FitLaw::of_normals(Ndf::StudentT { gamma: 2.0 }, data);
+        for law in &mut laws {
+            if let FitLaw::Microfacet(law) = law {
+                law.free_gamma = true;
+            }
+        }
+        laws
+    }
+
+    /// The models of a surface's own law of normals where they are not among `all`.
     // Tested by `a_students_patch_is_known_by_its_own_law` (tests/it/fit.rs).
     pub fn of_surface(kind: &SurfaceKind, data: &FitData) -> Vec<FitLaw> {
         match kind {
-            SurfaceKind::StudentT { gamma, .. } => FitLaw::of_normals(Ndf::StudentT { gamma: *gamma }, data),
+            SurfaceKind::StudentT { .. } => FitLaw::student_t(data),
             SurfaceKind::BlinnPhong { .. } => FitLaw::of_normals(Ndf::BlinnPhong, data),
             _ => Vec::new(),
         }
@@ -136,7 +138,7 @@ impl FitLaw {
             FitLaw::BlinnPhong => "blinn_phong",
             FitLaw::CookTorrance => "cook_torrance",
             FitLaw::TorranceSparrow => "torrance_sparrow",
-            FitLaw::Microfacet { ndf, .. } => ndf.name(),
+            FitLaw::Microfacet(law) => law.ndf.name(),
         }
     }
 
@@ -144,14 +146,14 @@ impl FitLaw {
     pub fn masking(self) -> Option<&'static str> {
         match self {
             FitLaw::CookTorrance | FitLaw::TorranceSparrow => Some("v_cavity"),
-            FitLaw::Microfacet { masking, .. } => Some(masking.name()),
+            FitLaw::Microfacet(law) => Some(law.masking.name()),
             _ => None,
         }
     }
 
     /// Whether the model has two roughnesses.
     pub fn is_anisotropic(self) -> bool {
-        matches!(self, FitLaw::Microfacet { anisotropic: true, .. })
+        matches!(self, FitLaw::Microfacet(law) if law.anisotropic)
     }
 
     /// How the basis makes a BRDF of this table's optics.
@@ -159,6 +161,7 @@ impl FitLaw {
         match self {
             FitLaw::Lambert | FitLaw::OrenNayar => Amplitudes::One,
             FitLaw::Phong | FitLaw::BlinnPhong => Amplitudes::Two,
+            FitLaw::Microfacet(law) if law.clear.is_some() => Amplitudes::Fixed,
             _ if perfect_mirror => Amplitudes::Fixed,
             _ => Amplitudes::Schlick,
         }
@@ -175,64 +178,48 @@ impl FitLaw {
             FitLaw::Phong => vec![exponent - 4.0f64.ln()],
             FitLaw::BlinnPhong => vec![exponent],
             FitLaw::CookTorrance | FitLaw::TorranceSparrow => vec![log_alpha],
-            FitLaw::Microfacet { anisotropic: false, .. } => vec![log_alpha],
-            FitLaw::Microfacet { anisotropic: true, .. } => {
-                let mut shape = vec![log_alpha, pilot.stretch[0], pilot.stretch[1]];
-                self.confine(&mut shape);
-                shape
-            }
+            FitLaw::Microfacet(law) => law.start(pilot),
         }
     }
 
     /// What each parameter of the shape may be.
     pub fn bounds(self) -> Vec<[f64; 2]> {
-        let free = [f64::NEG_INFINITY, f64::INFINITY];
         match self {
             FitLaw::Lambert => vec![],
             FitLaw::OrenNayar => vec![[0.0, TILTS[1]]],
             FitLaw::Phong | FitLaw::BlinnPhong => vec![EXPONENTS.map(f64::ln)],
             FitLaw::TorranceSparrow => vec![TILTS.map(f64::ln)],
-            FitLaw::CookTorrance | FitLaw::Microfacet { anisotropic: false, .. } => vec![SLOPES.map(f64::ln)],
-            FitLaw::Microfacet { anisotropic: true, .. } => vec![SLOPES.map(f64::ln), free, free],
+            FitLaw::CookTorrance => vec![SLOPES.map(f64::ln)],
+            FitLaw::Microfacet(law) => law.bounds(),
         }
     }
 
-    /// Shortens the stretch of an anisotropic shape until both roughnesses are slopes that a fit may return.
+    /// Moves a shape to where a fit may end.
     pub fn confine(self, shape: &mut [f64]) {
-        if let [a, b, c] = shape {
-            let (r, most) = (b.hypot(*c), (SLOPES[1].ln() - *a).min(*a - SLOPES[0].ln()));
-            if r > most {
-                (*b, *c) = (*b * most / r, *c * most / r);
-            }
+        if let FitLaw::Microfacet(law) = self {
+            law.confine(shape);
         }
     }
 
     /// Names of the shape's parameters that stand on a bound.
     pub fn on_bound(self, shape: &[f64]) -> Vec<&'static str> {
-        let on = |value: f64, [low, high]: [f64; 2]| value <= low + ON_BOUND || value >= high - ON_BOUND;
-        match shape {
-            [a, b, c] => {
-                let (r, slopes) = (b.hypot(*c), SLOPES.map(f64::ln));
-                let ends = on(a + r, slopes) || on(a - r, slopes);
-                if ends { vec!["alpha_x", "alpha_y"] } else { vec![] }
-            }
-            _ => {
-                let all = shape.iter().zip(self.bounds()).zip(self.shape_names());
-                all.filter(|((value, bounds), _)| on(**value, *bounds)).map(|(_, name)| *name).collect()
-            }
+        if let FitLaw::Microfacet(law) = self {
+            return law.on_bound(shape);
         }
+        let on = |value: f64, [low, high]: [f64; 2]| value <= low + ON_BOUND || value >= high - ON_BOUND;
+        let all = shape.iter().zip(self.bounds()).zip(self.shape_names());
+        all.filter(|((value, bounds), _)| on(**value, *bounds)).map(|(_, name)| name).collect()
     }
 
     /// Names of the decoded shape.
-    pub fn shape_names(self) -> &'static [&'static str] {
+    pub fn shape_names(self) -> Vec<&'static str> {
         match self {
-            FitLaw::Lambert => &[],
-            FitLaw::OrenNayar => &["sigma_deg"],
-            FitLaw::Phong | FitLaw::BlinnPhong => &["exponent"],
-            FitLaw::CookTorrance => &["m"],
-            FitLaw::TorranceSparrow => &["m_deg"],
-            FitLaw::Microfacet { anisotropic: false, .. } => &["alpha"],
-            FitLaw::Microfacet { anisotropic: true, .. } => &["alpha_x", "alpha_y", "rotation_deg"],
+            FitLaw::Lambert => vec![],
+            FitLaw::OrenNayar => vec!["sigma_deg"],
+            FitLaw::Phong | FitLaw::BlinnPhong => vec!["exponent"],
+            FitLaw::CookTorrance => vec!["m"],
+            FitLaw::TorranceSparrow => vec!["m_deg"],
+            FitLaw::Microfacet(law) => law.shape_names(),
         }
     }
 
@@ -242,10 +229,7 @@ impl FitLaw {
             FitLaw::Lambert => vec![],
             FitLaw::OrenNayar => vec![shape[0].to_degrees()],
             FitLaw::TorranceSparrow => vec![shape[0].exp().to_degrees()],
-            FitLaw::Microfacet { anisotropic: true, .. } => {
-                let (alpha_x, alpha_y, turn) = roughness(shape, rotation);
-                vec![alpha_x, alpha_y, turn.to_degrees()]
-            }
+            FitLaw::Microfacet(law) => law.decode(shape, rotation),
             _ => vec![shape[0].exp()],
         }
     }
@@ -253,10 +237,14 @@ impl FitLaw {
     /// The narrowest lobe of a shape in slopes, for the layout of the nodes.
     pub fn narrowest(self, shape: &[f64]) -> Option<f64> {
         match self {
-            FitLaw::Microfacet { anisotropic: true, .. } => Some((shape[0] - shape[1].hypot(shape[2])).exp()),
-            FitLaw::Microfacet { .. } => Some(shape[0].exp()),
+            FitLaw::Microfacet(law) => Some(law.narrowest(shape)),
             _ => None,
         }
+    }
+
+    /// The index of a shape, beyond over here, where it is fitted.
+    pub fn eta(self, shape: &[f64]) -> Option<f64> {
+        if let FitLaw::Microfacet(law) = self { law.eta(shape) } else { None }
     }
 
     /// Means of both bases over the bins of a stop.
@@ -278,59 +266,7 @@ impl FitLaw {
                 let b = cavities::gaussian_tilt_scale(m);
                 nodes.means(|wi| move |wo| with_schlick(cavities::torrance_sparrow(wi, wo, m, b), wi, wo))
             }
-            FitLaw::Microfacet { ndf, masking, .. } => {
-                let (alpha_x, alpha_y, rotation) = match shape {
-                    [log_alpha] => (log_alpha.exp(), log_alpha.exp(), 0.0),
-                    _ => roughness(shape, 0.0),
-                };
-                let model = Microfacet { ndf, alpha_x, alpha_y, rotation };
-                nodes.means(|wi| {
-                    let i = model.to_sample(wi);
-                    let side = model.side(i);
-                    move |wo| {
-                        let o = model.to_sample(wo);
-                        let unit = ndf.d_of_sum(i + o, alpha_x, alpha_y)
-                            * visibility(masking, &side, &model.side(o));
-                        with_schlick(unit, wi, wo)
-                    }
-                })
-            }
+            FitLaw::Microfacet(law) => law.means(shape, nodes),
         }
-    }
-}
-
-fn with_schlick(unit: f64, wi: DVec3, wo: DVec3) -> [f64; 2] {
-    [unit, unit * schlick_weight(wi, wo)]
-}
-
-/// (alpha_x, alpha_y, turn) of the logarithm (a, b, c) of a matrix of roughness, the turn within 45 degrees of `near`:
-/// eigenvalues exp(a +- r), r = hypot(b, c), the larger one along atan2(c, b)/2.
-// Tested by `a_matrix_of_roughness_has_its_axes` and the anisotropic fits of tests/it/fit.rs.
-pub fn roughness(shape: &[f64], near: f64) -> (f64, f64, f64) {
-    let (a, r) = (shape[0], shape[1].hypot(shape[2]));
-    let axis = 0.5 * shape[2].atan2(shape[1]);
-    let quarters = ((near - axis) / FRAC_PI_2).round();
-    let turn = axis + quarters * FRAC_PI_2;
-    debug_assert!((turn - near).abs() <= FRAC_PI_4 + 1e-9);
-    let swapped = quarters.rem_euclid(2.0) == 1.0;
-    let r = if swapped { -r } else { r };
-    ((a + r).exp(), (a - r).exp(), turn)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_matrix_of_roughness_has_its_axes() {
-        // alpha 0.1 along 30 degrees and 0.4 across: the larger one lies along 120, so b and c point to 240.
-        let (a, r) = (0.5 * (0.1f64 * 0.4).ln(), 0.5 * 4.0f64.ln());
-        let (sin, cos) = 240f64.to_radians().sin_cos();
-        let (alpha_x, alpha_y, turn) = roughness(&[a, r * cos, r * sin], 20f64.to_radians());
-        // Exponentials and arc tangents of numbers near 1.
-        assert!((alpha_x - 0.1).abs() < 1e-15 && (alpha_y - 0.4).abs() < 1e-15, "{alpha_x} {alpha_y}");
-        assert!((turn.to_degrees() - 30.0).abs() < 1e-13, "{turn}");
-        let (alpha_x, _, turn) = roughness(&[a, r * cos, r * sin], 100f64.to_radians());
-        assert!((alpha_x - 0.4).abs() < 1e-15 && (turn.to_degrees() - 120.0).abs() < 1e-13);
     }
 }

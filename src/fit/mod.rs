@@ -11,6 +11,7 @@
 
 pub mod data;
 pub mod law;
+pub mod microfacet_law;
 pub mod nodes;
 pub mod pilot;
 mod ranking;
@@ -20,16 +21,20 @@ mod spread;
 
 pub use data::FitData;
 pub use law::{FitLaw, NAMES};
+pub use microfacet_law::MicrofacetLaw;
 pub use report::{Fit, Fits, Parameters};
 
 use rayon::prelude::*;
 
+use self::nodes::Lobe;
 use self::pilot::{Pilot, pilot};
 use self::solve::{FitLayout, Problem};
 use self::spread::ParameterSpread;
 
 /// How much narrower than planned a lobe may come out before the nodes are laid out anew.
 const NARROWER: f64 = 0.7;
+/// How far n - 1 may come out from what the nodes were laid out for, as a logarithm: they are dense where facets end.
+const FARTHER: f64 = 0.01;
 /// Layouts of the nodes at most.
 const LAYOUTS: usize = 4;
 /// Values of one colour that the first pass looks at, and the fewest stops.
@@ -67,8 +72,8 @@ pub fn fit(data: &FitData, laws: &[FitLaw]) -> Fits {
     let guess = pilot(data);
     let stops: Vec<usize> = (0..data.grid.stops()).collect();
     let some = first_pass(data);
-    let (starts, alpha) = started(data, laws, &guess, &some);
-    let layout = FitLayout::new(data, &stops, alpha);
+    let (starts, lobe) = started(data, laws, &guess, &some);
+    let layout = FitLayout::new(data, &stops, lobe);
     let least = starts.iter().map(|start| start.divergence).fold(f64::INFINITY, f64::min);
     let fits = starts.into_par_iter().map(|start| {
         let problem = Problem::new(data, &layout, start.law);
@@ -95,13 +100,14 @@ fn first_pass(data: &FitData) -> Vec<usize> {
     (0..count).map(|k| k * stops / count).collect()
 }
 
-/// The fits to some stops, and the narrowest lobe that the nodes have to resolve.
-fn started(data: &FitData, laws: &[FitLaw], guess: &Pilot, stops: &[usize]) -> (Vec<Fitted>, f64) {
-    let mut alpha = (guess.log_alpha - guess.stretch[0].hypot(guess.stretch[1])).exp();
+/// The fits to some stops, and what the nodes have to resolve.
+fn started(data: &FitData, laws: &[FitLaw], guess: &Pilot, stops: &[usize]) -> (Vec<Fitted>, Lobe) {
+    let alpha = (guess.log_alpha - guess.stretch[0].hypot(guess.stretch[1])).exp();
+    let mut lobe = Lobe { alpha, eta: guess.eta(data) };
     let mut round = 0;
     loop {
         round += 1;
-        let layout = FitLayout::new(data, stops, alpha);
+        let layout = FitLayout::new(data, stops, lobe);
         let fits = laws.par_iter().map(|&law| {
             let problem = Problem::new(data, &layout, law);
             let amplitudes = law.amplitudes(data.perfect_mirror);
@@ -113,10 +119,14 @@ fn started(data: &FitData, laws: &[FitLaw], guess: &Pilot, stops: &[usize]) -> (
         let fits: Vec<Fitted> = fits.collect();
         let narrowest = |fit: &Fitted| fit.law.narrowest(&fit.params[..fit.shapes]);
         let narrowest = fits.iter().filter_map(narrowest).fold(f64::INFINITY, f64::min);
-        if narrowest >= NARROWER * alpha || round == LAYOUTS || narrowest <= 1e-3 * alpha {
-            return (fits, alpha);
+        let wide = narrowest >= NARROWER * lobe.alpha || narrowest <= 1e-3 * lobe.alpha;
+        let best = fits.iter().min_by(|a, b| a.divergence.total_cmp(&b.divergence));
+        let eta = best.and_then(|best| best.law.eta(&best.params[..best.shapes])).unwrap_or(lobe.eta);
+        let near = ((eta - 1.0) / (lobe.eta - 1.0)).abs().ln().abs() < FARTHER;
+        if wide && near || round == LAYOUTS {
+            return (fits, lobe);
         }
-        alpha = narrowest;
+        lobe = Lobe { alpha: if wide { lobe.alpha } else { narrowest }, eta };
     }
 }
 

@@ -12,8 +12,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::instrument::{Grid, Region};
+use crate::optics::FacetAngle;
 use crate::sphere;
 use crate::theory::gauss_legendre::gauss_legendre;
+use crate::theory::transmission::{RefractingFacet, half_vector};
 use crate::validate::source_nodes;
 
 /// Nodes along each side of a piece.
@@ -22,6 +24,10 @@ const ORDER: usize = 4;
 const APERTURE_ORDER: usize = 3;
 /// Halvings of a bin at most.
 const DEEPEST: u32 = 24;
+/// Halvings at the edge of where facets let light through: beyond it they reflect all.
+const DEEPEST_EDGE: u32 = 8;
+/// The steepest slope that is told from steeper ones, over the lobe's: the longest tails have 1e-12 of their light there.
+const STEEPEST: f64 = 1e3;
 
 /// A direction to the sensor with its share of the bin's mean.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +36,15 @@ pub struct Node {
     pub wo: DVec3,
     /// The weights of a bin add up to 1 (to the rule's accuracy).
     pub weight: f64,
+}
+
+/// What nodes have to resolve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lobe {
+    /// The narrowest lobe, in slopes.
+    pub alpha: f64,
+    /// Index beyond over index here, for bins below the horizon; not 1.
+    pub eta: f64,
 }
 
 /// The nodes of one stop.
@@ -46,18 +61,18 @@ pub struct StopNodes {
 impl StopNodes {
     /// The nodes of every stop of a grid.
     ///
-    /// - `aperture`: half-angle of the light's cone, rad. `alpha`: the narrowest lobe that is to be resolved.
+    /// - `aperture`: half-angle of the light's cone, rad.
     // Tested by `the_quadrature_agrees_with_the_adaptive_one` (tests/it/fit.rs).
-    pub fn of_grid(grid: &Grid, aperture: f64, alpha: f64) -> Vec<StopNodes> {
-        StopNodes::of_stops(grid, &(0..grid.stops()).collect::<Vec<_>>(), aperture, alpha)
+    pub fn of_grid(grid: &Grid, aperture: f64, lobe: Lobe) -> Vec<StopNodes> {
+        StopNodes::of_stops(grid, &(0..grid.stops()).collect::<Vec<_>>(), aperture, lobe)
     }
 
     /// The nodes of some stops.
-    pub fn of_stops(grid: &Grid, stops: &[usize], aperture: f64, alpha: f64) -> Vec<StopNodes> {
-        stops.par_iter().map(|&stop| StopNodes::of_stop(grid, stop, aperture, alpha)).collect()
+    pub fn of_stops(grid: &Grid, stops: &[usize], aperture: f64, lobe: Lobe) -> Vec<StopNodes> {
+        stops.par_iter().map(|&stop| StopNodes::of_stop(grid, stop, aperture, lobe)).collect()
     }
 
-    fn of_stop(grid: &Grid, stop: usize, aperture: f64, alpha: f64) -> StopNodes {
+    fn of_stop(grid: &Grid, stop: usize, aperture: f64, lobe: Lobe) -> StopNodes {
         let wi = grid.wi(stop);
         let (mut nodes, mut ends) = (Vec::new(), Vec::new());
         for region in grid.regions(stop) {
@@ -68,7 +83,7 @@ impl StopNodes {
                 }
                 Region::Rectangle { theta, phi } => {
                     let size = region.projected_solid_angle();
-                    for piece in pieces(wi, theta, phi, alpha) {
+                    for piece in pieces(wi, theta, phi, lobe) {
                         piece.nodes(size, &mut nodes);
                     }
                 }
@@ -105,7 +120,7 @@ struct Piece {
 }
 
 /// The rectangle cut and halved until the half vector's slope is resolved on each piece.
-fn pieces(wi: DVec3, theta: [f64; 2], phi: [f64; 2], alpha: f64) -> Vec<Piece> {
+fn pieces(wi: DVec3, theta: [f64; 2], phi: [f64; 2], lobe: Lobe) -> Vec<Piece> {
     let phi_i = sphere::phi(wi);
     let turns = (((phi[0] - phi_i) / PI).ceil() as i64)..=(((phi[1] - phi_i) / PI).floor() as i64);
     let thetas = cut(theta, [sphere::theta(wi)]);
@@ -117,7 +132,7 @@ fn pieces(wi: DVec3, theta: [f64; 2], phi: [f64; 2], alpha: f64) -> Vec<Piece> {
     let mut open: Vec<(Piece, u32)> = thetas.windows(2).flat_map(whole).collect();
     let mut done = Vec::new();
     while let Some((piece, depth)) = open.pop() {
-        match piece.halves(wi, alpha).filter(|_| depth < DEEPEST) {
+        match piece.halves(wi, lobe, depth) {
             Some(halves) => open.extend(halves.map(|half| (half, depth + 1))),
             None => done.push(piece),
         }
@@ -135,11 +150,20 @@ fn cut(ends: [f64; 2], marks: impl IntoIterator<Item = f64>) -> Vec<f64> {
 
 impl Piece {
     /// Two halves along the side on which the slope varies more; `None` where it is resolved.
-    fn halves(self, wi: DVec3, alpha: f64) -> Option<[Piece; 2]> {
+    fn halves(self, wi: DVec3, lobe: Lobe, depth: u32) -> Option<[Piece; 2]> {
         let three = |[a, b]: [f64; 2]| [a, 0.5 * (a + b), b];
-        let slope = |theta: f64, phi: f64| {
-            let h = wi + sphere::direction(theta, phi);
-            [h.x / (alpha * h.z), h.y / (alpha * h.z)]
+        let mut facets = 0;
+        let mut slope = |theta: f64, phi: f64| {
+            let wo = sphere::direction(theta, phi);
+            let h = half_vector(wi, wo, lobe.eta);
+            facets += usize::from(if wo.z > 0.0 {
+                FacetAngle::of_pair(wi, wo).sin2 < lobe.eta * lobe.eta
+            } else {
+                RefractingFacet::new(wi, wo, lobe.eta).is_some()
+            });
+            // Steeper facets, and such as no light goes through, are as far as this.
+            let scale = (lobe.alpha * h.z).max(h.truncate().length() / STEEPEST);
+            [h.x / scale, h.y / scale]
         };
         let s = three(self.theta).map(|theta| three(self.phi).map(|phi| slope(theta, phi)));
         let path =
@@ -147,7 +171,8 @@ impl Piece {
         let along_phi = s.iter().map(|&row| path(row)).fold(0.0, f64::max);
         let along_theta = (0..3).map(|k| path([s[0][k], s[1][k], s[2][k]])).fold(0.0, f64::max);
         let nearest = s.as_flattened().iter().map(|p| p[0].hypot(p[1])).fold(f64::INFINITY, f64::min);
-        if along_phi.max(along_theta) <= 1.0 + nearest {
+        let on_edge = facets != 0 && facets != 9 && depth < DEEPEST_EDGE;
+        if along_phi.max(along_theta) <= 1.0 + nearest && !on_edge || depth == DEEPEST {
             return None;
         }
         let split = |[a, b]: [f64; 2]| [[a, 0.5 * (a + b)], [0.5 * (a + b), b]];
@@ -164,7 +189,7 @@ impl Piece {
         let (d_theta, d_phi) = (self.theta[1] - self.theta[0], self.phi[1] - self.phi[0]);
         for &(u, weight_u) in &rule {
             let theta = self.theta[0] + u * d_theta;
-            let row = weight_u * d_theta * d_phi * theta.sin() * theta.cos() / size;
+            let row = weight_u * d_theta * d_phi * (theta.sin() * theta.cos()).abs() / size;
             for &(v, weight_v) in &rule {
                 let wo = sphere::direction(theta, self.phi[0] + v * d_phi);
                 nodes.push(Node { wo, weight: row * weight_v });

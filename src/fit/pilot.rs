@@ -4,8 +4,13 @@
 //! (Tyler 1987), which is the same for every elliptical law, and their scale the weighted median of its radius.
 
 use super::data::FitData;
+use crate::campaign::LightSide;
+use crate::theory::transmission::half_vector;
 
 const ROUNDS: usize = 30;
+/// The index that is taken where nothing says it, and what is believed of mean directions.
+const FIRST_INDEX: f64 = 1.5;
+const INDICES: [f64; 2] = [1.1, 4.0];
 /// Largest anisotropy, ln(alpha_x/alpha_y)/2, that is believed.
 const MOST_STRETCH: f64 = 1.5;
 
@@ -16,12 +21,22 @@ pub struct Pilot {
     pub log_alpha: f64,
     /// b and c.
     pub stretch: [f64; 2],
+    /// Index of the inside over the outside, > 1; 1.5 where no light has gone through.
+    pub index: f64,
+}
+
+impl Pilot {
+    /// The index beyond over that here, for light from the table's side.
+    pub fn eta(&self, data: &FitData) -> f64 {
+        if data.clear == [LightSide::Back] { 1.0 / self.index } else { self.index }
+    }
 }
 
 /// The first guess.
 // Tested by the fits of tests/it/fit.rs, which start there.
 pub fn pilot(data: &FitData) -> Pilot {
-    let slopes = slopes(data);
+    let index = index(data);
+    let slopes = slopes(data, if data.clear == [LightSide::Back] { 1.0 / index } else { index });
     let mut shape = [1.0, 0.0, 1.0];
     for _ in 0..ROUNDS {
         let [xx, xy, yy] = shape;
@@ -50,19 +65,43 @@ pub fn pilot(data: &FitData) -> Pilot {
     let (along, across) = (0.5 * (xx - yy), xy);
     let size = along.hypot(across);
     let part = |component: f64| if size > 0.0 { r.min(MOST_STRETCH) * component / size } else { 0.0 };
-    Pilot { log_alpha: median(&radii).ln(), stretch: [part(along), part(across)] }
+    Pilot { log_alpha: median(&radii).ln(), stretch: [part(along), part(across)], index }
 }
 
-/// (slope, weight) of every bin of the stops with the smallest theta_i.
-fn slopes(data: &FitData) -> Vec<([f64; 2], f64)> {
+/// Snell's law of the mean directions: the sum of sin(theta_i) over that of what light that has gone through keeps of it.
+fn index(data: &FitData) -> f64 {
+    let (grid, bins) = (&data.grid, data.grid.bins());
+    let (mut here, mut beyond) = (0.0, 0.0);
+    for stop in 0..grid.stops() {
+        let across = grid.wi(stop).truncate();
+        for (bin, region) in grid.regions(stop).iter().enumerate().filter(|(_, region)| region.is_below()) {
+            let flux = data.value[0][stop * bins + bin] * data.size[stop * bins + bin];
+            here += flux * across.length_squared();
+            beyond -= flux * across.dot(region.middle().truncate());
+        }
+    }
+    let ratio = if here > 0.0 && beyond > 0.0 { here / beyond } else { FIRST_INDEX };
+    ratio.max(ratio.recip()).clamp(INDICES[0], INDICES[1])
+}
+
+/// (slope, weight) of every bin of the stops with the smallest theta_i, of light that comes back where there is any; `eta`:
+/// index beyond over index here.
+fn slopes(data: &FitData, eta: f64) -> Vec<([f64; 2], f64)> {
     let grid = &data.grid;
     let bins = grid.bins();
     let steepest = grid.theta_i_deg.iter().copied().fold(f64::INFINITY, f64::min);
+    let above = grid.looks_above();
     let mut found = Vec::new();
     for stop in (0..grid.stops()).filter(|&stop| grid.stop_deg(stop).0 == steepest) {
         let wi = grid.wi(stop);
         for (bin, region) in grid.regions(stop).iter().enumerate() {
-            let h = wi + region.middle();
+            if region.is_below() == above {
+                continue;
+            }
+            let h = half_vector(wi, region.middle(), eta);
+            if h.z <= 0.0 {
+                continue;
+            }
             let entry = stop * bins + bin;
             let weight = data.value[0][entry] * data.size[entry] / h.length();
             let slope = [h.x / h.z, h.y / h.z];

@@ -186,7 +186,8 @@ fn why_not(fit: &Fitted, l1: Option<f64>, far: bool) -> Option<String> {
     // A diffuse surface without roughness is Lambert's: a bound, but no nonsense.
     let ends = match fit.law {
         FitLaw::OrenNayar if fit.params[0] < SMOOTH => vec![],
-        law => law.on_bound(&fit.params[..fit.shapes]),
+        // Student's t at either end is GGX or Beckmann.
+        law => law.on_bound(&fit.params[..fit.shapes]).into_iter().filter(|name| *name != "gamma").collect(),
     };
     if !fit.converged && ends.is_empty() {
         return Some("the iteration did not converge".into());

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::data::FitData;
 use super::law::{Amplitudes, FitLaw};
-use super::nodes::StopNodes;
+use super::nodes::{Lobe, StopNodes};
 
 /// Step of the forward differences in the shape: 1e-7 of a second derivative, 1e-9 by rounding.
 const STEP: f64 = 1e-7;
@@ -33,11 +33,11 @@ pub struct FitLayout {
 }
 
 impl FitLayout {
-    /// The layout of `stops` for lobes as narrow as `alpha`.
-    pub fn new(data: &FitData, stops: &[usize], alpha: f64) -> FitLayout {
+    /// The layout of `stops` for lobes as narrow as `lobe`.
+    pub fn new(data: &FitData, stops: &[usize], lobe: Lobe) -> FitLayout {
         let bins = data.grid.bins();
         FitLayout {
-            nodes: StopNodes::of_stops(&data.grid, stops, data.aperture, alpha),
+            nodes: StopNodes::of_stops(&data.grid, stops, data.aperture, lobe),
             entries: stops.iter().flat_map(|stop| stop * bins..(stop + 1) * bins).collect(),
         }
     }

@@ -8,7 +8,9 @@
 
 use serde::Serialize;
 
-use crate::fit::{FitData, pilot::pilot};
+use crate::fit::FitData;
+use crate::fit::pilot::{Pilot, pilot};
+use crate::theory::transmission::half_vector;
 
 /// Orders that are looked at: a tilt or blaze shows in 1 and 3, a brush in 2, crossed brushes in 4.
 const ORDERS: [u32; 4] = [1, 2, 3, 4];
@@ -34,16 +36,16 @@ pub struct AzimuthHarmonic {
 
 /// All harmonics of a measured turn; `on_a_grid` says that the surface is random heights on a square grid.
 pub(super) fn harmonics(data: &FitData, on_a_grid: bool) -> Vec<AzimuthHarmonic> {
-    let median = pilot(data).log_alpha.exp();
+    let guess = pilot(data);
     let of = |&order: &u32| AzimuthHarmonic {
         counts: !(on_a_grid && order == OF_THE_GRID),
-        ..harmonic(data, median, order)
+        ..harmonic(data, &guess, order)
     };
     ORDERS.iter().map(of).collect()
 }
 
-fn harmonic(data: &FitData, median: f64, order: u32) -> AzimuthHarmonic {
-    let kernel = kernel(data, median, order);
+fn harmonic(data: &FitData, guess: &Pilot, order: u32) -> AzimuthHarmonic {
+    let kernel = kernel(data, guess, order);
     let entries =
         || (0..data.size.len()).flat_map(|entry| (0..data.value.len()).map(move |colour| (entry, colour)));
     let strength = |k: [f64; 2]| k[0].hypot(k[1]);
@@ -70,14 +72,19 @@ fn harmonic(data: &FitData, median: f64, order: u32) -> AzimuthHarmonic {
     }
 }
 
-/// w K_m(r) (cos m phi_h, -sin m phi_h) of every entry, the half vector taken at the bin's centre.
-fn kernel(data: &FitData, median: f64, order: u32) -> Vec<[f64; 2]> {
-    let grid = &data.grid;
+/// w K_m(r) (cos m phi_h, -sin m phi_h) of every entry, the half vector taken at the bin's centre; 0 where no facet sends
+/// light.
+fn kernel(data: &FitData, guess: &Pilot, order: u32) -> Vec<[f64; 2]> {
+    let (grid, median, eta) = (&data.grid, guess.log_alpha.exp(), guess.eta(data));
     let mut kernel = Vec::with_capacity(data.size.len());
     for stop in 0..grid.stops() {
         let wi = grid.wi(stop);
         for region in grid.regions(stop) {
-            let h = wi + region.middle();
+            let h = half_vector(wi, region.middle(), eta);
+            if h.z <= 0.0 {
+                kernel.push([0.0; 2]);
+                continue;
+            }
             let (x, y) = (h.x / (median * h.z), h.y / (median * h.z));
             let r2 = x * x + y * y;
             let strength = data.size[kernel.len()] * (r2 / (1.0 + r2)).powf(0.5 * f64::from(order));

@@ -15,7 +15,7 @@ pub use turned::turned;
 use serde::Serialize;
 
 use crate::campaign::SurfaceKind;
-use crate::fit::{self, FitData, FitLaw};
+use crate::fit::{self, FitData, FitLaw, MicrofacetLaw};
 use crate::measure::Measured;
 use crate::theory::{Masking, Ndf};
 use crate::validate::prediction::model::ndf_of;
@@ -124,8 +124,12 @@ fn laws(measured: &Measured, anisotropic: bool) -> Vec<FitLaw> {
         kind => ndf_of(kind).into_iter().collect(),
     };
     let maskings = if measured.campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
+    let clear = data_of(measured).clear.first().copied();
     let laws = ndfs.into_iter().flat_map(|ndf| {
-        maskings.iter().map(move |&masking| FitLaw::Microfacet { ndf, masking, anisotropic })
+        let law = move |&masking| {
+            FitLaw::Microfacet(MicrofacetLaw { clear, ..MicrofacetLaw::new(ndf, masking, anisotropic) })
+        };
+        maskings.iter().map(law)
     });
     laws.collect()
 }

@@ -2,7 +2,6 @@
 
 use crate::campaign::{Azimuth, Campaign};
 use crate::error::{Error, Result};
-use crate::instrument::grid_of;
 use crate::measure::{self, Plan};
 
 /// Turns where the campaign says nothing: every 15 degrees.
@@ -18,7 +17,7 @@ const EVEN_DEG: f64 = 1e-6;
 /// those azimuths, and the bins count phi_r from the light. One measurement then serves every turn with the same
 /// patches. Mirror images and folding are off; averages over azimuth too.
 ///
-/// Errors: `Usage` where the campaign has several roughnesses or unevenly spaced azimuths; those of `plan`.
+/// Errors: `Usage` where the campaign has several roughnesses, light from both sides or unevenly spaced azimuths; those of `plan`.
 // Tested by `mirror_images_and_folding_are_off`, `uneven_turns_are_refused` (tests/it/study.rs).
 pub fn turned(campaign: &Campaign) -> Result<(Campaign, Plan)> {
     let mut campaign = campaign.clone();
@@ -26,9 +25,9 @@ pub fn turned(campaign: &Campaign) -> Result<(Campaign, Plan)> {
         let why = "a study takes one roughness; give a campaign for each";
         return Err(Error::Usage(format!("{}: surface.alpha: {why}", campaign.name)));
     }
-    if grid_of(&campaign).looks_below() {
-        let why = "a study is of light that comes back; take side = \"reflection\", theta_r below 90";
-        return Err(Error::Usage(format!("{}: sensor: {why}", campaign.name)));
+    if campaign.optics.light_sides().len() > 1 {
+        let why = "a study takes light from one side; give a campaign for each";
+        return Err(Error::Usage(format!("{}: light.side: {why}", campaign.name)));
     }
     let every = |step: f64, count: u32| (0..count).map(|k| step * f64::from(k)).collect();
     let turns = match &campaign.light.azimuth {

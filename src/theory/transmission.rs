@@ -71,6 +71,11 @@ impl RefractingFacet {
     }
 }
 
+/// What a facet's normal is along that sends light from `wi` to `wo`: wi + wo above the horizon, `normal_sum` below.
+pub fn half_vector(wi: DVec3, wo: DVec3, eta: f64) -> DVec3 {
+    if wo.z > 0.0 { wi + wo } else { normal_sum(wi, wo, eta) }
+}
+
 /// H = -(wi + eta wo), turned to the light's side, as (wi + wo) + (eta - 1) wo.
 ///
 /// Smooth in both directions also where no facet exists; its z may then be negative.

@@ -3,8 +3,8 @@
 use std::fs;
 
 use glam::DVec3;
-use gonio::fit::nodes::StopNodes;
-use gonio::fit::{self, Fit, FitData, FitLaw};
+use gonio::fit::nodes::{Lobe, StopNodes};
+use gonio::fit::{self, Fit, FitData, FitLaw, MicrofacetLaw};
 use gonio::instrument::{Grid, GridKind, Region};
 use gonio::measure::Measured;
 use gonio::sphere;
@@ -124,8 +124,8 @@ fn the_quadrature_agrees_with_the_adaptive_one() {
     for (ndf, alpha) in [(Ndf::Ggx, 0.08), (Ndf::Ggx, 0.5), (Ndf::Beckmann, 0.3)] {
         let grid = grid(&[10.0, 60.0], &[0.0], true);
         let model = Microfacet::isotropic(ndf, alpha);
-        let nodes = StopNodes::of_grid(&grid, 0.0, alpha);
-        let law = FitLaw::Microfacet { ndf, masking: Masking::HeightCorrelated, anisotropic: false };
+        let nodes = StopNodes::of_grid(&grid, 0.0, Lobe { alpha, eta: 1.5 });
+        let law = FitLaw::Microfacet(MicrofacetLaw::new(ndf, Masking::HeightCorrelated, false));
         for (stop, nodes) in nodes.iter().enumerate() {
             let means = BinMeans::new(vec![Masking::HeightCorrelated]);
             let exact = means.evaluate(&model, &[(grid.wi(stop), 1.0)], &grid.regions(stop));
@@ -154,7 +154,7 @@ fn an_analytic_table_returns_its_roughness() {
     ] {
         let model = Microfacet::isotropic(ndf, alpha);
         let table = microfacet_table(grid(&[0.0, 30.0, 60.0], &[0.0], true), &model, masking, &[1.0]);
-        let fit = fitted(&table, FitLaw::Microfacet { ndf, masking, anisotropic: false });
+        let fit = fitted(&table, FitLaw::Microfacet(MicrofacetLaw::new(ndf, masking, false)));
         holds(&fit, "alpha", alpha, EXACT * alpha);
         // No campaign says that F = 1: F0 is fitted as well.
         holds(&fit, "f0", 1.0, EXACT);
@@ -168,7 +168,7 @@ fn an_anisotropic_table_returns_both_roughnesses_the_turn_and_the_material() {
     let masking = Masking::DirectionCorrelated;
     let grid = grid(&[10.0, 50.0], &[0.0, 45.0], false);
     let table = microfacet_table(grid, &model, masking, &[1.0, 0.782, 0.344]);
-    let fit = fitted(&table, FitLaw::Microfacet { ndf: Ndf::Ggx, masking, anisotropic: true });
+    let fit = fitted(&table, FitLaw::Microfacet(MicrofacetLaw::new(Ndf::Ggx, masking, true)));
     holds(&fit, "alpha_x", 0.15, EXACT * 0.15);
     holds(&fit, "alpha_y", 0.4, EXACT * 0.4);
     // The rotation is known as well as ln(alpha_y/alpha_x) is: 1e-4 rad.
@@ -268,7 +268,7 @@ fn a_students_patch_is_known_by_its_own_law() {
         let measured = measured_one(&PATCHES.replace("[surface.ggx]\nalpha = 0.3", law));
         let data = data(&measured);
         let own = FitLaw::of_surface(&measured.campaign.surface.kind, &data);
-        let others = FitLaw::all(&data).into_iter().filter(|law| matches!(law, FitLaw::Microfacet { .. }));
+        let others = FitLaw::all(&data).into_iter().filter(|law| matches!(law, FitLaw::Microfacet(_)));
         let fits = fit::fit(&data, &others.chain(own).collect::<Vec<_>>());
         let best = &fits.fits[0];
         assert_eq!(best.model, name, "{fits:?}");
@@ -321,7 +321,7 @@ fn no_answer_is_unphysical_and_a_parameter_on_its_bound_is_said_to_be_there() {
         let data = FitData::new(table, None, None);
         fit::fit(&data, &[law]).fits.remove(0)
     };
-    let ggx = FitLaw::Microfacet { ndf: Ndf::Ggx, masking: Masking::HeightCorrelated, anisotropic: false };
+    let ggx = FitLaw::Microfacet(MicrofacetLaw::new(Ndf::Ggx, Masking::HeightCorrelated, false));
     let (dark, bright, hole) = (of(&dark, ggx), of(&bright, ggx), of(&hole, FitLaw::BlinnPhong));
     for (fit, name, value) in [(&dark, "f0", 0.0), (&bright, "f0", 1.0), (&hole, "specular", 0.0)] {
         assert!(fit.parameters.get(name) == Some(value) && fit.on_bound.contains(&name.into()), "{fit:?}");
@@ -364,7 +364,7 @@ fn gaps_of_an_imported_table_are_left_out() {
     for at in (0..whole).filter(|at| at % 3 == 0) {
         table.set_gap(at);
     }
-    let law = FitLaw::Microfacet { ndf: Ndf::Ggx, masking: Masking::Separable, anisotropic: false };
+    let law = FitLaw::Microfacet(MicrofacetLaw::new(Ndf::Ggx, Masking::Separable, false));
     let fit = fitted(&table, law);
     holds(&fit, "alpha", 0.3, EXACT * 0.3);
     assert!(fit.chi2_per_dof.is_none() && fit.l1.expect("light") < 1e-4, "{fit:?}");

@@ -1,8 +1,8 @@
 //! Promise: the errors of a fit are what it scatters by, its intervals hold the truth in 95 % of all cases, and models
 //! that the realisations do not tell apart are said to be alike.
 
-use gonio::fit::nodes::StopNodes;
-use gonio::fit::{self, Fit, FitData, FitLaw};
+use gonio::fit::nodes::{Lobe, StopNodes};
+use gonio::fit::{self, Fit, FitData, FitLaw, MicrofacetLaw};
 use gonio::instrument::{Grid, GridKind};
 use gonio::rng;
 use gonio::table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
@@ -15,7 +15,7 @@ use crate::support::measuring::{measured_one, test_rng};
 const ALPHA: f64 = 0.3;
 
 fn law(masking: Masking, anisotropic: bool) -> FitLaw {
-    FitLaw::Microfacet { ndf: Ndf::Ggx, masking, anisotropic }
+    FitLaw::Microfacet(MicrofacetLaw::new(Ndf::Ggx, masking, anisotropic))
 }
 
 fn grid(phi_i_deg: &[f64]) -> Grid {
@@ -64,7 +64,7 @@ fn simulated(
     hits: f64,
     rng: &mut Pcg64Dxsm,
 ) -> FitData {
-    let nodes = StopNodes::of_grid(grid, 0.0, 0.8 * ALPHA);
+    let nodes = StopNodes::of_grid(grid, 0.0, Lobe { alpha: 0.8 * ALPHA, eta: 1.5 });
     let sizes: Vec<f64> =
         (0..grid.stops()).flat_map(|s| grid.regions(s)).map(|r| r.projected_solid_angle()).collect();
     let means_of = |shape: &[f64]| -> Vec<[f64; 2]> {
@@ -230,7 +230,7 @@ fn the_jackknife_is_what_leaving_out_and_fitting_again_gives() {
     let data = simulated(law(Masking::DirectionCorrelated, false), &grid, 8, 0.03, 3000.0, &mut test_rng(5));
     for law in [
         law(Masking::Separable, false),
-        FitLaw::Microfacet { ndf: Ndf::Beckmann, masking: Masking::HeightCorrelated, anisotropic: false },
+        FitLaw::Microfacet(MicrofacetLaw::new(Ndf::Beckmann, Masking::HeightCorrelated, false)),
         FitLaw::BlinnPhong,
     ] {
         let fit = fit::best(&data, &[law]);

@@ -11,6 +11,7 @@ mod cli;
 mod diffuse_values;
 mod examples;
 mod fit;
+mod fit_clear;
 mod fit_errors;
 mod foreign_files;
 mod foreign_words;

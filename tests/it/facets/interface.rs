@@ -8,6 +8,7 @@ use gonio::optics::FacetAngle;
 use gonio::optics::fresnel::f_dielectric;
 use gonio::sphere;
 
+use crate::support::long::or_long;
 use crate::support::measuring::{hits_of, measured};
 
 const ETA: f64 = 1.5;
@@ -125,10 +126,14 @@ fn light_goes_straight_through_what_hardly_refracts() {
 
 #[test]
 fn every_path_has_one_fate_for_any_threads() {
-    let text = "name = \"fates\"\n[surface]\nrealisations = 2\ncells = 128\n[surface.ggx]\nalpha = 0.8\n\
+    // With all that is asked for, 1e8 paths.
+    let samples = or_long(131_072, 2_097_152);
+    let text = &format!(
+        "name = \"fates\"\n[surface]\nrealisations = 2\ncells = 128\n[surface.ggx]\nalpha = 0.8\n\
                 [optics]\nfacet = \"dielectric\"\nmaterials = [\"glass\", \"diamond\"]\n[light]\nside = \"both\"\n\
                 theta_i_deg = [20, 80]\n[sensor.hemisphere]\nside = \"both\"\n[trace]\nbounces = 3\n[stop]\n\
-                samples = 131072\n";
+                samples = {samples}\n"
+    );
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| measured(text))
@@ -140,7 +145,7 @@ fn every_path_has_one_fate_for_any_threads() {
         for stop in &one.stops {
             let out: u64 = stop.orders.iter().chain(&stop.through).sum();
             // Three colours of two materials from two sides: twelve paths of each start.
-            assert_eq!(out + stop.hidden + stop.cut + stop.left_map + stop.absorbed, 2 * 131_072 * 12);
+            assert_eq!(out + stop.hidden + stop.cut + stop.left_map + stop.absorbed, 2 * samples * 12);
             for (colour, orders) in [(0, &stop.orders), (1, &stop.through)] {
                 assert!(orders.iter().all(|&count| count > 0), "{colour}: {orders:?}");
             }

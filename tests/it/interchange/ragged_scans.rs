@@ -1,7 +1,7 @@
 //! Promise: a scan whose sensor went to other directions under each light is read as it is. What was not measured is a
 //! gap: it is no darkness, comes back from every format that can leave it out, and is filled in on demand alone.
 
-use gonio::fit::{self, FitData, FitLaw};
+use gonio::fit::{self, FitData, FitLaw, MicrofacetLaw};
 use gonio::instrument::Grid;
 use gonio::interchange;
 use gonio::interchange::text::csv;
@@ -114,7 +114,7 @@ fn gaps_are_no_difference_and_no_darkness() {
     for (a, b) in [(&wanted, &scanned), (&scanned, &wanted)] {
         assert_eq!(difference(side(a), side(b)).expect("one grid").figures.l1, Some(0.0));
     }
-    let law = FitLaw::Microfacet { ndf: Ndf::Ggx, masking: Masking::Separable, anisotropic: false };
+    let law = FitLaw::Microfacet(MicrofacetLaw::new(Ndf::Ggx, Masking::Separable, false));
     let fits = fit::fit(&FitData::new(&ragged(), None, None), &[law]).fits;
     let alpha = fits[0].parameters.get("alpha").expect("alpha");
     // Values are f32 of the law itself.
