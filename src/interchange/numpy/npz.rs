@@ -74,13 +74,22 @@ const CHANNELS: [ChannelArray; 5] = [
     ("stderr_single", |c| &c.stderr_single, |c| &mut c.stderr_single),
 ];
 
-/// The archive while it is written.
-struct Archive<W: Write> {
+/// An archive while it is written.
+pub(crate) struct Archive<W: Write> {
     zip: ZipWriter<StreamWriter<W>>,
 }
 
 impl<W: Write> Archive<W> {
-    fn array<T: AutoSerialize>(
+    pub fn new(out: W) -> Self {
+        Archive { zip: ZipWriter::new_stream(out) }
+    }
+
+    pub fn finish(self) -> Checked<()> {
+        self.zip.finish().map_err(io::Error::from)?;
+        Ok(())
+    }
+
+    pub fn array<T: AutoSerialize>(
         &mut self,
         name: &str,
         shape: &[usize],
@@ -90,7 +99,7 @@ impl<W: Write> Archive<W> {
         Ok(npy::encode(&mut self.zip, shape, values)?)
     }
 
-    fn text(&mut self, name: &str, text: &str) -> Checked<()> {
+    pub fn text(&mut self, name: &str, text: &str) -> Checked<()> {
         self.begin(name, text.len())?;
         Ok(npy::encode_text(&mut self.zip, text)?)
     }
@@ -103,14 +112,14 @@ impl<W: Write> Archive<W> {
         Ok(self.zip.start_file(format!("{name}.npy"), options).map_err(io::Error::from)?)
     }
 
-    fn axis(&mut self, name: &str, values: &[f64]) -> Checked<()> {
+    pub fn axis(&mut self, name: &str, values: &[f64]) -> Checked<()> {
         self.array(name, &[values.len()], values.iter().copied())
     }
 }
 
 /// Writes every channel, array by array.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
-    let mut archive = Archive { zip: ZipWriter::new_stream(out) };
+    let mut archive = Archive::new(out);
     let grid = &table.grid;
     let shape_of = |colours: usize| shape(grid, colours);
     for (name, channel, _) in CHANNELS {
@@ -139,8 +148,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
     archive.text("version", &table.version)?;
     archive.text("seed", &table.seed.to_string())?;
     archive.text("patch_digest", &table.patch_digest)?;
-    archive.zip.finish().map_err(io::Error::from)?;
-    Ok(())
+    archive.finish()
 }
 
 fn axes(grid: &Grid) -> [(&'static str, &[f64]); 6] {
