@@ -20,7 +20,7 @@ use crate::error::{Error, Result};
 use crate::files::NewFile;
 use crate::measure::{self, Patches};
 use crate::theory::{Masking, Ndf};
-use nodes::{Nodes, alpha_nodes, eta_nodes, gamma, law, masking, mu_nodes};
+use nodes::{Nodes, alpha_nodes, eta_nodes, law, masking, mu_nodes};
 
 /// Cells of a quantity that a table may have.
 const MOST_CELLS: usize = 1 << 20;
@@ -28,8 +28,7 @@ const MOST_CELLS: usize = 1 << 20;
 /// Albedo tables E(mu, alpha) or R, T(mu, alpha, eta), by formula or measured at all orders
 #[derive(Args)]
 #[command(
-    after_help = "AXIS: a list 0.1,0.5; FROM:TO:N; of mu and alpha N: middles of N parts of [0, 1] [default: 32].\n\
-    FILE ends in .npz, .csv, .exr or .h (C and C++). Exits with 1 where a measured table differs.\n\n\
+    after_help = "AXIS: a list 0.1,0.5; FROM:TO:N; of mu and alpha also N, middles of N parts of [0, 1] [default: 32].\n\n\
     Example: gonio albedo --grid --eta 1.1:2.4:8 -o glass.npz -o glass.h"
 )]
 pub struct Arguments {
@@ -39,14 +38,11 @@ pub struct Arguments {
     /// Order 1 by formula, without a campaign
     #[arg(long)]
     grid: bool,
-    /// ggx, beckmann or student_t [default: ggx]
-    #[arg(long, value_name = "NAME", value_parser = law, requires = "grid")]
+    /// ggx, beckmann or student_t:GAMMA, 2 (ggx) to 100 [default: ggx]
+    #[arg(long, value_name = "NAME", value_parser = law, conflicts_with = "campaign")]
     law: Option<Ndf>,
-    /// Of student_t: 2 (ggx) to 100
-    #[arg(long, value_name = "G", value_parser = gamma, requires = "law")]
-    gamma: Option<f64>,
-    /// separable, height_correlated or direction_correlated [default: height_correlated]
-    #[arg(long, value_name = "NAME", value_parser = masking, requires = "grid")]
+    /// height_correlated (the default), separable or direction_correlated
+    #[arg(long, value_name = "NAME", value_parser = masking, conflicts_with = "campaign")]
     masking: Option<Masking>,
     /// Cosines of the light's polar angle
     #[arg(long, value_name = "AXIS", value_parser = mu_nodes)]
@@ -57,7 +53,7 @@ pub struct Arguments {
     /// Clear facets: index inside over outside
     #[arg(long, value_name = "AXIS", value_parser = eta_nodes)]
     eta: Option<Nodes>,
-    /// A file of the table; may be given again
+    /// A file of the table, .npz, .csv, .exr or .h (C and C++); may be given again
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Seed instead of the campaign's
@@ -132,25 +128,13 @@ impl Arguments {
     }
 
     fn by_formula(&self) -> Result<AlbedoTable> {
-        let ndf = match (self.law.unwrap_or(Ndf::Ggx), self.gamma) {
-            (Ndf::StudentT { .. }, Some(gamma)) => Ndf::StudentT { gamma },
-            (Ndf::StudentT { .. }, None) => {
-                return Err(Error::Usage("--law student_t: --gamma G is needed besides, 2 to 100".into()));
-            }
-            (ndf, Some(_)) => {
-                return Err(Error::Usage(format!(
-                    "--gamma: belongs to --law student_t, not to {}",
-                    ndf.name()
-                )));
-            }
-            (ndf, None) => ndf,
-        };
         let list = |nodes: &Option<Nodes>| nodes.clone().map_or(Nodes::middles(), |nodes| nodes.0);
         let eta = self.eta.clone().map_or(vec![], |nodes| nodes.0);
         let axes = Axes { mu: list(&self.mu), alpha: list(&self.alpha), eta };
         check_size(&axes)?;
         let progress = RunProgress::new(formula::work(&axes), "cells");
         let masking = self.masking.unwrap_or(Masking::HeightCorrelated);
+        let ndf = self.law.unwrap_or(Ndf::Ggx);
         let table = by_formula(ndf, masking, &axes, &|cells| progress.add(cells));
         progress.finish();
         Ok(table)

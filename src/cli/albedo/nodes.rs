@@ -91,18 +91,17 @@ fn number(word: &str) -> Word<f64> {
         .map_err(|_| format!("`{word}` is no number; a list 0.1,0.5, or FROM:TO:N, is expected"))
 }
 
-pub fn law(name: &str) -> Word<Ndf> {
-    match name {
-        "ggx" => Ok(Ndf::Ggx),
-        "beckmann" => Ok(Ndf::Beckmann),
-        "student_t" => Ok(Ndf::StudentT { gamma: 2.0 }),
-        _ => Err("known laws are ggx, beckmann and student_t".into()),
+pub fn law(word: &str) -> Word<Ndf> {
+    match word.split_once(':') {
+        None if word == "ggx" => Ok(Ndf::Ggx),
+        None if word == "beckmann" => Ok(Ndf::Beckmann),
+        Some(("student_t", gamma)) => {
+            let gamma = gamma.parse().map_err(|_| format!("`{gamma}` is no number"))?;
+            let fault = GAMMA.fault(gamma).map(|fault| format!("gamma {} {fault}", plain(gamma)));
+            fault.map_or(Ok(Ndf::StudentT { gamma }), Err)
+        }
+        _ => Err("known laws are ggx, beckmann and student_t:GAMMA".into()),
     }
-}
-
-pub fn gamma(word: &str) -> Word<f64> {
-    let gamma = number(word)?;
-    GAMMA.fault(gamma).map_or(Ok(gamma), |fault| Err(format!("{} {fault}", plain(gamma))))
 }
 
 pub fn masking(name: &str) -> Word<Masking> {

@@ -39,7 +39,8 @@ fn shown(table: &AlbedoTable, quantity: &Quantity) -> Vec<String> {
         let at = slab * alphas + alpha;
         let eta = axes.eta.get(slab).map(|&eta| short(eta));
         let values = mu.iter().map(|&k| &quantity.cells[at * mus + k]).chain([&quantity.averages[at]]);
-        let values = values.map(|cell| format!("{:.5}", cell.value));
+        // What rounds to 0 has no sign.
+        let values = values.map(|cell| format!("{:.5}", cell.value).replace("-0.00000", "0.00000"));
         eta.into_iter().chain([short(axes.alpha[alpha])]).chain(values).collect::<Vec<String>>()
     };
     let slabs = some(axes.slabs(), SHOWN[2]);
