@@ -126,7 +126,7 @@ mod tests {
         assert_eq!(of("0.1:0.3:3"), Ok(vec![0.1, 0.2, 0.3]));
         assert_eq!(eta_nodes("2"), Ok(Nodes(vec![2.0])));
         for (word, says) in [
-            ("0", "[0.0001, 10]"),
+            ("0", "[1e-4, 10]"),
             ("nan", "finite"),
             ("0.5,0.1", "0.1 comes after 0.5"),
             ("0.1:0.5", "FROM:TO:N"),
