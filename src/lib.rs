@@ -20,6 +20,7 @@
 //!    +-- report, cli             for people
 //!    +-- validate, fit, study    <-- theory (D, Lambda, G: formulas alone)
 //!    +-- bench                   run time against error
+//!    +-- albedo                  tables of albedos, by formula and measured
 //! ```
 //!
 //! Frame: macro-normal +z, x the tangent (the axis of `alpha_x`), right-handed. All directions are unit vectors
@@ -27,7 +28,7 @@
 //! `phi_r`). Angles are radians unless a name ends in `_deg`. BRDF values are 1/sr without cosine.
 //!
 //! The measuring side (`surface`, `instrument`, `optics`, `trace`, `measure`, `table`) never imports `theory`;
-//! the two meet in `validate`, `fit` and `study`. A test keeps it so.
+//! the two meet in `validate`, `fit`, `study` and `albedo`. A test keeps it so.
 
 // What all modules may use.
 pub mod error;
@@ -61,6 +62,8 @@ pub mod validate;
 pub mod fit;
 
 pub mod study;
+
+pub mod albedo;
 
 pub mod report;
 

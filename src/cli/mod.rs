@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::job::threads;
 use text::output::warn;
 
+mod albedo;
 mod bench;
 mod check;
 mod compare;
@@ -57,6 +58,7 @@ enum Verb {
     Bench(bench::Arguments),
     Report(report::Arguments),
     Recolour(recolour::Arguments),
+    Albedo(albedo::Arguments),
 }
 
 impl Verb {
@@ -67,6 +69,7 @@ impl Verb {
             Verb::Measure(arguments) => arguments.threads,
             Verb::Bench(arguments) => arguments.threads,
             Verb::Study(arguments) => arguments.threads,
+            Verb::Albedo(arguments) => arguments.threads,
             Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) | Verb::Report(_) => 0,
             Verb::Export(_) | Verb::Import(_) | Verb::Recolour(_) | Verb::Merge(_) => 0,
         }
@@ -87,6 +90,7 @@ impl Verb {
             Verb::Bench(arguments) => bench::run(arguments),
             Verb::Report(arguments) => report::run(arguments),
             Verb::Recolour(arguments) => recolour::run(arguments),
+            Verb::Albedo(arguments) => albedo::run(arguments),
         }
     }
 }

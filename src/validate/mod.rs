@@ -15,7 +15,7 @@ pub mod verdict;
 
 pub use judgement::{Judgement, Ruling};
 pub use parts::Parts;
-pub use prediction::bin_mean::{BinMean, BinMeans, albedo, source_nodes};
+pub use prediction::bin_mean::{BinMean, BinMeans, Estimate, albedo, source_nodes};
 pub use prediction::bin_mean_diffuse::diffuse_means;
 pub use prediction::bin_mean_through::{ThroughMean, transmittance};
 pub use verdict::{Examination, Prediction, Verdict, examine, examine_against, examine_rows};

@@ -84,11 +84,28 @@ def plain(folder):
     return ok
 
 
+def albedos(folder):
+    """NumPy and OpenEXR see the values of an albedo table that the program prints."""
+    import OpenEXR
+
+    files = [word for end in ("npz", "exr") for word in ("-o", folder / f"albedo.{end}")]
+    answer = gonio("albedo", "--grid", "--mu", "8", "--alpha", "0.1,0.5", *files)
+    arrays = np.load(folder / "albedo.npz")
+    parts = OpenEXR.File(str(folder / "albedo.exr"), separate_channels=True).parts
+    off = in_image = 0.0
+    for quantity, part in zip(answer["quantities"], parts):
+        wanted = np.array([cell["value"] for cell in quantity["cells"]]).reshape(2, 8)
+        off = max(off, np.abs(arrays[quantity["name"]] - wanted).max())
+        in_image = max(in_image, np.abs(part.channels["Y"].pixels - wanted.astype("f4")).max())
+    ok = check("albedo npz: largest difference", off, 0)
+    return ok & check("albedo exr: largest difference", in_image, 0)
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         parts = (rgl, energy.between, measured.pairs_and_sphere, radiance.matrices, radiance.trees, radiance.normal,
-                 radiance.colours, radiance.tools, wincalc.matrices, plain)
+                 radiance.colours, radiance.tools, wincalc.matrices, plain, albedos)
         ok = [part(folder) for part in parts]
     sys.exit(0 if all(ok) else 1)
 

@@ -25,6 +25,11 @@ mod report;
 mod study;
 mod transmission_values;
 
+mod albedo {
+    mod files;
+    mod formula;
+    mod measured;
+}
 mod campaign {
     mod config_faults;
     mod config_round_trip;

@@ -80,13 +80,22 @@ type MuellerArrays =
 const MUELLER: [MuellerArrays; 2] =
     [("", |c| &c.mueller, |c| &mut c.mueller), ("stderr.", |c| &c.stderr_mueller, |c| &mut c.stderr_mueller)];
 
-/// The archive while it is written.
-struct Archive<W: Write> {
+/// An archive while it is written.
+pub(crate) struct Archive<W: Write> {
     zip: ZipWriter<StreamWriter<W>>,
 }
 
 impl<W: Write> Archive<W> {
-    fn array<T: AutoSerialize>(
+    pub fn new(out: W) -> Self {
+        Archive { zip: ZipWriter::new_stream(out) }
+    }
+
+    pub fn finish(self) -> Checked<()> {
+        self.zip.finish().map_err(io::Error::from)?;
+        Ok(())
+    }
+
+    pub fn array<T: AutoSerialize>(
         &mut self,
         name: &str,
         shape: &[usize],
@@ -96,7 +105,7 @@ impl<W: Write> Archive<W> {
         Ok(npy::encode(&mut self.zip, shape, values)?)
     }
 
-    fn text(&mut self, name: &str, text: &str) -> Checked<()> {
+    pub fn text(&mut self, name: &str, text: &str) -> Checked<()> {
         self.begin(name, text.len())?;
         Ok(npy::encode_text(&mut self.zip, text)?)
     }
@@ -109,14 +118,14 @@ impl<W: Write> Archive<W> {
         Ok(self.zip.start_file(format!("{name}.npy"), options).map_err(io::Error::from)?)
     }
 
-    fn axis(&mut self, name: &str, values: &[f64]) -> Checked<()> {
+    pub fn axis(&mut self, name: &str, values: &[f64]) -> Checked<()> {
         self.array(name, &[values.len()], values.iter().copied())
     }
 }
 
 /// Writes every channel, array by array.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
-    let mut archive = Archive { zip: ZipWriter::new_stream(out) };
+    let mut archive = Archive::new(out);
     let grid = &table.grid;
     let shape_of = |colours: usize| shape(grid, colours);
     for (name, channel, _) in CHANNELS {
@@ -152,8 +161,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
     archive.text("version", &table.version)?;
     archive.text("seed", &table.seed.to_string())?;
     archive.text("patch_digest", &table.patch_digest)?;
-    archive.zip.finish().map_err(io::Error::from)?;
-    Ok(())
+    archive.finish()
 }
 
 fn axes(grid: &Grid) -> [(&'static str, &[f64]); 6] {

@@ -264,6 +264,13 @@ impl Ord for Leaf {
     }
 }
 
+/// Nodes between two ends, with their weights in the rules of order 15 and of order 7.
+pub(crate) fn both_orders([a, b]: [f64; 2]) -> [(f64, [f64; 2]); 15] {
+    let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+    let low = |k: usize| if k % 2 == 1 { GAUSS[k / 2] } else { 0.0 };
+    std::array::from_fn(|k| (middle + half * NODES[k], [half * KRONROD[k], half * low(k)]))
+}
+
 /// Nodes of order 15 on [-1, 1]; every second one belongs to order 7.
 const NODES: [f64; 15] = [
     -0.991_455_371_120_812_6,

@@ -1,6 +1,6 @@
 //! Promise: what theory says goes through a clear surface obeys energy, its limits, and the sensor's bins.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 use glam::DVec3;
@@ -13,7 +13,7 @@ use gonio::sphere::direction_deg;
 use gonio::theory::transmission::g2_opposite;
 use gonio::theory::{Masking, Microfacet, Ndf};
 use gonio::validate::prediction::model::Model;
-use gonio::validate::{BinMeans, Prediction, transmittance};
+use gonio::validate::{BinMeans, Prediction, albedo, transmittance};
 
 const LAWS: [Ndf; 2] = [Ndf::Ggx, Ndf::Beckmann];
 
@@ -31,7 +31,7 @@ fn faint_interfaces_let_all_through_that_is_not_masked() {
                 for masking in Masking::ALL {
                     let expected = (1.0 + side.lambda()) * g2_opposite(masking, &side, &side);
                     for eta in [1.0 + d, 1.0 / (1.0 + d)] {
-                        let found = transmittance(&model, wi, masking, eta);
+                        let found = transmittance(&model, wi, masking, eta).value;
                         // A facet at c turns light by d tan and reflects (d/2c^2)^2; those that are met so flat that this
                         // matters, c^2 < d, fill a share of d at most. Ten for the slopes' size.
                         assert!(
@@ -47,10 +47,8 @@ fn faint_interfaces_let_all_through_that_is_not_masked() {
 
 /// The flux above the horizon with Fresnel's equations.
 fn reflected(model: &Microfacet, wi: DVec3, masking: Masking, eta: f64) -> f64 {
-    let whole = Region::Rectangle { theta: [0.0, FRAC_PI_2], phi: [0.0, TAU] };
-    let reflectance = Some(Reflectance::unpolarised(Fresnel::Dielectric { eta }));
-    let means = BinMeans { reflectance, ..BinMeans::new(vec![masking]) };
-    means.evaluate(model, &[(wi, 1.0)], &[whole])[0].schlick[0] * PI
+    let reflectance = Reflectance::unpolarised(Fresnel::Dielectric { eta });
+    albedo(model, wi, masking, Some(reflectance))[1].value
 }
 
 #[test]
@@ -62,7 +60,8 @@ fn clear_surfaces_send_on_no_more_than_they_get() {
                     let (model, wi) = (Microfacet::isotropic(ndf, alpha), direction_deg(theta_i_deg, 10.0));
                     let [separable, correlated] =
                         [Masking::Separable, Masking::HeightCorrelated].map(|masking| {
-                            reflected(&model, wi, masking, eta) + transmittance(&model, wi, masking, eta)
+                            reflected(&model, wi, masking, eta)
+                                + transmittance(&model, wi, masking, eta).value
                         });
                     // The cubature's 1e-6 of what is reflected.
                     assert!(

@@ -6,7 +6,7 @@ use super::row::{Row, command, refused};
 use crate::support::campaign_text::SMALL;
 
 pub fn rows() -> Vec<Row> {
-    [campaigns(), folders(), surroundings(), words()].into_iter().flatten().collect()
+    [campaigns(), folders(), surroundings(), words(), albedos()].into_iter().flatten().collect()
 }
 
 /// A row that measures the small campaign.
@@ -117,5 +117,43 @@ fn words() -> Vec<Row> {
         refused("output is the input", SMALL, &["error: a value is required for '--output <DIR>'"])
             .word("-o")
             .word(""),
+    ]
+}
+
+fn albedos() -> Vec<Row> {
+    let matt = format!("{SMALL}[optics]\nfacet = \"diffuse\"\nalbedo = 0.5\n");
+    let flat =
+        SMALL.replace("cells = 32\ncorrelation_cells = 4.0\n[surface.ggx]\nalpha = 0.3", "[surface.mirror]");
+    let wrong = |words: &str, exit: i32, says: &[&'static str]| {
+        let row = command("axis of an albedo table", &format!("albedo {words}"));
+        let row =
+            row.file("small.toml", SMALL).file("matt.toml", matt.clone()).file("flat.toml", flat.clone());
+        row.file("t.csv", "of somebody").exits(exit, says)
+    };
+    vec![
+        wrong("--grid --alpha 0", 2, &["error: invalid value '0' for '--alpha <AXIS>'", "[1e-4, 10]"]),
+        wrong("--grid --alpha nan", 2, &["'--alpha <AXIS>'", "must be finite and lie in [1e-4, 10]"]),
+        wrong("--grid --alpha 0.5,0.1", 2, &["'--alpha <AXIS>'", "0.1 comes after 0.5; nodes must increase"]),
+        wrong("--grid --mu 1.2", 2, &["error: invalid value '1.2' for '--mu <AXIS>'", "[1e-4, 1]"]),
+        wrong("--grid --mu 0.1:0.5", 2, &["'--mu <AXIS>'", "FROM:TO:N"]),
+        wrong("--grid --mu 99999", 2, &["'--mu <AXIS>'", "99999 nodes; 2 to 4096 are allowed"]),
+        wrong("--grid --eta 1", 2, &["error: invalid value '1' for '--eta <AXIS>'", "[1.0001, 10]"]),
+        wrong("--grid --mu 4096 --alpha 4096", 4, &["error: 16777216 cells; a table has at most 1048576"]),
+        wrong("--grid --law gxx", 2, &["error: invalid value 'gxx' for '--law <NAME>'", "student_t:GAMMA"]),
+        wrong("--grid --law student_t:1", 2, &["'--law <NAME>'", "gamma 1 must lie in [2, 100]"]),
+        wrong("--grid --masking grains", 2, &["'--masking <NAME>'", "height_correlated"]),
+        wrong("--grid -o t.txt", 2, &["error: -o t.txt: the name must end in .npz, .csv, .exr or .h"]),
+        wrong("--grid -o a.csv -o a.csv", 2, &["error: -o a.csv: is given twice"]),
+        wrong("--grid -o t.csv", 3, &["error: t.csv: is there already", "--force"]),
+        wrong("", 2, &["error: a campaign that is measured, or --grid"]),
+        wrong("small.toml --grid", 2, &["error: the argument", "--grid"]),
+        wrong(
+            "small.toml --eta 1.5",
+            2,
+            &["error: --eta: facets of small are mirrors", "facet = \"dielectric\""],
+        ),
+        wrong("flat.toml --alpha 0.5", 2, &["error: --alpha: [surface.mirror] of small has no roughness"]),
+        wrong("matt.toml", 2, &["error: small: optics.facet = \"diffuse\"", "mirror and of clear facets"]),
+        wrong("small.toml --law ggx", 2, &["error: the argument", "cannot be used with", "--law <NAME>"]),
     ]
 }

@@ -1,6 +1,6 @@
 //! The list: what may be bad about an input or about what is around the program.
 
-pub const NAMES: [&str; 98] = [
+pub const NAMES: [&str; 99] = [
     "no such campaign",
     "empty campaign",
     "campaign not UTF-8",
@@ -98,5 +98,6 @@ pub const NAMES: [&str; 98] = [
     "kernels of another processor",
     "sine of another library",
     "command line wrong",
+    "axis of an albedo table",
     "bar out of range",
 ];

@@ -1,0 +1,456 @@
+//! Albedos by measurement: the campaign's surface under light from every mu of the table, followed to its last order.
+
+use rayon::prelude::*;
+
+use super::formula::{self, FormulaSurface, SIDES};
+use super::table::{AlbedoTable, Axes, Cell, Quantity};
+use super::verdict::{Certificate, Pair};
+use crate::campaign::{
+    self, Alpha, Azimuth, BinLayout, Campaign, Dielectric, LightArm, LightSide, Medium, Optics, SensorArm,
+    SensorSide, SurfaceKind,
+};
+use crate::error::{Error, Result};
+use crate::instrument::grid_of;
+use crate::measure::accumulate::lost_light::with_bound;
+use crate::measure::{self, Measured, Patches, Plan, StopResult};
+use crate::sphere;
+use crate::stats;
+use crate::validate::prediction::model::Model;
+use crate::validate::{Estimate, expect};
+
+/// Orders that have columns of their own; all of them together always have.
+const LISTED_ORDERS: usize = 8;
+const ERRORS: &str = "standard error of the mean over realisations; -1 (n/a): a single realisation";
+const AVERAGE: &str = "name_avg: 2 times the integral over mu of value(mu) mu dmu of the table as lookups interpolate it, \
+    errors from the averages of each realisation";
+
+/// What is measured for a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// The campaign that is measured: the coarsest sensor, every light and material of the table.
+    pub campaign: Campaign,
+    /// Where the cells are.
+    pub axes: Axes,
+    /// Sides of clear facets; none of mirrors.
+    pub sides: Vec<LightSide>,
+    /// The campaign as it was given.
+    base: Campaign,
+    /// What is not as the user may think.
+    pub notes: Vec<String>,
+}
+
+/// What takes the place of the campaign's own lights and roughnesses, where it is given.
+#[derive(Debug, Clone, Default)]
+pub struct Chosen {
+    /// Cosines of the light's polar angle.
+    pub mu: Option<Vec<f64>>,
+    /// Roughnesses.
+    pub alpha: Option<Vec<f64>>,
+    /// Indices of the inside over the outside.
+    pub eta: Option<Vec<f64>>,
+}
+
+/// The campaign whose light, roughnesses and indices are those of the table, with F = 1 and with F0 = 0 on mirror facets.
+///
+/// Errors: `Usage` where the surface has no such axis.
+pub fn campaign_of(base: &Campaign, chosen: Chosen) -> Result<Setup> {
+    let mut notes = Vec::new();
+    let mut campaign = base.clone();
+    let alpha = roughnesses(&mut campaign, chosen.alpha)?;
+    if let Some(brushed) = campaign.alphas()[0].filter(|alpha| alpha.x != alpha.y) {
+        notes.push(format!(
+            "alpha is that along x, {} along y; a table is of light from every azimuth",
+            brushed.y
+        ));
+    }
+    let (sides, eta) = match base.optics.each()[0] {
+        Optics::Dielectric(_) => {
+            (base.optics.light_sides(), chosen.eta.unwrap_or_else(|| etas(&base.optics)))
+        }
+        Optics::Diffuse { .. } => {
+            return Err(Error::Usage(format!(
+                "{}: optics.facet = \"diffuse\": albedo tables are of mirror and of clear facets",
+                base.name
+            )));
+        }
+        _ if chosen.eta.is_some() => {
+            return Err(Error::Usage(format!(
+                "--eta: facets of {} are mirrors; it belongs to facet = \"dielectric\" under [optics]",
+                base.name
+            )));
+        }
+        mirror => {
+            if *mirror != Optics::PerfectMirror {
+                notes.push(
+                    "the material is left out: the table holds F = 1 and, at order 1, the parts of F0 and F90".into(),
+                );
+            }
+            (vec![], vec![])
+        }
+    };
+    campaign.optics = if sides.is_empty() { white_and_edge() } else { glasses(&eta, &sides) };
+    let own = || base.light.theta_i_deg.iter().rev().map(|&theta| sphere::sin_cos_deg(theta).1).collect();
+    let mut mu: Vec<f64> = chosen.mu.unwrap_or_else(own);
+    // Two angles next to 0 may have one cosine.
+    mu.dedup();
+    if base.light.aperture_deg > 0.0 {
+        notes.push("light.aperture_deg is left out: a table is of light from single directions".into());
+    }
+    campaign.light = LightArm {
+        theta_i_deg: mu.iter().rev().map(|mu| mu.acos().to_degrees()).collect(),
+        azimuth: Azimuth::Relative,
+        average_azimuth: true,
+        aperture_deg: 0.0,
+    };
+    let side = if sides.is_empty() { SensorSide::Reflection } else { SensorSide::Both };
+    campaign.sensor =
+        SensorArm::Hemisphere { side, theta_r_bins: 1, phi_r_bins: 1, bins: BinLayout::Aligned };
+    campaign.trace.by_order = false;
+    Ok(Setup { campaign, axes: Axes { mu, alpha, eta }, sides, base: base.clone(), notes })
+}
+
+/// The roughnesses of the table, which become the campaign's.
+fn roughnesses(campaign: &mut Campaign, chosen: Option<Vec<f64>>) -> Result<Vec<f64>> {
+    let name = campaign.name.clone();
+    let kind = campaign.surface.kind.name();
+    let of_one_number = !matches!(campaign.surface.kind, SurfaceKind::BlinnPhong { .. });
+    let Some(alphas) = campaign.surface.kind.alphas_mut().filter(|_| of_one_number || chosen.is_none())
+    else {
+        return match chosen {
+            None => Ok(vec![0.0]),
+            Some(_) => Err(Error::Usage(format!(
+                "--alpha: [surface.{kind}] of {name} has no roughness to be chosen; leave it out"
+            ))),
+        };
+    };
+    let coverage = alphas[0].coverage;
+    if alphas.iter().any(|alpha| alpha.coverage != coverage) {
+        return Err(Error::Usage(format!(
+            "{name}: surface.grains.coverage: a table has one coverage; make one of each"
+        )));
+    }
+    if let Some(chosen) = chosen {
+        *alphas = chosen.into_iter().map(|alpha| Alpha { coverage, ..Alpha::isotropic(alpha) }).collect();
+    }
+    Ok(alphas.iter().map(|alpha| alpha.x).collect())
+}
+
+/// The indices of a campaign's clear materials, increasing.
+fn etas(optics: &Optics) -> Vec<f64> {
+    let media = |one: &Optics| if let Optics::Dielectric(clear) = one { clear.media.clone() } else { vec![] };
+    let mut etas: Vec<f64> = optics.each().into_iter().flat_map(media).map(|medium| medium.eta).collect();
+    etas.sort_by(f64::total_cmp);
+    etas.dedup();
+    etas
+}
+
+/// Schlick's formula with F0 = 1 and with F0 = 0, from the same paths.
+fn white_and_edge() -> Optics {
+    Optics::Several([1.0, 0.0].map(|f0| Optics::Schlick { material: None, f0: [f0; 3] }).to_vec())
+}
+
+/// Every index from every side.
+fn glasses(etas: &[f64], sides: &[LightSide]) -> Optics {
+    let glass = |eta: f64, light: LightSide| {
+        Optics::Dielectric(Dielectric {
+            material: None,
+            media: vec![Medium { wavelength_nm: None, eta, k: 0.0 }],
+            light,
+            polarisation: Polarisation::None,
+        })
+    };
+    Optics::Several(etas.iter().flat_map(|&eta| sides.iter().map(move |&side| glass(eta, side))).collect())
+}
+
+/// What a quantity is of: the incidence in all materials of a slab, as one value for each realisation.
+type OfStops = Box<dyn Fn(&[&StopResult]) -> Vec<f64>>;
+
+/// Measures all cells. `done` is told of surface samples.
+///
+/// Errors: as [`measure::measure`]; `Refused` where light reaches no facet.
+pub fn measure(
+    setup: &Setup,
+    plan: &Plan,
+    patches: &Patches,
+    done: &(dyn Fn(u64) + Sync),
+) -> Result<(AlbedoTable, Certificate)> {
+    let (results, _) = measure::measure(&setup.campaign, plan, patches, &|samples| done(samples))?;
+    let table = Tabulated { setup, results: &results };
+    table.check_light()?;
+    let orders = setup.campaign.trace.bounces as usize;
+    let measured = if setup.sides.is_empty() { mirror(orders) } else { clear(&setup.sides, orders) };
+    let mut quantities: Vec<Quantity> =
+        measured.into_iter().map(|(name, about, of)| table.quantity(name, about, &of)).collect();
+    let formulas = table.formulas();
+    let pairs: Vec<Pair> = formulas.iter().map(|(name, formula)| table.pair(name, formula)).collect();
+    quantities.extend(formulas.into_iter().map(|(_, formula)| formula));
+    let realisations = setup.campaign.surface.realisations as usize;
+    let certificate = Certificate::of(&quantities, &pairs, &table.closures(), &setup.axes, realisations);
+    let base = &setup.base;
+    let origin = vec![
+        ("campaign", campaign::to_toml(base)),
+        ("replaced", "light, sensor, roughness and material are those of the axes".into()),
+        ("seed", base.seed.to_string()),
+        ("patch_digest", results[0].table.patch_digest.clone()),
+        ("verdict", certificate.lines().join("\n")),
+    ];
+    let table = AlbedoTable {
+        title: format!("albedos of {}, [surface.{}], measured", base.name, base.surface.kind.name()),
+        axes: setup.axes.clone(),
+        quantities,
+        errors: ERRORS,
+        average: AVERAGE,
+        origin,
+    };
+    Ok((table, certificate))
+}
+
+/// Values of all realisations, added up.
+fn sum(orders: &[Vec<f64>], realisations: usize) -> Vec<f64> {
+    (0..realisations).map(|k| orders.iter().map(|order| order[k]).sum()).collect()
+}
+
+fn all_back(stop: &StopResult) -> Vec<f64> {
+    sum(&stop.albedo_by_order, stop.closure.len())
+}
+
+fn all_through(stop: &StopResult) -> Vec<f64> {
+    sum(&stop.transmittance_by_order, stop.closure.len())
+}
+
+/// What was followed and did not leave.
+fn rest(stop: &StopResult) -> Vec<f64> {
+    let left = all_back(stop).into_iter().zip(all_through(stop));
+    stop.closure.iter().zip(left).map(|(closure, (back, through))| closure - back - through).collect()
+}
+
+const REST: &str = "followed and not left: beyond the last order, or absorbed";
+
+/// Of mirror facets; the materials are F = 1 and F0 = 0.
+fn mirror(orders: usize) -> Vec<(String, String, OfStops)> {
+    let [(_, _), (_, of_f0), (_, of_f90)] = formula::MIRROR;
+    let mut all: Vec<(String, String, OfStops)> = vec![
+        ("E".into(), "albedo with F = 1, all orders".into(), Box::new(|stops| all_back(stops[0]))),
+        ("rest".into(), REST.into(), Box::new(|stops| rest(stops[0]))),
+        (
+            "E_f0_order1".into(),
+            format!("{of_f0}; order 1"),
+            Box::new(|stops| {
+                let [white, f90] = [0, 1].map(|k| &stops[k].albedo_by_order[0]);
+                white.iter().zip(f90).map(|(white, f90)| white - f90).collect()
+            }),
+        ),
+        (
+            "E_f90_order1".into(),
+            format!("{of_f90}; order 1"),
+            Box::new(|stops| stops[1].albedo_by_order[0].clone()),
+        ),
+    ];
+    all.extend((0..orders.min(LISTED_ORDERS)).map(|order| {
+        let of: OfStops = Box::new(move |stops| stops[0].albedo_by_order[order].clone());
+        (format!("E_order{}", order + 1), format!("albedo with F = 1; order {}", order + 1), of)
+    }));
+    all
+}
+
+/// Of clear facets; the materials are the sides.
+fn clear(sides: &[LightSide], orders: usize) -> Vec<(String, String, OfStops)> {
+    let mut all: Vec<(String, String, OfStops)> = Vec::new();
+    for (k, &side) in sides.iter().enumerate() {
+        let side = SIDES[usize::from(side == LightSide::Back)];
+        let [(_, back), (_, through), _] = formula::CLEAR;
+        let from = format!("light from {side}");
+        all.extend([
+            (
+                format!("R_{side}"),
+                format!("{back}; all orders, {from}"),
+                Box::new(move |stops: &[&StopResult]| all_back(stops[k])) as OfStops,
+            ),
+            (
+                format!("T_{side}"),
+                format!("{through}; all orders, {from}"),
+                Box::new(move |stops: &[&StopResult]| all_through(stops[k])),
+            ),
+            (
+                format!("rest_{side}"),
+                format!("{REST}; {from}"),
+                Box::new(move |stops: &[&StopResult]| rest(stops[k])),
+            ),
+        ]);
+        for order in 0..orders.min(LISTED_ORDERS) {
+            let number = order + 1;
+            all.extend([
+                (
+                    format!("R_{side}_order{number}"),
+                    format!("{back}; order {number}, {from}"),
+                    Box::new(move |stops: &[&StopResult]| stops[k].albedo_by_order[order].clone()) as OfStops,
+                ),
+                (
+                    format!("T_{side}_order{number}"),
+                    format!("{through}; order {number}, {from}"),
+                    Box::new(move |stops: &[&StopResult]| stops[k].transmittance_by_order[order].clone()),
+                ),
+            ]);
+        }
+    }
+    all
+}
+
+/// What was measured, by cells.
+struct Tabulated<'a> {
+    setup: &'a Setup,
+    /// \[alpha\]\[eta\]\[side, or F0 = 1 and F0 = 0\].
+    results: &'a [Measured],
+}
+
+impl Tabulated<'_> {
+    /// Tables of one cell's eta and alpha.
+    fn materials(&self) -> usize {
+        self.setup.sides.len().max(1) + usize::from(self.setup.sides.is_empty())
+    }
+
+    fn tables(&self, slab: usize, alpha: usize) -> &[Measured] {
+        let first = (alpha * self.setup.axes.slabs() + slab) * self.materials();
+        &self.results[first..first + self.materials()]
+    }
+
+    /// The incidence of a cell in each material; incidences are in the order of theta, cells in that of mu.
+    fn stops(&self, slab: usize, alpha: usize, mu: usize) -> Vec<&StopResult> {
+        let stop = self.setup.axes.mu.len() - 1 - mu;
+        self.tables(slab, alpha).iter().map(|measured| &measured.stops[stop]).collect()
+    }
+
+    /// (slab, alpha) in the order of averages.
+    fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let (slabs, alphas) = (self.setup.axes.slabs(), self.setup.axes.alpha.len());
+        (0..slabs).flat_map(move |slab| (0..alphas).map(move |alpha| (slab, alpha)))
+    }
+
+    fn check_light(&self) -> Result<()> {
+        let dark = self.results.iter().any(|measured| measured.stops.iter().any(StopResult::is_dark));
+        if dark {
+            return Err(Error::Refused(format!(
+                "{}: light of the smallest mu reaches no facet; --mu without it, or more samples",
+                self.setup.base.name
+            )));
+        }
+        Ok(())
+    }
+
+    fn quantity(&self, name: String, about: String, of: &OfStops) -> Quantity {
+        let weights = self.setup.axes.mu_weights();
+        let (mut cells, mut averages) = (Vec::new(), Vec::new());
+        for (slab, alpha) in self.rows() {
+            let mut average = vec![0.0; self.setup.campaign.surface.realisations as usize];
+            let mut lost = 0.0;
+            for (mu, weight) in weights.iter().enumerate() {
+                let stops = self.stops(slab, alpha, mu);
+                let values = of(&stops);
+                // What an open map loses over its edge may be missing at any order.
+                let bound = stops.iter().map(|stop| stop.lost_light[1]).fold(0.0, f64::max);
+                average.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * value);
+                lost += weight * bound;
+                cells.push(mean_of(&values, bound));
+            }
+            averages.push(mean_of(&average, lost));
+        }
+        Quantity { name, about, cells, averages }
+    }
+
+    /// All light of every cell and material, by realisation; none where the law of energy does not hold by itself.
+    fn closures(&self) -> Vec<Vec<f64>> {
+        let surface = &self.setup.campaign.surface.kind;
+        if surface.is_open_map() || !self.setup.campaign.trace.visibility {
+            return vec![];
+        }
+        let mus = self.setup.axes.mu.len();
+        let of_row = |(slab, alpha)| {
+            (0..mus).flat_map(move |mu| self.stops(slab, alpha, mu)).map(|stop| stop.closure.clone())
+        };
+        self.rows().flat_map(of_row).collect()
+    }
+
+    /// The formula next to what was measured, where the surface has one: (measured quantity, formula).
+    fn formulas(&self) -> Vec<(String, Quantity)> {
+        let surfaces = self.rows().map(|(slab, alpha)| Some((slab, self.formula(slab, alpha)?)));
+        let Some(surfaces) = surfaces.collect::<Option<Vec<_>>>() else { return vec![] };
+        let Axes { mu, eta, .. } = &self.setup.axes;
+        let of_row = |&(slab, surface): &(usize, FormulaSurface)| -> Vec<Vec<Estimate>> {
+            mu.par_iter().map(|&mu| surface.at(mu, eta.get(slab).copied())).collect()
+        };
+        let rows: Vec<Vec<Vec<Estimate>>> = surfaces.iter().map(of_row).collect();
+        let weights = self.setup.axes.mu_weights();
+        let of_name = |(name, place): (String, usize)| {
+            let cell = |value: f64, error: f64| Cell { value, error: Some(error) };
+            let cells = rows.iter().flatten().map(|all| cell(all[place].value, all[place].error)).collect();
+            let mean = |row: &Vec<Vec<Estimate>>| {
+                let of = |pick: fn(&Estimate) -> f64| {
+                    row.iter().zip(&weights).map(|(all, weight)| weight * pick(&all[place])).sum()
+                };
+                cell(of(|estimate| estimate.value), of(|estimate| estimate.error))
+            };
+            let averages = rows.iter().map(mean).collect();
+            let about = format!("the model's {name}; its error is the quadrature's");
+            let formula = Quantity { name: format!("{name}_formula"), about, cells, averages };
+            (name, formula)
+        };
+        self.judged().into_iter().map(of_name).collect()
+    }
+
+    /// Quantities that have a formula, and their places in [`FormulaSurface::at`].
+    fn judged(&self) -> Vec<(String, usize)> {
+        if self.setup.sides.is_empty() {
+            return vec![("E_order1".into(), 0), ("E_f90_order1".into(), 2)];
+        }
+        let sides = self.setup.sides.iter().map(|&side| usize::from(side == LightSide::Back));
+        let of_side = |side: usize| {
+            [("R", 0), ("T", 1)]
+                .map(|(name, part)| (format!("{name}_{}_order1", SIDES[side]), 3 * side + part))
+        };
+        sides.flat_map(of_side).collect()
+    }
+
+    /// The isotropic model of a row, if it has one.
+    fn formula(&self, slab: usize, alpha: usize) -> Option<FormulaSurface> {
+        let campaign = &self.tables(slab, alpha)[0].campaign;
+        match Model::of(campaign)? {
+            model @ Model::Microfacet { .. } => {
+                let place = model.masking_index(Some(expect::masking(campaign)));
+                let Model::Microfacet { surface, maskings, mirror_base } = model else { return None };
+                surface.is_isotropic().then_some(FormulaSurface {
+                    surface,
+                    masking: maskings[place],
+                    mirror_base,
+                })
+            }
+            _ => None,
+        }
+    }
+
+    /// A measured quantity beside its formula, with what the surface is known to keep between the two.
+    fn pair(&self, name: &str, formula: &Quantity) -> Pair {
+        let through = name.starts_with('T');
+        let mus = &self.setup.axes.mu;
+        let of_row = |(slab, alpha)| {
+            let campaign = &self.tables(slab, alpha)[0].campaign;
+            let at = |mu: usize| {
+                let theta = self.setup.campaign.light.theta_i_deg[mus.len() - 1 - mu];
+                let light = LightArm { theta_i_deg: vec![theta], ..campaign.light.clone() };
+                let one = Campaign { light, ..campaign.clone() };
+                let bar = if through { expect::bar_through(&one) } else { expect::bar(&one, &grid_of(&one)) };
+                bar.map(|bar| bar.l1_model)
+            };
+            (0..mus.len()).map(at).collect::<Vec<_>>()
+        };
+        Pair {
+            measured: name.into(),
+            formula: formula.name.clone(),
+            allowed: self.rows().flat_map(of_row).collect(),
+        }
+    }
+}
+
+fn mean_of(values: &[f64], bound: f64) -> Cell {
+    let (value, se) = stats::mean_and_se(values.iter().copied());
+    Cell { value, error: se.map(|se| with_bound(se, bound)) }
+}
