@@ -3,6 +3,7 @@
 pub(crate) mod colour;
 pub mod klems;
 pub(crate) mod patchwise;
+pub(crate) mod sides;
 pub(crate) mod tensor_cells;
 pub(crate) mod tensor_function;
 pub(crate) mod tensor_square;

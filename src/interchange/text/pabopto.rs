@@ -6,14 +6,15 @@
 use std::path::Path;
 
 use crate::files;
-use crate::interchange::codec::{Codec, Encoded, FileContent, FormatTraits};
+use crate::interchange::codec::{Codec, Encoded, FileContent, FormatTraits, Sides};
 use crate::interchange::read_back::{self, ReadBack, middles_deg};
 use crate::interchange::{Checked, Imported, Options};
 use crate::table::BrdfTable;
 use crate::text_decoding::decode_text_or_latin1;
 
 /// How the values are meant.
-const CONVENTION: &str = "one file for each incidence; degrees, theta from the normal, phi absolute; format BSDF: 1/sr, no cosine; \
+const CONVENTION: &str = "one file for each incidence; degrees, theta from the normal on the light's side (beyond 90 light that \
+    has gone through), phi absolute; format BSDF: 1/sr, no cosine; \
     colorimetry CIE-Y; the middle of each bin";
 
 /// The format.
@@ -21,7 +22,7 @@ pub struct Pabopto;
 
 impl Codec for Pabopto {
     fn traits(&self) -> FormatTraits {
-        FormatTraits { gaps: true, colours: false, ..FormatTraits::totals("pabopto") }
+        FormatTraits { gaps: true, sides: Sides::Both, colours: false, ..FormatTraits::totals("pabopto") }
     }
 
     fn decode(&self, _bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {

@@ -100,7 +100,7 @@ fn spectral_tables_come_back_from_lists() {
 fn zemax_tables_stand_about_the_mirror_direction() {
     let ggx = Ggx::new(0.3, 0.3);
     let own = table(&ggx, &hemisphere(steps(5.0, 18), None, 90, 120));
-    let (text, _) = zemax::write(&own, &Lookup::new(&own).expect("a product")).expect("isotropic");
+    let (text, _) = zemax::write(&own, false, &Lookup::new(&own).expect("a product")).expect("isotropic");
     let line =
         |k: usize| text.lines().skip_while(|line| !line.starts_with("DataBegin")).nth(k).expect("there");
     // Behind DataBegin: TIS and 37 lines for each incidence. TIS of that of 25 degrees: GGX 0.3, separable, between
@@ -128,7 +128,7 @@ fn zemax_tables_stand_about_the_mirror_direction() {
 fn zemax_has_a_table_for_each_rotation_of_an_anisotropic_sample() {
     let ggx = Ggx::new(0.4, 0.7);
     let own = table(&ggx, &hemisphere(steps(10.0, 9), Some(steps(30.0, 12)), 45, 72));
-    let (text, _) = zemax::write(&own, &Lookup::new(&own).expect("a product")).expect("written");
+    let (text, _) = zemax::write(&own, false, &Lookup::new(&own).expect("a product")).expect("written");
     assert!(text.contains("Symmetry  ASymmetrical4D\n") && text.contains("SampleRotation  12\n0 30 60 "));
     // Turned by 330 counter-clockwise, the sample has the lamp at its azimuth 30: 11 blocks of all incidences before; that
     // of 20 degrees, azimuth 90 (row 18), radial 180 (30/90)^2 = 20 degrees (column 30).
