@@ -1,6 +1,7 @@
 //! Small files of Radiance: blocks of light that comes back on the +z side.
 
-use gonio::interchange::radiance::xml::{Block, SampleSide, write};
+use gonio::interchange::radiance::xml::SampleSide;
+use gonio::interchange::radiance::xml_writer::{Block, write};
 
 /// A file with a block for each channel: its wavelength, and its values as text.
 pub fn reflection(structure: &str, basis: &str, bases: &str, channels: &[(&'static str, String)]) -> String {

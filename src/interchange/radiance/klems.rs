@@ -13,7 +13,7 @@ use super::colour;
 pub use super::patchwise::Patchwise;
 use super::patchwise::{bases_of, grid};
 use super::xml::{DataBlock, Document, SampleSide, negative_note, short};
-use super::{sides, xml};
+use super::{sides, xml, xml_writer};
 use crate::error::wrong;
 use crate::instrument::klems::{Basis, Ring, patches};
 use crate::instrument::{GridKind, Region};
@@ -48,7 +48,7 @@ impl Codec for Klems {
 
     fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
         let (text, notes) = write(table, options)?;
-        Ok(Encoded::bytes(text, xml::convention(CONVENTION, table.grid.looks_below()), notes))
+        Ok(Encoded::bytes(text, xml_writer::convention(CONVENTION, table.grid.looks_below()), notes))
     }
 }
 
@@ -77,11 +77,11 @@ pub fn write(table: &BrdfTable, options: &Options) -> Checked<(String, Vec<Strin
                     |k: usize| if coloured { colour::xyz(matrix[k])[[1, 0, 2][c]] } else { matrix[k][0] };
                 let data = numbers(counts, value);
                 let (light, through, bases) = (side.light, side.through, named.clone());
-                blocks.push(xml::Block { light, through, bases, wavelength, data });
+                blocks.push(xml_writer::Block { light, through, bases, wavelength, data });
             }
         }
     }
-    Ok((xml::write("Columns", &bases.described(), &blocks), notes))
+    Ok((xml_writer::write("Columns", &bases.described(), &blocks), notes))
 }
 
 /// Bases of light and sensor, the values between them, and what is to say of those.

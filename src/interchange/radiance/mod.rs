@@ -9,3 +9,4 @@ pub(crate) mod tensor_function;
 pub(crate) mod tensor_square;
 pub mod tensor_tree;
 pub mod xml;
+pub mod xml_writer;

@@ -13,7 +13,7 @@ use super::colour;
 use super::tensor_cells::{FIRST, Task, TreeCell};
 pub use super::tensor_function::{TensorTree, read, read_side};
 use super::tensor_square::{COLOURS, Tree, directions};
-use super::{sides, xml};
+use super::{sides, xml_writer};
 use crate::campaign::SensorSide;
 use crate::interchange::codec::{Codec, Encoded, FormatTraits, Sides, resampling_notes};
 use crate::interchange::resample::default_grid;
@@ -51,7 +51,7 @@ impl Codec for TensorTreeFile {
 
     fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
         let (text, notes) = write(table, options)?;
-        Ok(Encoded::bytes(text, xml::convention(CONVENTION, table.grid.looks_below()), notes))
+        Ok(Encoded::bytes(text, xml_writer::convention(CONVENTION, table.grid.looks_below()), notes))
     }
 }
 
@@ -143,10 +143,16 @@ pub fn write(table: &BrdfTable, options: &Options) -> Checked<(String, Vec<Strin
             print(&tree(rank, limits, |wi, wo| yuv(wi, wo)[c]), &mut data);
             data.push('\n');
             let bases = "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>\n".into();
-            blocks.push(xml::Block { light: side.light, through: side.through, bases, wavelength, data });
+            blocks.push(xml_writer::Block {
+                light: side.light,
+                through: side.through,
+                bases,
+                wavelength,
+                data,
+            });
         }
     }
-    Ok((xml::write(&format!("TensorTree{rank}"), "", &blocks), notes))
+    Ok((xml_writer::write(&format!("TensorTree{rank}"), "", &blocks), notes))
 }
 
 fn print(tree: &Tree, out: &mut String) {

@@ -104,7 +104,9 @@ pub fn resample_spectrum<'a>(
     let (stops, bins) = (grid.stops(), grid.bins());
     for (looks, side, what) in [(grid.looks_above(), 0, COMES_BACK), (grid.looks_below(), 1, GONE_THROUGH)] {
         if looks && parts.iter().any(|part| !part.sides()[side]) {
-            return Err(wrong!("the file says nothing of light that {what}, which the wanted bins collect"));
+            return Err(wrong!(
+                "the file says nothing of light that {what}, which the wanted bins collect; take a table of the other side for --like"
+            ));
         }
     }
     let pairs = stops.checked_mul(bins).filter(|&pairs| pairs <= MOST_VALUES);
