@@ -64,6 +64,7 @@ mod facets {
     mod faults;
     mod interface;
     mod lanes;
+    mod patches;
     mod reciprocity;
     mod smith_walk;
 }
@@ -85,6 +86,7 @@ mod interchange {
     mod interchange_zemax;
     mod ragged_scans;
     mod round_trips;
+    mod through;
 }
 mod validate {
     mod bin_means;

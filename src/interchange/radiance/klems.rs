@@ -18,7 +18,6 @@ use crate::error::wrong;
 use crate::instrument::klems::{Basis, Ring, patches};
 use crate::instrument::{GridKind, Region};
 use crate::interchange::codec::{Codec, Encoded, FormatTraits, Sides};
-use crate::interchange::content::sides::put_together;
 use crate::interchange::foreign_table;
 use crate::interchange::resample::nodes;
 use crate::interchange::{Brdf, Checked, Colour, Imported, Lookup, Options, needed};
@@ -209,16 +208,16 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(BrdfTable, 
     let (mut tables, mut seen) = ([None, None], Counted::default());
     for (table, blocks) in tables.iter_mut().zip(halves) {
         if !blocks.is_empty() {
-            *table = Some(table_of(&document, &blocks, columns, &mut seen)?.into());
+            *table = Some(table_of(&document, &blocks, columns, &mut seen)?);
         }
     }
     notes.extend(negative_note(seen.negative, seen.values, seen.least));
-    match put_together(tables)? {
-        Imported::Table(table) => Ok((table, notes)),
-        Imported::Function { .. } => {
-            Err("reflection and transmission have different bases of the light".into())
-        }
-    }
+    let [above, below] = tables;
+    let whole = match (above, below.and_then(|below| below.mirrored())) {
+        (Some(above), Some(image)) => above.joined(&image),
+        (above, image) => above.or(image),
+    };
+    Ok((whole.ok_or("reflection and transmission have different bases of the light")?, notes))
 }
 
 /// The table of one block, or of three of colour.
