@@ -12,6 +12,9 @@ use crate::table::BrdfTable;
 /// Functions of three colours each, their wavelengths, and what was filled in.
 pub type Functions = (Vec<Box<dyn Brdf>>, Vec<f64>, Vec<String>);
 
+/// The same with a grid that suits them.
+type OnGrid = (Vec<Box<dyn Brdf>>, Vec<f64>, Grid);
+
 /// The block of light that comes back, and that of light that has gone through, as a mirror in the horizon shows it; at
 /// least one is there. A table where both list directions under the same light, else a function.
 // Tested by `both_sides_are_put_together` (tests/it/interchange/through.rs).
@@ -30,7 +33,7 @@ pub fn put_together(blocks: [Option<Imported>; 2]) -> Checked<Imported> {
         [None, None] => return Err("no block of values".into()),
     };
     let side = if above.is_some() { SensorSide::Both } else { SensorSide::Transmission };
-    let of = |block: Imported| -> Checked<(Vec<Box<dyn Brdf>>, Vec<f64>, Grid)> {
+    let of = |block: Imported| -> Checked<OnGrid> {
         Ok(match block {
             Imported::Function { parts, wavelengths_nm, grid } => (parts, wavelengths_nm, grid),
             Imported::Table(table) => {
