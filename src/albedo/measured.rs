@@ -6,8 +6,8 @@ use super::formula::{self, FormulaSurface, SIDES};
 use super::table::{AlbedoTable, Axes, Cell, Quantity};
 use super::verdict::{Certificate, Pair};
 use crate::campaign::{
-    self, Alpha, Azimuth, BinLayout, Campaign, Dielectric, LightArm, LightSide, Medium, Optics, SensorArm,
-    SensorSide, SurfaceKind,
+    self, Alpha, Azimuth, BinLayout, Campaign, Dielectric, LightArm, LightSide, Medium, Optics, Polarisation,
+    SensorArm, SensorSide, SurfaceKind,
 };
 use crate::error::{Error, Result};
 use crate::instrument::grid_of;

@@ -6,7 +6,9 @@
 use serde::Serialize;
 
 use super::parse::angles::{AxisRules, HALF_TURN, PHI, THETA_I, THETA_R, TO_SIXTY, axis};
-use super::parse::arms::{APERTURE, OPEN, above_horizon, klems_light, light_azimuth, table_fits};
+use super::parse::arms::{
+    APERTURE, OPEN, above_horizon, klems_light, light_azimuth, sensor_side, table_fits,
+};
 use super::parse::reader::{Slot, TableReader};
 use super::schema::{Azimuth, BinLayout, LightArm, PhiFrom, SensorArm, SensorSide};
 
@@ -61,7 +63,8 @@ const PRESETS: [Preset; 7] = [
     Preset {
         name: "klems_full",
         source: "Klems and Warner 1995 (LBNL full basis), as Radiance's bsdf_m.c has it",
-        emulated: "145 patches of the sensor, light from the middles of the same 145 patches",
+        emulated: "145 patches of the sensor, above and, of clear facets, below (side); light from the middles of the same \
+            145 patches, from outside or inside (light_side)",
         left_out: "the mean over the patch of the light: a lobe narrower than 10 degrees falls between the incidences",
     },
     Preset {
@@ -72,11 +75,12 @@ const PRESETS: [Preset; 7] = [
     },
 ];
 
-/// The arms that a preset means; `isotropic` is unknown where the surface has faults of its own. `None` in place
-/// of an arm, or of everything, where it has faults.
+/// The arms that a preset means; `isotropic` is unknown where the surface has faults of its own; `through`: whether light
+/// goes through facets. `None` in place of an arm, or of everything, where it has faults.
 pub(super) fn arms(
     slot: &Slot<'_>,
     isotropic: Option<bool>,
+    through: bool,
 ) -> Option<(Preset, Option<LightArm>, Option<SensorArm>)> {
     let table = || slot.table();
     let words = PRESETS.map(|preset| (preset.name, preset));
@@ -87,7 +91,7 @@ pub(super) fn arms(
         "rgl" => rgl(table()?, isotropic),
         "onera" => onera(table()?, isotropic),
         "rosi" => rosi(table()?, isotropic),
-        "klems_full" => klems(table()?),
+        "klems_full" => klems(table()?, through),
         _ => in_plane(table()?, isotropic),
     };
     if let Some((light, sensor)) = light.as_ref().zip(sensor.as_ref()) {
@@ -210,9 +214,10 @@ fn rosi(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {
     (light, arm(&aperture, 0.5, theta_r, phi_r, PhiFrom::Light))
 }
 
-fn klems(table: TableReader<'_>) -> Arms {
-    let [_, light_aperture] = table.keys(["name", "light_aperture_deg"]);
-    (klems_light(&light_aperture), Some(SensorArm::KlemsFull))
+/// `light_side` is read with the sides of other lights.
+fn klems(table: TableReader<'_>, through: bool) -> Arms {
+    let [_, light_aperture, side, _] = table.keys(["name", "light_aperture_deg", "side", "light_side"]);
+    (klems_light(&light_aperture), sensor_side(&side, through).map(|side| SensorArm::KlemsFull { side }))
 }
 
 fn in_plane(table: TableReader<'_>, isotropic: Option<bool>) -> Arms {

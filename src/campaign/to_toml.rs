@@ -200,9 +200,7 @@ fn sensor_table(text: &mut Text, sensor: &SensorArm) {
             text.line("theta_r_bins", theta_r_bins);
             text.line("phi_r_bins", phi_r_bins);
             text.line("bins", word(&arms::LAYOUTS, bins));
-            if *side != SensorSide::Reflection {
-                text.line("side", word(&arms::SENSOR_SIDES, side));
-            }
+            side_line(text, side);
         }
         SensorArm::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from } => {
             text.table("sensor.arm");
@@ -211,10 +209,18 @@ fn sensor_table(text: &mut Text, sensor: &SensorArm) {
             text.floats("aperture_deg", aperture_deg);
             text.line("phi_r_from", word(&arms::PHI_FROM, phi_r_from));
         }
-        SensorArm::KlemsFull => {
+        SensorArm::KlemsFull { side } => {
             text.table("sensor.patches");
             text.line("basis", quoted("klems_full"));
+            side_line(text, side);
         }
+    }
+}
+
+/// Left out where it is the usual one.
+fn side_line(text: &mut Text, side: &SensorSide) {
+    if *side != SensorSide::Reflection {
+        text.line("side", word(&arms::SENSOR_SIDES, side));
     }
 }
 

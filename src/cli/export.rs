@@ -1,9 +1,10 @@
 //! `gonio export`: a table in another program's format.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::table_file::{self, Opened};
 use super::text::output::{Output, to_json, warn, wrapped};
@@ -12,7 +13,7 @@ use crate::files;
 use crate::instrument::GridKind;
 use crate::instrument::klems::Basis;
 use crate::interchange::merl::Sampling;
-use crate::interchange::{self, AlbedoCurve, Export, Format, Options};
+use crate::interchange::{self, AlbedoCurve, Export, Format, Options, ReadBack};
 use crate::job::paths::already_exists;
 use crate::table::TableRows;
 
@@ -40,6 +41,12 @@ pub struct Arguments {
     /// Klems: 145, 73 or 41 patches (else the table's own, or full)
     #[arg(long, value_name = "full|half|quarter")]
     klems: Option<Basis>,
+    /// Of a table that holds both, the light that is written
+    #[arg(long, value_name = "reflection|transmission", value_parser = through)]
+    side: Option<bool>,
+    /// Klems, tensor tree: the table under light from the back
+    #[arg(long, value_name = "TABLE.exr")]
+    back: Option<PathBuf>,
     /// How far the file's albedo may be off, instead of 1 %
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     allow_albedo_error: Option<f64>,
@@ -58,8 +65,16 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     let options = options_of(arguments.merl_centre, &arguments.wavelengths_nm);
     let albedo_error = arguments.allow_albedo_error.map(|percent| 0.01 * percent);
-    let options = Options { klems: arguments.klems, albedo_error, ..options };
     check_output(&arguments.table, &arguments.output, arguments.force)?;
+    let back = match &arguments.back {
+        Some(path) => {
+            check_output(path, &arguments.output, arguments.force)?;
+            Some(Arc::new(table_file::load(path)?))
+        }
+        None => None,
+    };
+    let (klems, through) = (arguments.klems, arguments.side);
+    let options = Options { klems, through, back, albedo_error, ..options };
     let export = match table_file::open_as_stored(&arguments.table, TableRows::row_bytes)? {
         Opened::Whole(table) => {
             let alone = !format.codec().traits().more_than_totals && table.gaps() == 0;
@@ -67,7 +82,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
             interchange::export(&table, format, &options, &arguments.output)?
         }
         Opened::Rows(mut rows)
-            if format.codec().by_bands().is_some() && rows.grid().kind != GridKind::HalfDifference =>
+            if format.codec().by_bands().is_some()
+                && rows.grid().kind != GridKind::HalfDifference
+                && options.through.is_none() =>
         {
             interchange::export_rows(&mut rows, format, &arguments.output, table_file::band_bytes())?
         }
@@ -85,12 +102,30 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
             "notes": export.notes,
             "read_back": to_json(&export.read_back)?,
             "albedo": to_json(&export.albedo)?,
+            "transmittance": to_json(&export.transmittance)?,
+            "back": match &export.back {
+                Some((read_back, albedo, transmittance)) => json!({
+                    "read_back": to_json(read_back)?,
+                    "albedo": to_json(albedo)?,
+                    "transmittance": to_json(transmittance)?,
+                }),
+                None => Value::Null,
+            },
         });
         out.json(&document)?;
     } else {
         out.lines(lines(format, &arguments.output, &export))?;
     }
     Ok(0)
+}
+
+/// Whether light that has gone through is meant.
+fn through(word: &str) -> std::result::Result<bool, String> {
+    match word {
+        "reflection" => Ok(false),
+        "transmission" => Ok(true),
+        _ => Err("reflection or transmission needed".into()),
+    }
 }
 
 /// A share in percent, 0 to 100.
@@ -126,23 +161,36 @@ pub fn check_output(input: &Path, output: &Path, force: bool) -> Result<()> {
 fn lines(format: Format, output: &Path, export: &Export) -> Vec<String> {
     let mut lines = vec![format!("file        {} ({})", output.display(), format.name())];
     lines.extend(wrapped("convention  ", &export.convention));
-    lines.push(match &export.read_back {
+    lines.extend(checks((&export.read_back, &export.albedo, &export.transmittance)));
+    if let Some((read_back, albedo, transmittance)) = &export.back {
+        lines.push("from the back".into());
+        lines.extend(checks((read_back, albedo, transmittance)));
+    }
+    lines
+}
+
+/// How far the file is from the table, under the light from one side.
+fn checks(
+    (read_back, albedo, transmittance): (&Option<ReadBack>, &Option<AlbedoCurve>, &Option<AlbedoCurve>),
+) -> Vec<String> {
+    let mut lines = vec![match read_back {
         None => "read back   the table holds nothing but zeros".into(),
         Some(back) => format!("read back   L1 {:.3e} over {} bins", back.l1, back.bins),
-    });
-    lines.extend(export.read_back.as_ref().filter(|back| back.worst > 0.0).map(|back| {
+    }];
+    lines.extend(read_back.as_ref().filter(|back| back.worst > 0.0).map(|back| {
         let ((theta_i, phi_i), (theta_r, phi_r)) = (back.worst_stop_deg, back.worst_bin_deg);
         format!(
             "worst bin   {:.3e} of its incidence's peak, light {theta_i:.2} {phi_i:.2}, sensor {theta_r:.2} {phi_r:.2}",
             back.worst
         )
     }));
-    lines.extend(export.albedo.iter().flat_map(|curve| wrapped("albedo      ", &albedo(curve))));
+    lines.extend(albedo.iter().flat_map(|curve| wrapped("albedo      ", &curve_line(curve))));
+    lines.extend(transmittance.iter().flat_map(|curve| wrapped("transmitted ", &curve_line(curve))));
     lines
 }
 
-/// The albedo curve of the file next to the table's.
-fn albedo(curve: &AlbedoCurve) -> String {
+/// The curve of the file next to the table's.
+fn curve_line(curve: &AlbedoCurve) -> String {
     let at = &curve.points[curve.worst_point];
     let mut text = format!(
         "within {:.2} % of the table's, at the incidences and between them (worst: light {:.2} {:.2}); ",

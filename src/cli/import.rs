@@ -43,7 +43,7 @@ pub struct Arguments {
     /// MERL: values at the cells' centres
     #[arg(long)]
     merl_centre: bool,
-    /// Klems, tensor tree: the block `Reflection Back` (+z) or `Front` (-z)
+    /// Klems, tensor tree: the blocks of light from +z (`Back`) or -z (`Front`)
     #[arg(long, value_name = "back|front")]
     side: Option<SampleSide>,
     /// Maps: a texel that becomes a campaign; several times for several

@@ -1,7 +1,7 @@
 //! The arms as a campaign describes them: lists of angles in, a `Grid` out.
 
 use super::grid::{Grid, GridKind};
-use super::klems::{FULL, middles, patches};
+use super::klems::{FULL, middles, patches, patches_of_side};
 use crate::campaign::{Azimuth, BinLayout, Campaign, PhiFrom, SensorArm, SensorSide};
 
 /// The geometry of the table that a campaign asks for.
@@ -28,7 +28,16 @@ pub fn grid_of(campaign: &Campaign) -> Grid {
             aperture_deg: Some(*aperture_deg),
             ..empty
         },
-        SensorArm::KlemsFull => Grid { kind: GridKind::Patches, patches_deg: patches(&FULL), ..empty },
+        SensorArm::KlemsFull { side } => {
+            Grid { kind: GridKind::Patches, patches_deg: patches_of_side(&FULL, *side), ..empty }
+        }
+    }
+}
+
+impl Grid {
+    /// The same rows of a hemisphere above the horizon, in the same distances from the pole below it, or both.
+    pub fn of_side(self, side: SensorSide) -> Grid {
+        Grid { theta_r_edges_deg: edges_of_side(self.theta_r_edges_deg, side), ..self }
     }
 }
 

@@ -175,9 +175,14 @@ impl Sensor {
                 }
             }
             Sensor::Patches(patches) => {
-                // An angle of 90 degrees is the rounding of one just off it, on the side that wo.z says.
+                // An angle of 90 degrees is the rounding of one just off it, on the side that wo.z says; the pole below
+                // belongs to the patches that end there.
                 let theta = sphere::theta(wo).to_degrees();
-                let theta = if wo.z > 0.0 { theta.min(90.0f64.next_down()) } else { theta.max(90.0) };
+                let theta = if wo.z > 0.0 {
+                    theta.min(90.0f64.next_down())
+                } else {
+                    theta.clamp(90.0, 180.0f64.next_down())
+                };
                 let phi = sphere::phi(wo).to_degrees();
                 let holds = |&[t1, t2, p1, p2]: &[f64; 4]| {
                     let phi = p1 + (phi - p1).rem_euclid(360.0);

@@ -2,9 +2,9 @@
 
 use super::grid::{Grid, GridKind};
 
-/// A half of a sensor as a sensor above the horizon.
+/// A part of a sensor, or its mirror image.
 pub struct Half {
-    /// Its bins; those below the horizon as a mirror in the horizon shows them.
+    /// Its bins.
     pub grid: Grid,
     /// The place of each of them in the whole.
     pub bins: Vec<usize>,
@@ -22,53 +22,82 @@ impl Half {
 }
 
 impl Grid {
-    /// The bins above the horizon, or `below` it; `None` where there are none.
+    /// The bins above the horizon, or those `below` it as a mirror in the horizon shows them; `None` where there are
+    /// none.
     // Tested by `halves_are_the_bins_of_one_side`.
     pub fn half(&self, below: bool) -> Option<Half> {
-        let half = match self.kind {
-            GridKind::Hemisphere => self.rows_of(below),
-            GridKind::Arm => self.positions_of(below),
+        let side = self.side(below)?;
+        if !below {
+            return Some(side);
+        }
+        let image = side.grid.mirrored()?;
+        Some(Half { bins: image.bins.iter().map(|&bin| side.bins[bin]).collect(), grid: image.grid })
+    }
+
+    /// The bins above the horizon, or `below` it, where they are; `None` where there are none.
+    pub fn side(&self, below: bool) -> Option<Half> {
+        let side = match self.kind {
+            GridKind::Hemisphere => {
+                let edges = &self.theta_r_edges_deg;
+                let rows = places(&edges[..edges.len() - 1], |edge| (*edge >= 90.0) == below);
+                let kept = edges.iter().copied().filter(|&edge| (edge >= 90.0) == below || edge == 90.0);
+                let grid = Grid { theta_r_edges_deg: kept.collect(), ..self.clone() };
+                Half { bins: self.of_rows(&rows), grid }
+            }
+            GridKind::Arm => {
+                let rows = places(&self.theta_r_deg, |theta| (theta.abs() > 90.0) == below);
+                let theta_r_deg = rows.iter().map(|&row| self.theta_r_deg[row]).collect();
+                Half { bins: self.of_rows(&rows), grid: Grid { theta_r_deg, ..self.clone() } }
+            }
             GridKind::Patches => {
                 let bins = places(&self.patches_deg, |patch| (patch[0] >= 90.0) == below);
-                let patch = |&bin: &usize| {
-                    let [t1, t2, p1, p2] = self.patches_deg[bin];
-                    if below { [180.0 - t2, 180.0 - t1, p1, p2] } else { [t1, t2, p1, p2] }
-                };
-                Half { grid: Grid { patches_deg: bins.iter().map(patch).collect(), ..self.clone() }, bins }
+                let patches_deg = bins.iter().map(|&bin| self.patches_deg[bin]).collect();
+                Half { grid: Grid { patches_deg, ..self.clone() }, bins }
             }
             GridKind::Points => {
                 let bins = places(&self.points_deg, |point| (point[0] > 90.0) == below);
-                let point = |&bin: &usize| [folded(self.points_deg[bin][0]), self.points_deg[bin][1]];
-                Half { grid: Grid { points_deg: bins.iter().map(point).collect(), ..self.clone() }, bins }
+                let points_deg = bins.iter().map(|&bin| self.points_deg[bin]).collect();
+                Half { grid: Grid { points_deg, ..self.clone() }, bins }
             }
             GridKind::HalfDifference if below => return None,
             GridKind::HalfDifference => Half { grid: self.clone(), bins: (0..self.bins()).collect() },
         };
-        (!half.bins.is_empty()).then_some(half)
+        (!side.bins.is_empty()).then_some(side)
     }
 
-    fn rows_of(&self, below: bool) -> Half {
-        let edges = &self.theta_r_edges_deg;
-        let mut rows: Vec<usize> =
-            (0..edges.len() - 1).filter(|&row| (edges[row] >= 90.0) == below).collect();
-        let mut kept: Vec<f64> =
-            edges.iter().copied().filter(|&edge| (edge >= 90.0) == below || edge == 90.0).collect();
-        if below {
-            // From the pole to the horizon, as above.
-            rows.reverse();
-            kept = kept.iter().rev().map(|edge| 180.0 - edge).collect();
-        }
-        let columns = self.phi_r_edges_deg.len() - 1;
-        let bins = rows.into_iter().flat_map(|row| (0..columns).map(move |column| row * columns + column));
-        Half { bins: bins.collect(), grid: Grid { theta_r_edges_deg: kept, ..self.clone() } }
+    /// The sensor as a mirror in the horizon shows it: rows of bins run from the pole above, as everywhere. `None` for
+    /// half/difference angles.
+    pub fn mirrored(&self) -> Option<Half> {
+        let same = 0..self.bins();
+        let (grid, bins) = match self.kind {
+            GridKind::Hemisphere => {
+                let edges = self.theta_r_edges_deg.iter().rev().map(|edge| 180.0 - edge);
+                let rows: Vec<usize> = (0..self.theta_r_edges_deg.len() - 1).rev().collect();
+                (Grid { theta_r_edges_deg: edges.collect(), ..self.clone() }, self.of_rows(&rows))
+            }
+            GridKind::Arm => {
+                let theta_r_deg = self.theta_r_deg.iter().map(|&theta| across(theta)).collect();
+                (Grid { theta_r_deg, ..self.clone() }, same.collect())
+            }
+            GridKind::Patches => {
+                let image = |&[t1, t2, p1, p2]: &[f64; 4]| [180.0 - t2, 180.0 - t1, p1, p2];
+                let patches_deg = self.patches_deg.iter().map(image).collect();
+                (Grid { patches_deg, ..self.clone() }, same.collect())
+            }
+            GridKind::Points => {
+                let points_deg = self.points_deg.iter().map(|&[theta, phi]| [across(theta), phi]).collect();
+                (Grid { points_deg, ..self.clone() }, same.collect())
+            }
+            GridKind::HalfDifference => return None,
+        };
+        Some(Half { grid, bins })
     }
 
-    fn positions_of(&self, below: bool) -> Half {
-        let rows = places(&self.theta_r_deg, |theta| (theta.abs() > 90.0) == below);
-        let theta_r_deg = rows.iter().map(|&row| folded(self.theta_r_deg[row])).collect();
-        let columns = self.phi_r_deg.len();
-        let bins = rows.iter().flat_map(|row| (0..columns).map(move |column| row * columns + column));
-        Half { bins: bins.collect(), grid: Grid { theta_r_deg, ..self.clone() } }
+    /// The bins of some rows of polar angles, in their order.
+    fn of_rows(&self, rows: &[usize]) -> Vec<usize> {
+        let columns =
+            if self.kind == GridKind::Arm { self.phi_r_deg.len() } else { self.phi_r_edges_deg.len() - 1 };
+        rows.iter().flat_map(|row| (0..columns).map(move |column| row * columns + column)).collect()
     }
 }
 
@@ -76,9 +105,9 @@ fn places<T>(all: &[T], is_wanted: impl Fn(&T) -> bool) -> Vec<usize> {
     all.iter().enumerate().filter(|(_, one)| is_wanted(one)).map(|(place, _)| place).collect()
 }
 
-/// A polar angle as a mirror in the horizon shows it, where it lies below.
-fn folded(theta_deg: f64) -> f64 {
-    if theta_deg.abs() > 90.0 { (180.0 - theta_deg.abs()).copysign(theta_deg) } else { theta_deg }
+/// A polar angle as a mirror in the horizon shows it; a negative one is the far side of its plane and stays that.
+fn across(theta_deg: f64) -> f64 {
+    (180.0 - theta_deg.abs()).copysign(theta_deg)
 }
 
 #[cfg(test)]

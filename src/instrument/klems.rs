@@ -5,6 +5,7 @@
 
 use std::str::FromStr;
 
+use crate::campaign::SensorSide;
 use crate::sphere;
 
 /// Polar angles of a ring in degrees, and how many patches it has.
@@ -106,6 +107,17 @@ pub fn patches(rings: &[Ring]) -> Vec<[f64; 4]> {
         (0..n).map(move |j| [low, high, step * (j as f64 - 0.5), step * (j as f64 + 0.5)])
     };
     rings.iter().flat_map(ring).collect()
+}
+
+/// The patches above the horizon, their images in its mirror below, or both.
+pub fn patches_of_side(rings: &[Ring], side: SensorSide) -> Vec<[f64; 4]> {
+    let above = patches(rings);
+    let below = above.iter().map(|&[t1, t2, p1, p2]| [180.0 - t2, 180.0 - t1, p1, p2]);
+    match side {
+        SensorSide::Reflection => above,
+        SensorSide::Transmission => below.collect(),
+        SensorSide::Both => above.iter().copied().chain(below).collect(),
+    }
 }
 
 /// (theta_i, phi_i) in degrees of the incidences in the middle of the light's patches; of a whole ring's at its upper

@@ -1,10 +1,10 @@
-//! How much light a file sends back, at the table's incidences and between them, as the file's own reader sees it.
+//! How much light a file sends back, or lets through, at the table's incidences and between them, as the file's own reader sees it.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::resample::sampling::{integral, samples};
-use super::{Brdf, Lookup};
+use super::{Brdf, Lookup, in_mirror};
 use crate::error::{Checked, wrong};
 use crate::sphere;
 
@@ -43,6 +43,8 @@ pub struct AlbedoCurve {
     pub theta_i_last_deg: f64,
     /// Light beyond this polar angle of the sensor is left out: the format ends there.
     pub theta_r_up_to_deg: f64,
+    /// Of light that has gone through: transmittances, not albedos.
+    pub through: bool,
     /// The largest |file/table - 1|.
     pub worst: f64,
     /// Which of `points` has it.
@@ -71,20 +73,27 @@ impl AlbedoPoint {
 }
 
 impl AlbedoCurve {
-    /// The curve of a file whose light and sensor go up to these angles, degrees; `None` where the table is dark.
-    pub fn of(lookup: &Lookup, file: &dyn Brdf, [theta_i_end, theta_r_end]: [f64; 2]) -> Option<Self> {
+    /// The curve of a file whose light and sensor go up to these angles, degrees; `None` where the table is dark. Of light
+    /// that has gone `through`, the table is what a mirror in the horizon shows.
+    pub fn of(
+        lookup: &Lookup,
+        file: &dyn Brdf,
+        through: bool,
+        [theta_i_end, theta_r_end]: [f64; 2],
+    ) -> Option<Self> {
         let horizon = theta_r_end.to_radians().cos();
         let thetas =
             between(&lookup.theta_i().iter().map(|t| t.to_degrees()).collect::<Vec<_>>(), theta_i_end);
         let phis = azimuths(lookup);
         let colours = lookup.colours().min(3);
+        let seen = |wo| if through { in_mirror(wo) } else { wo };
         let point = |k: usize| {
             let (theta_i_deg, phi_i_deg) = (thetas[k / phis.len()], phis[k % phis.len()]);
             let wi = sphere::direction_deg(theta_i_deg, phi_i_deg);
             let mut to = samples(wi, lookup.guide().lobe(), SAMPLES);
             to.retain(|to| to.wo.z >= horizon);
             let [table, found] =
-                [integral(&to, |wo| lookup.brdf(wi, wo)), integral(&to, |wo| file.brdf(wi, wo))];
+                [integral(&to, |wo| lookup.brdf(wi, wo)), integral(&to, |wo| file.brdf(wi, seen(wo)))];
             let last = file.colours() - 1;
             AlbedoPoint {
                 theta_i_deg,
@@ -102,16 +111,34 @@ impl AlbedoCurve {
             points,
             theta_i_last_deg,
             theta_r_up_to_deg: theta_r_end,
+            through,
             worst,
             worst_point,
         })
     }
 
-    /// Refuses a file that makes light (more than 1, and more than the table, by [`REFUSED_ABOVE`]), or that is off
-    /// by more than `allowed` between the table's incidences.
-    // Tested by `an_export_that_makes_light_is_refused`, `an_export_with_another_albedo_is_refused_unless_allowed`
-    // (tests/it/interchange/interchange_albedo.rs).
-    pub fn check(&self, allowed: f64) -> Checked<()> {
+    /// What it is a curve of.
+    fn name(&self) -> &'static str {
+        if self.through { "transmittance" } else { "albedo" }
+    }
+
+    /// The curve of all light, of those of what comes back and what goes through; of one of them that one.
+    pub fn sum(curves: &[Self]) -> Option<Self> {
+        let mut whole = curves.first()?.clone();
+        for other in &curves[1..] {
+            for (point, more) in whole.points.iter_mut().zip(&other.points) {
+                let add =
+                    |sum: &mut Vec<f64>, more: &[f64]| sum.iter_mut().zip(more).for_each(|(s, m)| *s += m);
+                add(&mut point.table, &more.table);
+                add(&mut point.file, &more.file);
+            }
+        }
+        Some(whole)
+    }
+
+    /// Refuses a file that makes light (more than 1, and more than the table, by [`REFUSED_ABOVE`]).
+    // Tested by `an_export_that_makes_light_is_refused` (tests/it/interchange/interchange_albedo.rs).
+    pub fn check_no_gain(&self) -> Checked<()> {
         let most = |pick: fn(&AlbedoPoint) -> &Vec<f64>| {
             let of = |point| pick(point).iter().copied().fold(0.0, f64::max);
             self.points.iter().map(|point| (of(point), point)).max_by(|a, b| a.0.total_cmp(&b.0))
@@ -127,12 +154,19 @@ impl AlbedoCurve {
                 at.phi_i_deg
             ));
         }
+        Ok(())
+    }
+
+    /// Refuses a file that is off by more than `allowed` between the table's incidences.
+    // Tested by `an_export_with_another_albedo_is_refused_unless_allowed` (tests/it/interchange/interchange_albedo.rs).
+    pub fn check(&self, allowed: f64) -> Checked<()> {
         let inside = self.points.iter().filter(|point| !self.is_beyond(point));
         match inside.max_by(|a, b| a.off().total_cmp(&b.off())).filter(|at| at.off() > allowed) {
             None => Ok(()),
             Some(at) => Err(wrong!(
-                "its albedo would be {}; at most {} % is allowed: choose another format, measure more incidences and \
+                "its {} would be {}; at most {} % is allowed: choose another format, measure more incidences and \
                  bins, or allow it by --allow-albedo-error {:.0}",
+                self.name(),
                 at.difference(),
                 100.0 * allowed,
                 (100.0 * at.off()).ceil()
@@ -153,7 +187,7 @@ impl AlbedoCurve {
         } else {
             "the format's directions do not hold the lobe there".into()
         };
-        (self.worst > ALLOWED).then(|| format!("its albedo is {}: {why}", at.difference()))
+        (self.worst > ALLOWED).then(|| format!("its {} is {}: {why}", self.name(), at.difference()))
     }
 
     /// theta_i in degrees, the table's albedo and the file's, means over azimuths and colours.

@@ -1,5 +1,6 @@
 //! What every format says of itself: what its files hold, and how they are written and read.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::Path;
@@ -24,8 +25,10 @@ pub struct FormatTraits {
     pub gaps: bool,
     /// Half/difference angles as they are.
     pub half_difference: bool,
-    /// Light that has gone through the surface, theta_r beyond 90 degrees.
-    pub transmission: bool,
+    /// Which light, by its side of the surface.
+    pub sides: Sides,
+    /// Another table besides, under light from the back.
+    pub light_from_back: bool,
     /// More than one colour; else it is the luminance.
     pub colours: bool,
     /// More colours than R, G and B.
@@ -36,6 +39,17 @@ pub struct FormatTraits {
     pub reach_deg: fn(f64) -> [f64; 2],
 }
 
+/// The sides of the surface that a file speaks of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sides {
+    /// Light that comes back alone.
+    Reflection,
+    /// Light that comes back, or light that has gone through: one of them a file.
+    One,
+    /// Both in one file.
+    Both,
+}
+
 impl FormatTraits {
     /// Of a format that holds the totals of Y, or of R, G and B, at the table's own directions.
     pub const fn totals(name: &'static str) -> Self {
@@ -43,7 +57,8 @@ impl FormatTraits {
             name,
             more_than_totals: false,
             gaps: false,
-            transmission: false,
+            sides: Sides::Reflection,
+            light_from_back: false,
             half_difference: false,
             colours: true,
             wavelengths: false,
@@ -152,6 +167,15 @@ impl<'a> Encoded<'a> {
         let fill: Fill = Box::new(move |out| write(table, out));
         Encoded { content: FileContent::Stream(fill), convention: convention.into(), notes: vec![] }
     }
+}
+
+/// The halves of a table that are there, each above the horizon, and whether it is light that has gone through.
+pub fn halves(table: &BrdfTable) -> Vec<(bool, Cow<'_, BrdfTable>)> {
+    if !table.grid.looks_below() {
+        return vec![(false, Cow::Borrowed(table))];
+    }
+    let half = |below| Some((below, Cow::Owned(table.half(below)?)));
+    [false, true].into_iter().filter_map(half).collect()
 }
 
 /// The file at `path`, open.

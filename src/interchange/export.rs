@@ -1,13 +1,15 @@
 //! The way out: write a table in a format, read it back, say how far off it is and under which convention.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use super::codec::{self, Codec, Encoded, FileContent, Fill};
+use super::codec::{self, Codec, Encoded, FileContent, Fill, Sides};
 use super::content::bands::RowBands;
 use super::content::half_difference::as_arms;
+use super::radiance::xml::SampleSide;
 use super::resample::gaps::not_measured;
-use super::{AlbedoCurve, Format, Lookup, Options, ReadBack, albedo, luminance};
-use crate::error::{Checked, ContentError, Error, Result};
+use super::{AlbedoCurve, COMES_BACK, Format, GONE_THROUGH, Lookup, Options, ReadBack, albedo, luminance};
+use crate::error::{Checked, ContentError, Error, Result, wrong};
 use crate::files::{self, NewFile};
 use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, TableRows};
@@ -23,7 +25,14 @@ pub struct Export {
     pub read_back: Option<ReadBack>,
     /// Of a format of other directions than the table's, its albedo next to the table's, between the incidences too.
     pub albedo: Option<AlbedoCurve>,
+    /// The same of the light that it lets through.
+    pub transmittance: Option<AlbedoCurve>,
+    /// The same three of the table under light from the back, where there is one.
+    pub back: Option<BackSide>,
 }
+
+/// What a file is to the table under light from the back.
+pub type BackSide = (Option<ReadBack>, Option<AlbedoCurve>, Option<AlbedoCurve>);
 
 /// Writes `table` to `path`, whole or not at all, and reads it back.
 ///
@@ -40,7 +49,21 @@ pub struct Export {
 pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Result<Export> {
     let (codec, refused) = (format.codec(), refusal(format, path));
     let holds = codec.traits();
-    side_held(&table.grid, codec).map_err(&refused)?;
+    let kept = |table: &BrdfTable| -> Checked<Option<BrdfTable>> {
+        Ok(kept_side(&table.grid, codec, options)?.and_then(|below| table.side(below)))
+    };
+    let alone = kept(table).map_err(&refused)?;
+    let table = alone.as_ref().unwrap_or(table);
+    let mut options = options.clone();
+    if let Some(back) = &options.back {
+        if !holds.light_from_back {
+            return Err(refused(
+                "one table a file; klems and tensor_tree take one under light from the back besides".into(),
+            ));
+        }
+        options.back = kept(back).map_err(&refused)?.map(Arc::new).or(options.back);
+    }
+    let options = &options;
     if table.is_spectral() && !holds.wavelengths {
         let what =
             format!("{} wavelengths; npz, npy, csv, exr_parts, astm and ssdd hold them", table.colours.len());
@@ -70,14 +93,27 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
     let image = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
     let options = &Options { utia_image: image, ..options.clone() };
     let Encoded { content, convention, mut notes } = codec.encode(table, options).map_err(&refused)?;
-    let mut albedo = None;
+    let mut sides =
+        vec![(table, Options { side: options.back.as_ref().map(|_| SampleSide::Back), ..options.clone() })];
+    if let Some(back) = &options.back {
+        sides.push((back.as_ref(), Options { side: Some(SampleSide::Front), ..options.clone() }));
+    }
+    let mut curves = vec![vec![]; sides.len()];
     if let (false, FileContent::Bytes(bytes)) = (holds.own_directions, &content) {
-        albedo = albedo_of(table, codec, options, bytes).map_err(&refused)?;
-        notes.extend(albedo.as_ref().and_then(AlbedoCurve::note));
+        for (curves, (table, options)) in curves.iter_mut().zip(&sides) {
+            *curves = curves_of(table, codec, options, bytes).map_err(&refused)?;
+            notes.extend(curves.iter().filter_map(AlbedoCurve::note));
+        }
     }
     write(content, path, &refused)?;
-    let read_back = codec.read_back(path, table, options).map_err(|why| unread(path, why))?;
-    Ok(Export { convention, notes, read_back, albedo })
+    let check = |((table, options), curves): ((&BrdfTable, Options), Vec<AlbedoCurve>)| {
+        let read_back = codec.read_back(path, table, &options).map_err(|why| unread(path, why))?;
+        let of = |through| curves.iter().find(|curve| curve.through == through).cloned();
+        Ok((read_back, of(false), of(true)))
+    };
+    let mut checks = sides.into_iter().zip(curves).map(check).collect::<Result<Vec<BackSide>>>()?.into_iter();
+    let (read_back, albedo, transmittance) = checks.next().unwrap_or_default();
+    Ok(Export { convention, notes, read_back, albedo, transmittance, back: checks.next() })
 }
 
 /// The same of an open table of which no more than `bytes` are in memory at a time.
@@ -86,23 +122,51 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
 // Tested by `a_table_exported_by_rows_is_the_file_of_the_whole` (tests/it/table/large_tables.rs).
 pub fn export_rows(rows: &mut TableRows, format: Format, path: &Path, bytes: u64) -> Result<Export> {
     let (codec, refused) = (format.codec(), refusal(format, path));
-    side_held(rows.grid(), codec).map_err(&refused)?;
+    kept_side(rows.grid(), codec, &Options::default()).map_err(&refused)?;
     let by_bands = codec.by_bands().ok_or_else(|| refused("needs the whole table in memory".into()))?;
     let mut bands = RowBands::new(rows, bytes)?;
     write(FileContent::Stream(Box::new(|out| by_bands.write(&mut bands, out))), path, &refused)?;
     let read_back = codec::open(path).and_then(|file| by_bands.read_back(file, &mut bands));
     let read_back = read_back.map_err(|why| unread(path, why))?;
-    Ok(Export { convention: by_bands.convention().into(), notes: vec![], read_back, albedo: None })
+    let (convention, notes) = (by_bands.convention().into(), vec![]);
+    Ok(Export { convention, notes, read_back, albedo: None, transmittance: None, back: None })
 }
 
-/// Refuses light that has gone through the surface where a format has no place for it.
-fn side_held(grid: &Grid, codec: &dyn Codec) -> Checked<()> {
-    if !grid.looks_below() || codec.traits().transmission {
-        return Ok(());
+/// The side of a sensor that is written alone: light that has gone through (true), or that comes back; `None`: the whole
+/// table. The one rule for all formats: what a file has no place for is left out where the user says so, and nowhere else.
+// Tested by `what_a_format_cannot_hold_is_left_out_where_the_user_says_so` (tests/it/interchange/through.rs).
+fn kept_side(grid: &Grid, codec: &dyn Codec, options: &Options) -> Checked<Option<bool>> {
+    let (holds, both) = (codec.traits().sides, grid.looks_above() && grid.looks_below());
+    match options.through {
+        Some(through) => {
+            let (looks, what) =
+                if through { (grid.looks_below(), GONE_THROUGH) } else { (grid.looks_above(), COMES_BACK) };
+            if !looks {
+                return Err(wrong!("--side: the table holds no light that {what}"));
+            }
+            if through && holds == Sides::Reflection {
+                return Err(no_place());
+            }
+            Ok(both.then_some(through))
+        }
+        None if both && holds == Sides::Reflection => {
+            Err(wrong!("{}; --side reflection writes what comes back alone", no_place()))
+        }
+        None if both && holds == Sides::One => {
+            Err("a file holds light that comes back or light that has gone through, the \
+            table has both: --side reflection or --side transmission says which"
+                .into())
+        }
+        None if grid.looks_below() && holds == Sides::Reflection => Err(no_place()),
+        None => Ok(None),
     }
-    Err("has no place here for light that has gone through the surface; npz, npy and csv hold it, and side = \
-         \"reflection\" under [sensor.hemisphere] measures what comes back alone"
-        .into())
+}
+
+fn no_place() -> ContentError {
+    let holds = |format: &Format| format.codec().traits().sides != Sides::Reflection;
+    let names: Vec<&str> =
+        Format::ALL.iter().filter(|format| holds(format)).map(|format| format.name()).collect();
+    wrong!("has no place for light that {GONE_THROUGH}; {} hold it", names.join(", "))
 }
 
 /// What is not written in a format: refused, unless the system or another file is at fault.
@@ -139,20 +203,28 @@ fn write(content: FileContent, path: &Path, refused: impl Fn(ContentError) -> Er
     file.commit()
 }
 
-/// The albedo of what is about to be written. A file of another albedo is refused: see [`AlbedoCurve::check`].
-fn albedo_of(
+/// The albedo of what is about to be written, and its transmittance. A file with others is refused: see
+/// [`AlbedoCurve::check`].
+fn curves_of(
     table: &BrdfTable,
     codec: &dyn Codec,
     options: &Options,
     bytes: &[u8],
-) -> Checked<Option<AlbedoCurve>> {
-    // Half/difference cells and patches kept as they are have no incidences to look between.
-    let Ok(lookup) = Lookup::new(table) else { return Ok(None) };
-    let file = codec.decode(bytes, options)?.0.into_function()?;
-    let curve =
-        AlbedoCurve::of(&lookup, file.as_ref(), (codec.traits().reach_deg)(lookup.last_theta_i_deg()));
-    if let Some(curve) = &curve {
-        curve.check(options.albedo_error.unwrap_or(albedo::ALLOWED))?;
+) -> Checked<Vec<AlbedoCurve>> {
+    let mut file = None;
+    let mut curves = vec![];
+    for (through, half) in codec::halves(table) {
+        // Half/difference cells and patches kept as they are have no incidences to look between.
+        let Ok(lookup) = Lookup::new(&half) else { continue };
+        let file = match &mut file {
+            Some(file) => file,
+            empty => empty.insert(codec.decode(bytes, options)?.0.into_function()?),
+        };
+        let reach = (codec.traits().reach_deg)(lookup.last_theta_i_deg());
+        curves.extend(AlbedoCurve::of(&lookup, file.as_ref(), through, reach));
     }
-    Ok(curve)
+    AlbedoCurve::sum(&curves).map_or(Ok(()), |whole| whole.check_no_gain())?;
+    let allowed = options.albedo_error.unwrap_or(albedo::ALLOWED);
+    curves.iter().try_for_each(|curve| curve.check(allowed))?;
+    Ok(curves)
 }

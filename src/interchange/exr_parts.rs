@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-use super::codec::{self, Codec, Encoded, FormatTraits};
+use super::codec::{self, Codec, Encoded, FormatTraits, Sides};
 use super::numpy::arrays;
 use super::read_back::{Listing, ReadBack};
 use super::{Checked, Imported, Options, needed};
@@ -34,6 +34,7 @@ impl Codec for ExrParts {
     fn traits(&self) -> FormatTraits {
         FormatTraits {
             more_than_totals: true,
+            sides: Sides::Both,
             gaps: true,
             wavelengths: true,
             ..FormatTraits::totals("exr_parts")

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use super::content::imported::function_of;
-use super::resample::{gaps, resample_spectrum, thirds};
+use super::content::sides::functions;
+use super::resample::{gaps, resample_spectrum};
 use super::text::samples::one_azimuth;
-use super::{Format, Imported, Options};
+use super::{Brdf, COMES_BACK, Format, GONE_THROUGH, Imported, Options};
 use crate::error::{Checked, ContentError, Error, Result};
 use crate::files::{self, memory};
 use crate::instrument::{Grid, GridKind};
@@ -57,20 +57,32 @@ fn on_grid(imported: Imported, like: Option<&Grid>) -> Checked<(BrdfTable, Vec<S
                 let note = gaps::note(&table).into_iter().collect();
                 return Ok((table, note));
             };
-            let (table, filled) = gaps::filled(table)?;
             let how = match table.grid.kind {
                 GridKind::HalfDifference => "linear between half/difference angles",
                 GridKind::Patches => "constant in each pair of patches, the mean at borders",
                 _ => "by cubic interpolation at equal half vector",
             };
-            let parts = thirds(&table).into_iter().map(function_of).collect::<Checked<Vec<_>>>()?;
-            let table = resample_spectrum(parts.iter().map(Box::as_ref), &table.wavelengths_nm(), grid)?;
-            return Ok((table, filled.into_iter().chain([format!("resampled: {how}")]).collect()));
+            let (parts, wavelengths_nm, filled) = functions(table)?;
+            let left = left_out(&parts, grid);
+            let table = resample_spectrum(parts.iter().map(Box::as_ref), &wavelengths_nm, grid)?;
+            return Ok((
+                table,
+                filled.into_iter().chain([format!("resampled: {how}")]).chain(left).collect(),
+            ));
         }
         Imported::Function { parts, wavelengths_nm, grid } => (parts, wavelengths_nm, grid),
     };
     let grid = like.unwrap_or(&own);
     let (stops, bins) = (grid.stops(), grid.bins());
     let how = format!("resampled: means over {stops} incidences of {bins} bins, 16 directions a bin");
-    Ok((resample_spectrum(parts.iter().map(Box::as_ref), &wavelengths_nm, grid)?, vec![how]))
+    let notes = std::iter::once(how).chain(left_out(&parts, grid)).collect();
+    Ok((resample_spectrum(parts.iter().map(Box::as_ref), &wavelengths_nm, grid)?, notes))
+}
+
+/// The note on a side that the file knows and the wanted bins do not collect.
+fn left_out(parts: &[Box<dyn Brdf>], grid: &Grid) -> Option<String> {
+    let collected = [grid.looks_above(), grid.looks_below()];
+    let left = |side: usize| parts.iter().any(|part| part.sides()[side]) && !collected[side];
+    let what = [COMES_BACK, GONE_THROUGH].into_iter().enumerate().find(|(side, _)| left(*side))?.1;
+    Some(format!("light that {what} is left out: the bins of --like do not collect it"))
 }

@@ -27,7 +27,7 @@ pub mod utia;
 pub use crate::error::Checked;
 pub use albedo::AlbedoCurve;
 pub use content::bands::Bands;
-pub use content::brdf::{Brdf, Colour};
+pub use content::brdf::{Brdf, COMES_BACK, Colour, GONE_THROUGH, TwoSided, in_mirror};
 pub use content::foreign_table::{foreign_table, luminance, spectral_table};
 pub use content::imported::Imported;
 pub use export::{Export, export, export_rows};

@@ -1,7 +1,10 @@
 //! What a user may choose about a foreign file.
 
+use std::sync::Arc;
+
 use super::radiance::xml::SampleSide;
 use crate::instrument::klems::Basis;
+use crate::table::BrdfTable;
 
 /// Where in a MERL cell its value lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -24,6 +27,10 @@ pub struct Options {
     pub wavelengths_nm: Vec<f64>,
     /// Radiance XML that is read: the side of the sample; +z where the file has it, if none is asked for.
     pub side: Option<SampleSide>,
+    /// Of a table that holds both, what is written: light that has gone through (true), or that comes back.
+    pub through: Option<bool>,
+    /// Radiance XML that is written: the table of the same surface under light from the back.
+    pub back: Option<Arc<BrdfTable>>,
     /// Klems matrices that are written: the basis; the table's own, else the full one, if none is asked for.
     pub klems: Option<Basis>,
     /// How far the albedo of a file of other directions may be off between the table's incidences, relative; `None`:

@@ -184,7 +184,7 @@ pub fn listed(table: &BrdfTable, totals: &[&[f32]]) -> Checked<Option<ReadBack>>
 /// What a bin counts with: its projected solid angle, of a single direction the cosine.
 fn size_of(region: &Region) -> f64 {
     match region {
-        Region::Cap { axis, half_angle: 0.0 } => axis.z,
+        Region::Cap { axis, half_angle: 0.0 } => axis.z.abs(),
         region => region.projected_solid_angle(),
     }
 }

@@ -39,13 +39,13 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
                 "{GRID}: stops_deg next to the axes theta_i_deg and phi_i_deg: only one is allowed"
             ));
         }
-        directions("stops_deg", &grid.stops_deg)?;
+        directions("stops_deg", &grid.stops_deg, 90.0)?;
     }
     match grid.kind {
         GridKind::Hemisphere => {
             axis("theta_r_edges_deg", &grid.theta_r_edges_deg, 2, 0.0..=180.0)?;
             increasing("theta_r_edges_deg", &grid.theta_r_edges_deg)?;
-            off_horizon(&grid.theta_r_edges_deg)?;
+            off_horizon("theta_r_edges_deg", &grid.theta_r_edges_deg)?;
             axis("phi_r_edges_deg", &grid.phi_r_edges_deg, 2, -720.0..=720.0)?;
             increasing("phi_r_edges_deg", &grid.phi_r_edges_deg)?;
         }
@@ -54,7 +54,7 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
             axis("phi_r_deg", &grid.phi_r_deg, 1, -360.0..=360.0)?;
             axis("aperture_deg", grid.aperture_deg.as_slice(), 1, 0.0..=90.0)?;
         }
-        GridKind::Points => directions("points_deg", &grid.points_deg)?,
+        GridKind::Points => directions("points_deg", &grid.points_deg, 180.0)?,
         GridKind::Patches => patches(&grid.patches_deg)?,
         GridKind::HalfDifference => {}
     }
@@ -95,24 +95,24 @@ fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusiv
 }
 
 /// A bin on both sides of the surface has no meaning.
-fn off_horizon(edges: &[f64]) -> Checked<()> {
+fn off_horizon(name: &str, edges: &[f64]) -> Checked<()> {
     match edges.windows(2).find(|pair| pair[0] < 90.0 && 90.0 < pair[1]) {
-        Some(pair) => Err(wrong!(
-            "{GRID}: theta_r_edges_deg: the horizon, 90, lies between {} and {}",
-            pair[0],
-            pair[1]
-        )),
+        Some(pair) => {
+            Err(wrong!("{GRID}: {name}: the horizon, 90, lies between {} and {}", pair[0], pair[1]))
+        }
         None => Ok(()),
     }
 }
 
-fn directions(name: &str, values: &[[f64; 2]]) -> Checked<()> {
-    axis(name, &values.iter().map(|d| d[0]).collect::<Vec<_>>(), 1, 0.0..=90.0)?;
+/// Polar angles up to `most`, and azimuths.
+fn directions(name: &str, values: &[[f64; 2]], most: f64) -> Checked<()> {
+    axis(name, &values.iter().map(|d| d[0]).collect::<Vec<_>>(), 1, 0.0..=most)?;
     axis(name, &values.iter().map(|d| d[1]).collect::<Vec<_>>(), 1, -360.0..=360.0)
 }
 
 fn patches(values: &[[f64; 4]]) -> Checked<()> {
-    axis("patches_deg", &values.iter().flat_map(|p| [p[0], p[1]]).collect::<Vec<_>>(), 2, 0.0..=90.0)?;
+    axis("patches_deg", &values.iter().flat_map(|p| [p[0], p[1]]).collect::<Vec<_>>(), 2, 0.0..=180.0)?;
+    values.iter().try_for_each(|patch| off_horizon("patches_deg", &patch[..2]))?;
     axis("patches_deg", &values.iter().flat_map(|p| [p[2], p[3]]).collect::<Vec<_>>(), 2, -720.0..=720.0)?;
     match values.iter().find(|p| p[0] >= p[1] || p[2] >= p[3] || p[3] - p[2] > 360.0) {
         Some(p) => Err(wrong!("{GRID}: the patch {p:?} is empty or wider than a turn")),

@@ -10,6 +10,7 @@ import energy
 import measured
 import radiance
 import readers
+import through
 import wincalc
 from tables import check, ggx, gonio, pairs, table
 
@@ -105,7 +106,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         parts = (rgl, energy.between, measured.pairs_and_sphere, radiance.matrices, radiance.trees, radiance.normal,
-                 radiance.colours, radiance.tools, wincalc.matrices, plain, albedos)
+                 radiance.colours, radiance.tools, through.blocks, wincalc.matrices, plain, albedos)
         ok = [part(folder) for part in parts]
     sys.exit(0 if all(ok) else 1)
 

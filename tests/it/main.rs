@@ -71,6 +71,7 @@ mod facets {
     mod interface;
     mod lanes;
     mod mueller;
+    mod patches;
     mod reciprocity;
     mod smith_walk;
 }
@@ -92,6 +93,7 @@ mod interchange {
     mod interchange_zemax;
     mod ragged_scans;
     mod round_trips;
+    mod through;
 }
 mod validate {
     mod bin_means;

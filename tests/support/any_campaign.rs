@@ -201,6 +201,7 @@ fn sensor(light: &LightArm, through: bool) -> impl Strategy<Value = SensorArm> +
     };
     let sides = [SensorSide::Reflection, SensorSide::Transmission, SensorSide::Both];
     let sides = select(if through { sides.to_vec() } else { sides[..1].to_vec() });
+    let patches = sides.clone();
     let polar = prop_oneof![angles(-899_999..899_999), angles(900_001..1_800_000)];
     let polar = if through { polar.boxed() } else { angles(-899_999..899_999).boxed() };
     let arm = (polar, angles(0..3_600_000), 0.1..1.0, select(origins));
@@ -214,7 +215,7 @@ fn sensor(light: &LightArm, through: bool) -> impl Strategy<Value = SensorArm> +
             let aperture_deg = aperture(&from_pole, share);
             SensorArm::Arm { theta_r_deg, phi_r_deg, aperture_deg, phi_r_from }
         }),
-        Just(SensorArm::KlemsFull),
+        patches.prop_map(|side| SensorArm::KlemsFull { side }),
     ]
 }
 

@@ -17,3 +17,4 @@ pub mod mutations;
 pub mod outputs;
 pub mod processor_time;
 pub mod program;
+pub mod radiance;

@@ -73,10 +73,10 @@ pub(crate) fn light(slot: &Slot<'_>, isotropic: Option<bool>) -> Option<LightArm
     Some(LightArm { theta_i_deg, azimuth: azimuth?, average_azimuth: average_azimuth?, aperture_deg })
 }
 
-/// The sides of `[light]` that light comes from, one table each.
-pub(crate) fn light_sides(slot: &Slot<'_>, through: bool) -> Option<Vec<LightSide>> {
+/// The sides that light comes from, one table each: what a key of `[light]` or `[preset]` says.
+pub(crate) fn light_sides(slot: &Slot<'_>, key: &'static str, through: bool) -> Option<Vec<LightSide>> {
     let side = match slot.given() {
-        Some(light) if light.is_table() => light.table()?.slot("side"),
+        Some(light) if light.is_table() => light.table()?.slot(key),
         _ => return Some(vec![LightSide::Front]),
     };
     let sides = side.or(&[LightSide::Front][..], |i| i.choice(&LIGHT_SIDES))?;
@@ -135,7 +135,7 @@ pub(crate) fn sensor(slot: &Slot<'_>, light: Option<&LightArm>, through: bool) -
     let read = |item: &GivenValue<'_>| match item.name() {
         "hemisphere" => hemisphere_bins(item.table()?, through),
         "arm" => arm_positions(item.table()?, light, through),
-        _ => patches(item.table()?),
+        _ => patches(item.table()?, through),
     };
     let given: Vec<&Slot<'_>> = kinds.iter().filter(|slot| slot.given().is_some()).collect();
     let mut read: Vec<Option<SensorArm>> = given.iter().filter_map(|s| s.given()).map(read).collect();
@@ -158,23 +158,31 @@ pub(crate) fn sensor(slot: &Slot<'_>, light: Option<&LightArm>, through: bool) -
     Some(sensor)
 }
 
-fn patches(table: TableReader<'_>) -> Option<SensorArm> {
-    let [basis] = table.keys(["basis"]);
-    let () = basis.required("the basis of the patches: \"klems_full\"")?.choice(&[(KLEMS, ())])?;
-    Some(SensorArm::KlemsFull)
+fn patches(table: TableReader<'_>, through: bool) -> Option<SensorArm> {
+    let [basis, side] = table.keys(["basis", "side"]);
+    let basis =
+        basis.required("the basis of the patches: \"klems_full\"").and_then(|i| i.choice(&[(KLEMS, ())]));
+    let side = sensor_side(&side, through);
+    basis?;
+    Some(SensorArm::KlemsFull { side: side? })
+}
+
+/// The hemispheres that a sensor looks at.
+pub(crate) fn sensor_side(slot: &Slot<'_>, through: bool) -> Option<SensorSide> {
+    let side = slot.or(SensorSide::Reflection, |i| i.choice(&SENSOR_SIDES))?;
+    if side != SensorSide::Reflection && !through {
+        return slot
+            .refuse(format!("must be \"reflection\": no light goes through these facets; {CLEAR_FACETS}"));
+    }
+    Some(side)
 }
 
 fn hemisphere_bins(table: TableReader<'_>, through: bool) -> Option<SensorArm> {
-    let [theta_r_bins, phi_r_bins, bins, side_slot] =
-        table.keys(["theta_r_bins", "phi_r_bins", "bins", "side"]);
+    let [theta_r_bins, phi_r_bins, bins, side] = table.keys(["theta_r_bins", "phi_r_bins", "bins", "side"]);
     let theta_r_bins = theta_r_bins.or(18, |i| i.count(1..=9000));
     let phi_r_bins = phi_r_bins.or(36, |i| i.count(1..=36000));
     let bins = bins.or(BinLayout::Centred, |i| i.choice(&LAYOUTS));
-    let side = side_slot.or(SensorSide::Reflection, |i| i.choice(&SENSOR_SIDES))?;
-    if side != SensorSide::Reflection && !through {
-        return side_slot
-            .refuse(format!("must be \"reflection\": no light goes through these facets; {CLEAR_FACETS}"));
-    }
+    let side = sensor_side(&side, through)?;
     Some(SensorArm::Hemisphere { side, theta_r_bins: theta_r_bins?, phi_r_bins: phi_r_bins?, bins: bins? })
 }
 
@@ -232,6 +240,7 @@ fn off_horizon(slot: &Slot<'_>, what: &str, angles: &[f64], aperture_deg: f64) -
 
 /// A fault where the table has more entries than an image can hold, counted without overflow.
 pub(crate) fn table_fits(item: &GivenValue<'_>, light: &LightArm, sensor: &SensorArm) -> Option<()> {
+    let hemispheres = |side| if side == SensorSide::Both { 2 } else { 1 };
     let (theta_i, phi_i) = match &light.azimuth {
         Azimuth::Relative => (light.theta_i_deg.len() as u64, 1),
         Azimuth::Absolute(phis) => (light.theta_i_deg.len() as u64, phis.len() as u64),
@@ -240,11 +249,10 @@ pub(crate) fn table_fits(item: &GivenValue<'_>, light: &LightArm, sensor: &Senso
     let (rows, columns) = match sensor {
         SensorArm::Hemisphere { side, theta_r_bins, phi_r_bins, bins } => {
             let extra = u64::from(*bins == BinLayout::Centred);
-            let hemispheres = if *side == SensorSide::Both { 2 } else { 1 };
-            (hemispheres * (u64::from(*theta_r_bins) + extra), u64::from(*phi_r_bins))
+            (hemispheres(*side) * (u64::from(*theta_r_bins) + extra), u64::from(*phi_r_bins))
         }
         SensorArm::Arm { theta_r_deg, phi_r_deg, .. } => (theta_r_deg.len() as u64, phi_r_deg.len() as u64),
-        SensorArm::KlemsFull => (KLEMS_PATCHES, 1),
+        SensorArm::KlemsFull { side } => (hemispheres(*side) * KLEMS_PATCHES, 1),
     };
     let entries = [theta_i, phi_i, rows, columns].iter().try_fold(1u64, |n, axis| n.checked_mul(*axis));
     match entries {

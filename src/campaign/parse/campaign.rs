@@ -41,7 +41,10 @@ pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign
     let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
     let seed = seed.or(1, |i| i.whole(0..=u64::MAX));
     let through = optics::lets_through(&optics);
-    let sides = arms::light_sides(&light, through);
+    let sides = match preset.given() {
+        Some(_) => arms::light_sides(&preset, "light_side", through),
+        None => arms::light_sides(&light, "side", through),
+    };
     let mut artist_f0 = None;
     let surface = surface::surface(&surface, folder, &mut artist_f0);
     let isotropic = surface.as_ref().map(|s| s.kind.is_isotropic());
@@ -49,7 +52,8 @@ pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign
         Some(_) => {
             let why = "a [preset] is there and replaces [light] and [sensor]: keep the one or the others";
             let alone = [&light, &sensor].map(|slot| slot.absent(why));
-            let arms = presets::arms(&preset, isotropic).filter(|_| alone.iter().all(Option::is_some));
+            let arms =
+                presets::arms(&preset, isotropic, through).filter(|_| alone.iter().all(Option::is_some));
             let (preset, light, sensor) = arms.map_or((None, None, None), |(p, l, s)| (Some(p), l, s));
             (light, sensor, preset)
         }

@@ -91,7 +91,7 @@ fn note_lobe(report: &Report<'_>, campaign: &Campaign) {
             say("sensor.arm.aperture_deg", *aperture_deg, too_wide);
         }
         SensorArm::Arm { .. } => {}
-        SensorArm::KlemsFull => {
+        SensorArm::KlemsFull { .. } => {
             let half_patch = 5f64.to_radians();
             if smallest < half_patch {
                 say(key, smallest, "the lobe is narrower than a patch of 10 degrees".into());

@@ -88,10 +88,13 @@ pub enum SensorArm {
         phi_r_from: PhiFrom,
     },
     /// The 145 patches of the Klems full basis, on the stage's azimuths.
-    KlemsFull,
+    KlemsFull {
+        /// Of which hemisphere, or of both.
+        side: SensorSide,
+    },
 }
 
-/// Which light a sensor over a hemisphere collects, seen from the side of the light.
+/// Which light a sensor over hemispheres collects, seen from the side of the light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SensorSide {

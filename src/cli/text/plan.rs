@@ -169,12 +169,7 @@ fn sensor(campaign: &Campaign) -> String {
             };
             let step = |whole: f64, count: u32| (whole / f64::from(count) * 1e4).round() / 1e4;
             let (theta, phi) = (step(90.0, *theta_r_bins), step(360.0, *phi_r_bins));
-            let side = match side {
-                SensorSide::Reflection => "",
-                SensorSide::Transmission => "; light that has gone through alone",
-                SensorSide::Both => "; light that comes back and that has gone through",
-            };
-            format!("{layout} multiples of {theta} (theta_r) and {phi} degrees (phi_r){side}")
+            format!("{layout} multiples of {theta} (theta_r) and {phi} degrees (phi_r){}", which_light(side))
         }
         SensorArm::Arm { aperture_deg, theta_r_deg, phi_r_deg, phi_r_from } => {
             let from = if *phi_r_from == PhiFrom::Light { "the light" } else { "the sample" };
@@ -184,7 +179,15 @@ fn sensor(campaign: &Campaign) -> String {
                 listed(phi_r_deg.iter())
             )
         }
-        SensorArm::KlemsFull => "the patches of the Klems full basis".into(),
+        SensorArm::KlemsFull { side } => format!("the patches of the Klems full basis{}", which_light(side)),
+    }
+}
+
+fn which_light(side: &SensorSide) -> &'static str {
+    match side {
+        SensorSide::Reflection => "",
+        SensorSide::Transmission => "; light that has gone through alone",
+        SensorSide::Both => "; light that comes back and that has gone through",
     }
 }
 

@@ -1,5 +1,6 @@
 //! What a foreign file holds: a table, or a function of two directions.
 
+use super::brdf::TwoSided;
 use super::half_difference::HalfDifference;
 use crate::error::Checked;
 use crate::instrument::{Grid, GridKind};
@@ -46,6 +47,10 @@ impl Imported {
 
 /// A table of at most three colours as a function.
 pub(crate) fn function_of(table: BrdfTable) -> Checked<Box<dyn Brdf>> {
+    if table.grid.looks_below() {
+        let [above, below] = [false, true].map(|below| table.half(below).map(function_of).transpose());
+        return Ok(Box::new(TwoSided([above?, below?])));
+    }
     Ok(match table.grid.kind {
         GridKind::HalfDifference => Box::new(HalfDifference::new(&table)?),
         GridKind::Patches => Box::new(Patchwise::new(table)?),

@@ -5,3 +5,5 @@ pub(crate) mod brdf;
 pub mod foreign_table;
 pub mod half_difference;
 pub(crate) mod imported;
+pub(crate) mod light;
+pub(crate) mod sides;

@@ -6,7 +6,7 @@ use std::io::{BufReader, Write};
 
 use super::arrays::{interleaved, shape};
 use crate::files::npy;
-use crate::interchange::codec::{BandCodec, Codec, Encoded, FormatTraits};
+use crate::interchange::codec::{BandCodec, Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::read_back::{Listing, ReadBack, ReadErrors};
 use crate::interchange::{Bands, Checked, Imported, Options};
 use crate::table::BrdfTable;
@@ -22,7 +22,7 @@ impl Codec for Npy {
     fn traits(&self) -> FormatTraits {
         FormatTraits {
             half_difference: true,
-            transmission: true,
+            sides: Sides::Both,
             wavelengths: true,
             ..FormatTraits::totals("npy")
         }

@@ -19,7 +19,7 @@ use crate::error::wrong;
 use crate::files::memory;
 use crate::files::npy::{self, NpyValues};
 use crate::instrument::Grid;
-use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
+use crate::interchange::codec::{self, Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::read_back::{Listing, ReadBack};
 use crate::interchange::text::seam;
 use crate::interchange::{Checked, Imported, Options, spectral_table};
@@ -37,7 +37,7 @@ impl Codec for Npz {
         FormatTraits {
             more_than_totals: true,
             gaps: true,
-            transmission: true,
+            sides: Sides::Both,
             half_difference: true,
             wavelengths: true,
             ..FormatTraits::totals("npz")

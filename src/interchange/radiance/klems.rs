@@ -1,8 +1,9 @@
-//! Radiance XML with a Klems matrix: patches of light times patches of the sensor (145, 73 or 41 each).
+//! Radiance XML with Klems matrices: patches of light times patches of the sensor (145, 73 or 41 each).
 //!
-//! A value is the mean of the BRDF over both patches by projected solid angle. Patch j of a ring of n is centred on
+//! A value is the mean of the BSDF over both patches by projected solid angle. Patch j of a ring of n is centred on
 //! azimuth 360 j/n; the light's patch names the direction in which light travels on, so its x and y are those of wi
-//! negated. Value index = sensor x patches + light (`Columns`). Source: Radiance's bsdf_m.c.
+//! negated; the sensor's has the x and y of wo, on either side. Value index = sensor x patches + light (`Columns`).
+//! Source: Radiance's bsdf_m.c.
 
 use std::fmt::Write;
 
@@ -11,12 +12,12 @@ use rayon::prelude::*;
 use super::colour;
 pub use super::patchwise::Patchwise;
 use super::patchwise::{bases_of, grid};
-use super::xml;
-use super::xml::{SampleSide, negative_note, short};
+use super::xml::{DataBlock, Document, SampleSide, negative_note, short};
+use super::{sides, xml, xml_writer};
 use crate::error::wrong;
 use crate::instrument::klems::{Basis, Ring, patches};
 use crate::instrument::{GridKind, Region};
-use crate::interchange::codec::{Codec, Encoded, FormatTraits};
+use crate::interchange::codec::{Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::foreign_table;
 use crate::interchange::resample::nodes;
 use crate::interchange::{Brdf, Checked, Colour, Imported, Lookup, Options, needed};
@@ -24,7 +25,7 @@ use crate::table::BrdfTable;
 
 /// How the values are meant.
 const CONVENTION: &str = "Klems matrix, IncidentDataStructure Columns, BRDF in 1/sr, no cosine, mean over both \
-    patches by projected solid angle; Reflection Back is the +z side; patches of the light have the azimuth of wi + 180; \
+    patches by projected solid angle; Back is light from the +z side; patches of the light have the azimuth of wi + 180; \
     Visible is Y, of a table of three colours CIE-X and CIE-Z beside it (linear BT.709 primaries, white D65)";
 
 /// The format.
@@ -32,7 +33,7 @@ pub struct Klems;
 
 impl Codec for Klems {
     fn traits(&self) -> FormatTraits {
-        FormatTraits::resampled("klems")
+        FormatTraits { sides: Sides::Both, light_from_back: true, ..FormatTraits::resampled("klems") }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -45,8 +46,8 @@ impl Codec for Klems {
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
-        let (text, notes) = write(table, options.klems)?;
-        Ok(Encoded::bytes(text, CONVENTION, notes))
+        let (text, notes) = write(table, options)?;
+        Ok(Encoded::bytes(text, xml_writer::convention(CONVENTION, table.grid.looks_below()), notes))
     }
 }
 
@@ -56,23 +57,75 @@ const COLOURS: [&str; 2] = ["CIE-X", "CIE-Z"];
 /// The text of a file, and notes on it. Values of a table of patches are kept as they are, unless another
 /// basis is wanted; of other tables the full basis is written. Those of three colours go through XYZ.
 // Tested by `half_and_quarter_bases_go_out_as_they_came`, `klems_patches_come_back`.
-pub fn write(table: &BrdfTable, wanted: Option<Basis>) -> Checked<(String, Vec<String>)> {
+pub fn write(table: &BrdfTable, options: &Options) -> Checked<(String, Vec<String>)> {
+    let (all, mut notes) = sides::of(table, options)?;
+    let (mut bases, mut blocks) = (Bases::default(), vec![]);
+    for side in &all {
+        let (rings, matrix, note) = matrix_of(&side.half, options.klems)?;
+        notes.extend(Some(note).filter(|note| !notes.contains(note)));
+        let light = bases.name(&rings[0], "patches of the light");
+        let sensor = bases.name(&rings[1], "patches of the sensor");
+        let counts = rings.map(|rings| rings.iter().map(|ring| ring.2).sum::<usize>());
+        let named = format!(
+            "<ColumnAngleBasis>{light}</ColumnAngleBasis>\n<RowAngleBasis>{sensor}</RowAngleBasis>\n"
+        );
+        let coloured = side.half.colours.len() > 1;
+        for (c, wavelength) in ["Visible", COLOURS[0], COLOURS[1]].into_iter().enumerate() {
+            if c == 0 || coloured {
+                let value =
+                    |k: usize| if coloured { colour::xyz(matrix[k])[[1, 0, 2][c]] } else { matrix[k][0] };
+                let data = numbers(counts, value);
+                let (light, through, bases) = (side.light, side.through, named.clone());
+                blocks.push(xml_writer::Block { light, through, bases, wavelength, data });
+            }
+        }
+    }
+    Ok((xml_writer::write("Columns", &bases.described(), &blocks), notes))
+}
+
+/// Bases of light and sensor, the values between them, and what is to say of those.
+type Values = ([Vec<Ring>; 2], Vec<Colour>, String);
+
+fn matrix_of(table: &BrdfTable, wanted: Option<Basis>) -> Checked<Values> {
     let own = bases_of(&table.grid);
     let kept = own.filter(|own| wanted.is_none_or(|basis| own.iter().all(|rings| rings == basis.rings())));
-    let (bases, matrix, notes) = if let Some(bases) = kept {
+    if let Some(bases) = kept {
         let value = |k: usize| {
             std::array::from_fn(|c| table.colours.get(c).map_or(0.0, |colour| f64::from(colour.total[k])))
         };
-        let matrix: Vec<Colour> = (0..table.grid.stops() * table.grid.bins()).map(value).collect();
-        (bases, matrix, vec!["the table's own patches, as they are".into()])
-    } else {
-        let basis = wanted.unwrap_or(Basis::Full);
-        let patches = patches(basis.rings());
-        let matrix = means(as_function(table)?.as_ref(), &patches);
-        let note = format!("resampled to {} patches: lobes narrower than those are not held", patches.len());
-        ([basis.rings().to_vec(), basis.rings().to_vec()], matrix, vec![note])
-    };
-    Ok((text(&bases, &matrix, table.colours.len() > 1), notes))
+        let matrix = (0..table.grid.stops() * table.grid.bins()).map(value).collect();
+        return Ok((bases, matrix, "the table's own patches, as they are".into()));
+    }
+    let basis = wanted.unwrap_or(Basis::Full);
+    let patches = patches(basis.rings());
+    let matrix = means(as_function(table)?.as_ref(), &patches);
+    let note = format!("resampled to {} patches: lobes narrower than those are not held", patches.len());
+    Ok(([basis.rings().to_vec(), basis.rings().to_vec()], matrix, note))
+}
+
+/// The bases of a file by name.
+#[derive(Default)]
+struct Bases(Vec<(String, Vec<Ring>)>);
+
+impl Bases {
+    /// The name of a basis: that of a known one, else `other`, with a number where that is another's.
+    fn name(&mut self, rings: &[Ring], other: &str) -> String {
+        if let Some((name, _)) = self.0.iter().find(|(_, known)| known == rings) {
+            return name.clone();
+        }
+        let known = Basis::ALL.iter().find(|basis| basis.rings() == rings);
+        let mut name = known.map_or_else(|| other.to_string(), |basis| basis.name().into());
+        let taken = self.0.iter().filter(|(taken, _)| taken.starts_with(&name)).count();
+        if taken > 0 {
+            name = format!("{name} {}", taken + 1);
+        }
+        self.0.push((name.clone(), rings.to_vec()));
+        name
+    }
+
+    fn described(&self) -> String {
+        self.0.iter().map(|(name, rings)| basis(name, rings)).collect()
+    }
 }
 
 /// The table as a function of two directions.
@@ -81,28 +134,6 @@ fn as_function(table: &BrdfTable) -> Checked<Box<dyn Brdf>> {
         return Ok(Box::new(Patchwise::new(table.clone())?));
     }
     Ok(Box::new(Lookup::new(table)?))
-}
-
-fn text([light, sensor]: &[Vec<Ring>; 2], matrix: &[Colour], coloured: bool) -> String {
-    let sides = [light, sensor].map(|rings| rings.iter().map(|ring| ring.2).sum::<usize>());
-    let channel = |c: usize| {
-        let value = |k: usize| if coloured { colour::xyz(matrix[k])[[1, 0, 2][c]] } else { matrix[k][0] };
-        numbers(sides, value)
-    };
-    let names = ["Visible", COLOURS[0], COLOURS[1]];
-    let channels: Vec<_> = (0..if coloured { 3 } else { 1 }).map(|c| (names[c], channel(c))).collect();
-    let name = |rings: &[Ring], other: &str| {
-        let known = Basis::ALL.iter().find(|basis| basis.rings() == rings);
-        known.map_or_else(|| other.to_string(), |basis| basis.name().into())
-    };
-    let (column, row) = (name(light, "patches of the light"), name(sensor, "patches of the sensor"));
-    let mut described = basis(&column, light);
-    if row != column {
-        described += &basis(&row, sensor);
-    }
-    let bases =
-        format!("<ColumnAngleBasis>{column}</ColumnAngleBasis>\n<RowAngleBasis>{row}</RowAngleBasis>\n");
-    xml::write("Columns", &described, &bases, &channels)
 }
 
 /// Means over pairs of patches, light major.
@@ -159,7 +190,8 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     read_side(bytes, None).map(|(table, _)| table)
 }
 
-/// The table of patches of one side of a file, and notes on it; negative values become 0, as Radiance has
+/// The table of patches of the light from one side of a file, what comes back and what goes through where the file has
+/// them, and notes on it; negative values become 0, as Radiance has
 /// it, and are counted.
 // Tested by `klems_patches_come_back`, `colours_of_radiance_files_come_back`, `damaged_xml_is_refused`,
 // `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
@@ -172,7 +204,29 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(BrdfTable, 
             return Err(wrong!("IncidentDataStructure {:?}: Columns or Rows needed", short(other)));
         }
     };
-    let xml::Reflection { blocks, mut notes } = document.reflection(COLOURS, side)?;
+    let xml::SideBlocks { halves, mut notes } = document.side(COLOURS, side)?;
+    let (mut tables, mut seen) = ([None, None], Counted::default());
+    for (table, blocks) in tables.iter_mut().zip(halves) {
+        if !blocks.is_empty() {
+            *table = Some(table_of(&document, &blocks, columns, &mut seen)?);
+        }
+    }
+    notes.extend(negative_note(seen.negative, seen.values, seen.least));
+    let [above, below] = tables;
+    let whole = match (above, below.and_then(|below| below.mirrored())) {
+        (Some(above), Some(image)) => above.joined(&image),
+        (above, image) => above.or(image),
+    };
+    Ok((whole.ok_or("reflection and transmission have different bases of the light")?, notes))
+}
+
+/// The table of one block, or of three of colour.
+fn table_of(
+    document: &Document,
+    blocks: &[&DataBlock],
+    columns: bool,
+    seen: &mut Counted,
+) -> Checked<BrdfTable> {
     let basis = |k: usize| {
         let name = blocks[0].bases.get(k).ok_or("a block without ColumnAngleBasis and RowAngleBasis")?;
         let described = document.bases.iter().find(|basis| basis.0 == *name).map(|basis| patches(&basis.1));
@@ -190,17 +244,14 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(BrdfTable, 
     let place = |stop: usize, bin: usize| if columns { bin * light.len() + stop } else { stop * bins + bin };
     let matrices = blocks
         .iter()
-        .map(|block| matrix(&block.data, light.len(), bins))
-        .collect::<Checked<Vec<Matrix>>>()?;
-    let least = matrices.iter().map(|matrix| matrix.least).fold(0.0, f64::min);
-    let negative = matrices.iter().map(|matrix| matrix.negative).sum();
-    notes.extend(negative_note(negative, matrices.len() * light.len() * bins, least));
+        .map(|block| matrix(&block.data, light.len(), bins, seen))
+        .collect::<Checked<Vec<Vec<f32>>>>()?;
     let sorted =
-        |matrix: &Matrix| (0..light.len() * bins).map(|k| matrix.values[place(k / bins, k % bins)]).collect();
+        |matrix: &Vec<f32>| (0..light.len() * bins).map(|k| matrix[place(k / bins, k % bins)]).collect();
     let channels: Vec<Vec<f32>> = matrices.iter().map(sorted).collect();
     let grid = grid(&light, sensor);
     crate::table::check_grid(&grid)?;
-    Ok((foreign_table(grid, rgb_of(channels))?, notes))
+    foreign_table(grid, rgb_of(channels))
 }
 
 /// R, G, B of Y, X, Z; a single channel as it is.
@@ -216,28 +267,30 @@ fn rgb_of(channels: Vec<Vec<f32>>) -> Vec<Vec<f32>> {
     (0..3).map(|c| all.iter().map(|value| value[c] as f32).collect()).collect()
 }
 
-/// The values of one block, and what was negative in it.
-struct Matrix {
-    values: Vec<f32>,
+/// Values that were read, and what was negative among them.
+#[derive(Default)]
+struct Counted {
+    values: usize,
     negative: usize,
     least: f64,
 }
 
-fn matrix(data: &str, light: usize, sensor: usize) -> Checked<Matrix> {
+fn matrix(data: &str, light: usize, sensor: usize, seen: &mut Counted) -> Checked<Vec<f32>> {
     let wanted = light * sensor;
     let cells = data.split(|c: char| c == ',' || c.is_whitespace()).filter(|cell| !cell.is_empty());
-    let mut found = Matrix { values: Vec::with_capacity(wanted.min(data.len())), negative: 0, least: 0.0 };
+    let mut found = Vec::with_capacity(wanted.min(data.len()));
     for cell in cells {
         let value: f32 = cell.parse().map_err(|_| format!("{:?} is no number", short(cell)))?;
-        if found.values.len() == wanted {
+        if found.len() == wanted {
             return Err(wrong!("more than {light} x {sensor} values"));
         }
-        found.negative += usize::from(value < 0.0);
-        found.least = found.least.min(f64::from(value));
-        found.values.push(if value < 0.0 { 0.0 } else { value });
+        seen.negative += usize::from(value < 0.0);
+        seen.least = seen.least.min(f64::from(value));
+        found.push(if value < 0.0 { 0.0 } else { value });
     }
-    if found.values.len() != wanted {
-        return Err(wrong!("{} values, {light} x {sensor} needed", found.values.len()));
+    if found.len() != wanted {
+        return Err(wrong!("{} values, {light} x {sensor} needed", found.len()));
     }
+    seen.values += wanted;
     Ok(found)
 }

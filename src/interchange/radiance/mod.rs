@@ -3,8 +3,10 @@
 pub(crate) mod colour;
 pub mod klems;
 pub(crate) mod patchwise;
+pub(crate) mod sides;
 pub(crate) mod tensor_cells;
 pub(crate) mod tensor_function;
 pub(crate) mod tensor_square;
 pub mod tensor_tree;
 pub mod xml;
+pub mod xml_writer;

@@ -20,10 +20,17 @@ pub fn grid(light: &[[f64; 4]], sensor: Vec<[f64; 4]>) -> Grid {
 pub fn bases_of(table: &Grid) -> Option<[Vec<Ring>; 2]> {
     let sensor = if table.kind == GridKind::Patches { rings_of(&table.patches_deg)? } else { return None };
     let named = Basis::ALL.iter().map(|basis| basis.rings().to_vec());
-    let light = std::iter::once(sensor.clone())
-        .chain(named)
-        .find(|rings| *table == grid(&patches(rings), table.patches_deg.clone()))?;
-    Some([light, sensor])
+    let other = Grid { stops_deg: vec![], patches_deg: vec![], ..table.clone() };
+    if other != (Grid { kind: GridKind::Patches, ..Grid::default() }) {
+        return None;
+    }
+    // A ring below the horizon is 180 degrees less one above, to a rounding.
+    let near = |(a, b): (&[f64; 2], &[f64; 2])| a.iter().zip(b).all(|(a, b)| (a - b).abs() < BORDER_DEG);
+    let is_own = |rings: &Vec<Ring>| {
+        let stops = middles(&patches(rings));
+        stops.len() == table.stops_deg.len() && stops.iter().zip(&table.stops_deg).all(near)
+    };
+    Some([std::iter::once(sensor.clone()).chain(named).find(is_own)?, sensor])
 }
 
 /// A matrix as a function: the value of the patches that hold the directions; on a border, the mean of both sides, as

@@ -20,8 +20,8 @@ const BORDER: f64 = 1e-9;
 /// is nobody's choice.
 pub struct TensorTree {
     rank: usize,
-    /// Y; of a coloured file u' and v' too.
-    trees: Vec<Tree>,
+    /// Of light that comes back, and that has gone through: none, or Y; of a coloured file u' and v' too.
+    halves: [Vec<Tree>; 2],
     /// No cell of any tree has a shorter side: 2^-levels.
     levels: i32,
 }
@@ -38,7 +38,8 @@ pub fn read(bytes: &[u8]) -> Checked<TensorTree> {
     read_side(bytes, None).map(|(tree, _)| tree)
 }
 
-/// Reads one side of a file, and gives notes on it; negative values become 0, as Radiance has it, and are
+/// Reads the light from one side of a file, what comes back and what goes through where the file has them, and gives notes
+/// on it; negative values become 0, as Radiance has it, and are
 /// counted.
 // Tested by `negative_values_are_counted` (tests/it/interchange/interchange_radiance.rs).
 pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(TensorTree, Vec<String>)> {
@@ -53,18 +54,20 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(TensorTree,
             ));
         }
     };
-    let xml::Reflection { blocks, mut notes } = document.reflection(COLOURS, side)?;
-    let (mut trees, mut levels, mut seen) = (vec![], 0, CellCheck::default());
-    for block in blocks {
-        let mut parser = Parser { rest: block.data.trim_start(), rank, levels: 0, seen };
-        trees.push(parser.group(0)?);
-        if !parser.rest.trim().is_empty() {
-            return Err(wrong!("{:?} stands behind the tree", short(parser.rest.trim())));
+    let xml::SideBlocks { halves: blocks, mut notes } = document.side(COLOURS, side)?;
+    let (mut halves, mut levels, mut seen) = ([vec![], vec![]], 0, CellCheck::default());
+    for (half, blocks) in halves.iter_mut().zip(blocks) {
+        for block in blocks {
+            let mut parser = Parser { rest: block.data.trim_start(), rank, levels: 0, seen };
+            half.push(parser.group(0)?);
+            if !parser.rest.trim().is_empty() {
+                return Err(wrong!("{:?} stands behind the tree", short(parser.rest.trim())));
+            }
+            (levels, seen) = (levels.max(parser.levels), parser.seen);
         }
-        (levels, seen) = (levels.max(parser.levels), parser.seen);
     }
     notes.extend(negative_note(seen.negative, seen.values, seen.least));
-    Ok((TensorTree { rank, trees, levels: levels as i32 }, notes))
+    Ok((TensorTree { rank, halves, levels: levels as i32 }, notes))
 }
 
 /// What a file's values were before they were held.
@@ -148,10 +151,14 @@ impl Tree {
 }
 
 impl TensorTree {
-    /// The value at a point.
-    fn at(&self, at: [f64; 4]) -> Colour {
-        let value = |k: usize| self.trees[k].at(self.rank, at);
-        if self.trees.len() == 1 { [value(0); 3] } else { colour::of_yuv([value(0), value(1), value(2)]) }
+    /// The value at a point; 0 where the file has no trees.
+    fn at(&self, trees: &[Tree], at: [f64; 4]) -> Colour {
+        let value = |tree: &Tree| tree.at(self.rank, at);
+        match trees {
+            [] => [0.0; 3],
+            [y, u, v] => colour::of_yuv([value(y), value(u), value(v)]),
+            [y, ..] => [value(y); 3],
+        }
     }
 
     /// The point at this place of an axis, or two points where a border of the finest cells is there.
@@ -170,18 +177,23 @@ impl TensorTree {
 
 impl Brdf for TensorTree {
     fn colours(&self) -> usize {
-        self.trees.len()
+        self.halves.iter().map(Vec::len).max().unwrap_or(1)
+    }
+
+    fn sides(&self) -> [bool; 2] {
+        self.halves.each_ref().map(|trees| !trees.is_empty())
     }
 
     fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
+        let trees = &self.halves[usize::from(wo.z < 0.0)];
         let at = coordinates(self.rank, wi, wo);
         let sides: [[f64; 2]; 4] = std::array::from_fn(|axis| self.sides(axis, at[axis]));
         if sides.iter().all(|[below, above]| below == above) {
-            return self.at(sides.map(|[x, _]| x));
+            return self.at(trees, sides.map(|[x, _]| x));
         }
         let mut sum = [0.0; 3];
         for corner in 0..16 {
-            let value = self.at(std::array::from_fn(|axis| sides[axis][corner >> axis & 1]));
+            let value = self.at(trees, std::array::from_fn(|axis| sides[axis][corner >> axis & 1]));
             sum.iter_mut().zip(value).for_each(|(s, v)| *s += v / 16.0);
         }
         sum

@@ -2,8 +2,8 @@
 //!
 //! Coordinates in [0, 1]: rank 4 (anisotropic) the Shirley-Chiu squares of (-wi.x, -wi.y) and (wo.x, wo.y); rank 3
 //! (isotropic) 0.5 - 0.5 sin theta_i and the square of wo turned so that -wi lies on +x. Text: a branch holds 2^rank
-//! groups, bit k of the number is the half of axis k; a leaf holds a grid of values, the last axis fastest.
-//! Source: Radiance's bsdf_t.c.
+//! groups, bit k of the number is the half of axis k; a leaf holds a grid of values, the last axis fastest. The coordinates
+//! of light that goes through are the same: z does not matter. Source: Radiance's bsdf_t.c.
 
 use std::fmt::Write;
 
@@ -13,15 +13,16 @@ use super::colour;
 use super::tensor_cells::{FIRST, Task, TreeCell};
 pub use super::tensor_function::{TensorTree, read, read_side};
 use super::tensor_square::{COLOURS, Tree, directions};
-use super::xml;
-use crate::interchange::codec::{Codec, Encoded, FormatTraits, resampling_notes};
+use super::{sides, xml_writer};
+use crate::campaign::SensorSide;
+use crate::interchange::codec::{Codec, Encoded, FormatTraits, Sides, resampling_notes};
 use crate::interchange::resample::default_grid;
 use crate::interchange::{Brdf, Checked, Imported, Lookup, Options, needed};
 use crate::table::BrdfTable;
 
 /// How the values are meant.
 const CONVENTION: &str = "tensor tree on Shirley-Chiu squares, BRDF in 1/sr, no cosine, constant in each cell; \
-    Reflection Back is the +z side; incident coordinates are those of -wi; Visible is Y, of a table of three colours \
+    Back is light from the +z side; incident coordinates are those of -wi; Visible is Y, of a table of three colours \
     CIE-u and CIE-v (u\', v\' of 1976) beside it (linear BT.709 primaries, white D65)";
 
 /// The format.
@@ -29,7 +30,7 @@ pub struct TensorTreeFile;
 
 impl Codec for TensorTreeFile {
     fn traits(&self) -> FormatTraits {
-        FormatTraits::resampled("tensor_tree")
+        FormatTraits { sides: Sides::Both, light_from_back: true, ..FormatTraits::resampled("tensor_tree") }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -40,12 +41,17 @@ impl Codec for TensorTreeFile {
         let (tree, notes) = read_side(bytes, options.side)?;
         let even = |count: u32| (0..count).map(|k| 15.0 * f64::from(k)).collect();
         let grid = default_grid(even(6), if tree.is_isotropic() { vec![] } else { even(24) });
-        Ok((Imported::of(tree, grid), notes))
+        let side = match tree.sides() {
+            [true, true] => SensorSide::Both,
+            [false, true] => SensorSide::Transmission,
+            _ => SensorSide::Reflection,
+        };
+        Ok((Imported::of(tree, grid.of_side(side)), notes))
     }
 
-    fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
-        let lookup = Lookup::new(table)?;
-        Ok(Encoded::bytes(write(&lookup), CONVENTION, resampling_notes(&lookup)))
+    fn encode<'a>(&self, table: &'a BrdfTable, options: &Options) -> Checked<Encoded<'a>> {
+        let (text, notes) = write(table, options)?;
+        Ok(Encoded::bytes(text, xml_writer::convention(CONVENTION, table.grid.looks_below()), notes))
     }
 }
 
@@ -111,29 +117,42 @@ fn joined(rank: usize, children: Vec<Tree>) -> Tree {
     Tree::Leaf(2, (0..values.len()).map(|k| values[reversed(k)]).collect())
 }
 
-/// The text of a file: rank 3 where the table is isotropic, else 4; of three colours Y, u' and v'.
+/// The text of a file, and notes on it: rank 3 where the table is isotropic, else 4; of three colours Y, u' and v'.
 // Tested by `tensor_trees_of_both_ranks_are_within_three_hundredths`, `colours_of_radiance_files_come_back`
 // (tests/it/interchange/interchange_radiance.rs), and against Radiance in tests/interop.
-pub fn write(lookup: &Lookup) -> String {
-    let rank = if lookup.is_isotropic() { 3 } else { 4 };
-    let text = |tree: &Tree| {
-        let mut text = String::new();
-        print(tree, &mut text);
-        text.push('\n');
-        text
-    };
-    let coloured = lookup.colours() > 1;
-    let yuv = |wi, wo| {
-        let value = lookup.brdf(wi, wo);
-        if coloured { colour::yuv(value) } else { value }
-    };
-    let mut channels = vec![("Visible", text(&tree(rank, VISIBLE, |wi, wo| yuv(wi, wo)[0])))];
-    if coloured {
-        channels.push((COLOURS[0], text(&tree(rank, CHROMATICITY, |wi, wo| yuv(wi, wo)[1]))));
-        channels.push((COLOURS[1], text(&tree(rank, CHROMATICITY, |wi, wo| yuv(wi, wo)[2]))));
+pub fn write(table: &BrdfTable, options: &Options) -> Checked<(String, Vec<String>)> {
+    let (all, mut notes) = sides::of(table, options)?;
+    let rank = if table.grid.is_isotropic() { 3 } else { 4 };
+    let mut blocks = vec![];
+    for side in &all {
+        let lookup = Lookup::new(&side.half)?;
+        if lookup.is_isotropic() != (rank == 3) {
+            return Err("--back: one of the tables is isotropic, the other is not".into());
+        }
+        notes.extend(
+            resampling_notes(&lookup).into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>(),
+        );
+        let coloured = lookup.colours() > 1;
+        let yuv = |wi, wo| {
+            let value = lookup.brdf(wi, wo);
+            if coloured { colour::yuv(value) } else { value }
+        };
+        let channels = [("Visible", VISIBLE), (COLOURS[0], CHROMATICITY), (COLOURS[1], CHROMATICITY)];
+        for (c, (wavelength, limits)) in channels.into_iter().enumerate().take(if coloured { 3 } else { 1 }) {
+            let mut data = String::new();
+            print(&tree(rank, limits, |wi, wo| yuv(wi, wo)[c]), &mut data);
+            data.push('\n');
+            let bases = "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>\n".into();
+            blocks.push(xml_writer::Block {
+                light: side.light,
+                through: side.through,
+                bases,
+                wavelength,
+                data,
+            });
+        }
     }
-    let basis = "<AngleBasis>LBNL/Shirley-Chiu</AngleBasis>\n";
-    xml::write(&format!("TensorTree{rank}"), "", basis, &channels)
+    Ok((xml_writer::write(&format!("TensorTree{rank}"), "", &blocks), notes))
 }
 
 fn print(tree: &Tree, out: &mut String) {

@@ -1,7 +1,8 @@
 //! The XML that Radiance and LBNL WINDOW exchange BSDFs in: the frame round a matrix (klems.rs) or a tensor tree
 //! (tensor_tree.rs).
 //!
-//! WINDOW's `Reflection Back` is the side that Radiance calls front, +z; files are written and preferably read so.
+//! WINDOW's `Back` (`Reflection Back`, `Transmission Back`: light from that side) is the side that Radiance calls front, +z;
+//! files are written and preferably read so.
 
 use std::str::FromStr;
 
@@ -35,20 +36,23 @@ const MOST_NAMED: usize = 6;
 
 pub use crate::instrument::klems::Ring;
 
-/// Which side of the sample, by the file's own words.
+/// The side of the sample that light comes from, by the file's own words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SampleSide {
-    /// `Reflection Back`, +z: what Radiance calls front.
+    /// `Reflection Back` and `Transmission Back`, light from +z: what Radiance calls front.
     Back,
-    /// `Reflection Front`, -z.
+    /// `Reflection Front` and `Transmission Front`, light from -z.
     Front,
 }
 
 impl SampleSide {
-    fn direction(self) -> &'static str {
-        match self {
-            SampleSide::Back => "Reflection Back",
-            SampleSide::Front => "Reflection Front",
+    /// The words for a block of light that comes back, or has gone through.
+    pub fn direction(self, through: bool) -> &'static str {
+        match (self, through) {
+            (SampleSide::Back, false) => "Reflection Back",
+            (SampleSide::Back, true) => "Transmission Back",
+            (SampleSide::Front, false) => "Reflection Front",
+            (SampleSide::Front, true) => "Transmission Front",
         }
     }
 }
@@ -60,15 +64,17 @@ impl FromStr for SampleSide {
         match name {
             "back" => Ok(SampleSide::Back),
             "front" => Ok(SampleSide::Front),
-            _ => Err("front or back needed: the block `Reflection Front` or `Reflection Back`".into()),
+            _ => {
+                Err("front or back needed: the blocks of light from -z (`Front`) or from +z (`Back`)".into())
+            }
         }
     }
 }
 
 /// The blocks that become a table, and notes on the others.
-pub struct Reflection<'a> {
-    /// Visible, and the two of colour where both are there.
-    pub blocks: Vec<&'a DataBlock>,
+pub struct SideBlocks<'a> {
+    /// Of light that comes back, and that has gone through: none, or Visible and the two of colour where both are there.
+    pub halves: [Vec<&'a DataBlock>; 2],
     /// One sentence each.
     pub notes: Vec<String>,
 }
@@ -95,33 +101,6 @@ pub struct DataBlock {
     pub bases: Vec<String>,
     /// The values as text.
     pub data: String,
-}
-
-/// A file with a block for each channel: its wavelength (`Visible`, `CIE-X`, ..), and its values as text. All are
-/// `Reflection Back`.
-pub fn write(structure: &str, basis: &str, block_bases: &str, channels: &[(&str, String)]) -> String {
-    let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
-         <WindowElement xmlns=\"http://windows.lbl.gov\">\n\
-         <WindowElementType>System</WindowElementType>\n<FileType>BSDF</FileType>\n<Optical>\n<Layer>\n\
-         <Material>\n<Name>gonio</Name>\n<Manufacturer>gonio {}</Manufacturer>\n\
-         <Thickness unit=\"meter\">0</Thickness>\n<DeviceType>Other</DeviceType>\n</Material>\n\
-         <DataDefinition>\n<IncidentDataStructure>{structure}</IncidentDataStructure>\n{basis}</DataDefinition>\n",
-        env!("CARGO_PKG_VERSION")
-    );
-    for (wavelength, data) in channels {
-        let detector = if *wavelength == "Visible" { "ASTM E308 1931 Y.dsp" } else { "none" };
-        text += &format!(
-            "<WavelengthData>\n<LayerNumber>System</LayerNumber>\n<Wavelength unit=\"Integral\">{wavelength}</Wavelength>\n\
-             <SourceSpectrum>CIE Illuminant D65 1nm.ssp</SourceSpectrum>\n\
-             <DetectorSpectrum>{detector}</DetectorSpectrum>\n<WavelengthDataBlock>\n\
-             <WavelengthDataDirection>Reflection Back</WavelengthDataDirection>\n{block_bases}\
-             <ScatteringDataType>BRDF</ScatteringDataType>\n<ScatteringData>\n"
-        );
-        text += data;
-        text += "</ScatteringData>\n</WavelengthDataBlock>\n</WavelengthData>\n";
-    }
-    text + "</Layer>\n</Optical>\n</WindowElement>\n"
 }
 
 /// Reads a file. Its text is held about twice.
@@ -270,34 +249,48 @@ fn flat(error: &quick_xml::Error) -> String {
 }
 
 impl Document {
-    /// The blocks of reflected light: visible, and those of the colour `others` (all or none; a file with one of two is
+    /// The blocks of light from one side: visible, and those of the colour `others` (all or none; a file with one of two is
     /// taken for one without colour, as Radiance has it). Without a wanted side it is +z where the file has it.
     // Tested by `a_missing_block_is_answered_with_those_that_are_there`, `the_wanted_side_is_read`
     // (tests/it/interchange/interchange_radiance.rs).
-    pub fn reflection(&self, others: [&str; 2], side: Option<SampleSide>) -> Checked<Reflection<'_>> {
-        let find = |side: SampleSide, wavelength: &str| {
+    pub fn side(&self, others: [&str; 2], side: Option<SampleSide>) -> Checked<SideBlocks<'_>> {
+        let find = |direction: &str, wavelength: &str| {
             self.blocks
                 .iter()
-                .find(|block| block.is(side.direction()) && block.wavelength.eq_ignore_ascii_case(wavelength))
+                .find(|block| block.is(direction) && block.wavelength.eq_ignore_ascii_case(wavelength))
         };
+        let words = |side: SampleSide| [side.direction(false), side.direction(true)];
         let wanted = side.map_or(vec![SampleSide::Back, SampleSide::Front], |side| vec![side]);
-        let Some((side, visible)) = wanted.iter().find_map(|&side| Some((side, find(side, "Visible")?)))
-        else {
-            let what = side.map_or("reflection".into(), |side| format!("`{}`", side.direction()));
+        let visible = |side: &SampleSide| words(*side).map(|direction| find(direction, "Visible"));
+        let Some(side) = wanted.into_iter().find(|side| visible(side).iter().any(Option::is_some)) else {
+            let what = side.map_or("reflection or transmission".into(), |side| {
+                let [reflection, transmission] = words(side);
+                format!("`{reflection}` or `{transmission}`")
+            });
             return Err(wrong!("no block of visible {what}; the file has {}", self.named(|_| true)));
         };
-        let coloured: Vec<&DataBlock> = others.into_iter().filter_map(|name| find(side, name)).collect();
-        let coloured = if coloured.len() == others.len() { coloured } else { vec![] };
-        let blocks: Vec<&DataBlock> = std::iter::once(visible).chain(coloured).collect();
+        let there: Vec<(usize, &str)> =
+            words(side).into_iter().enumerate().filter(|(_, word)| find(word, "Visible").is_some()).collect();
+        let has = |direction: &str| others.iter().all(|name| find(direction, name).is_some());
+        let names = if there.iter().all(|(_, direction)| has(direction)) { &others[..] } else { &[] };
+        let mut halves = [vec![], vec![]];
+        for &(through, direction) in &there {
+            let wavelengths = std::iter::once("Visible").chain(names.iter().copied());
+            halves[through] = wavelengths.filter_map(|wavelength| find(direction, wavelength)).collect();
+        }
         let mut notes = vec![];
         if side == SampleSide::Front {
-            notes.push("the side -z (`Reflection Front`): x and y are the file's, azimuths run clockwise seen from there".into());
+            notes.push(
+                "light from the side -z (`Front`): x and y are the file's, azimuths run clockwise seen from there".into(),
+            );
         }
-        let left = |block: &DataBlock| !blocks.iter().any(|taken| std::ptr::eq(*taken, block));
+        let left = |block: &DataBlock| !halves.iter().flatten().any(|taken| std::ptr::eq(*taken, block));
         if self.blocks.iter().any(left) {
-            notes.push(format!("`{}` is read; not read: {}", side.direction(), self.named(left)));
+            let read: Vec<String> = there.iter().map(|(_, direction)| format!("`{direction}`")).collect();
+            let verb = if read.len() > 1 { "are" } else { "is" };
+            notes.push(format!("{} {verb} read; not read: {}", read.join(" and "), self.named(left)));
         }
-        Ok(Reflection { blocks, notes })
+        Ok(SideBlocks { halves, notes })
     }
 
     /// Some blocks as a list: direction and wavelength of each.

@@ -18,7 +18,8 @@ pub(crate) mod sampling;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Brdf, Checked, Colour, needed, spectral_table};
+use super::{Brdf, COMES_BACK, Checked, Colour, GONE_THROUGH, needed, spectral_table};
+use crate::error::wrong;
 use crate::files::memory;
 use crate::instrument::{Grid, Region};
 use crate::sphere;
@@ -44,11 +45,12 @@ pub fn nodes(region: &Region) -> Vec<(DVec3, f64)> {
     match *region {
         Region::Rectangle { theta: [t1, t2], phi: [p1, p2] } => {
             let (s1, s2) = (t1.sin().powi(2), t2.sin().powi(2));
+            let side = if region.is_below() { -1.0 } else { 1.0 };
             let row = |&(x, w): &(f64, f64)| {
                 let s = s1 + x * (s2 - s1);
                 GAUSS.map(|(y, v)| {
                     let (sin_phi, cos_phi) = (p1 + y * (p2 - p1)).sin_cos();
-                    (DVec3::new(s.sqrt() * cos_phi, s.sqrt() * sin_phi, (1.0 - s).sqrt()), w * v)
+                    (DVec3::new(s.sqrt() * cos_phi, s.sqrt() * sin_phi, side * (1.0 - s).sqrt()), w * v)
                 })
             };
             GAUSS.iter().flat_map(row).collect()
@@ -68,7 +70,7 @@ fn cone(axis: DVec3, half_angle: f64) -> Vec<(DVec3, f64)> {
             let (sin, cos) = (std::f64::consts::TAU * (k as f64 + 0.5) / AROUND as f64).sin_cos();
             let wo = cos_psi * axis + sin_psi * (cos * tangent + sin * bitangent);
             // d omega = sin psi d psi d eta = d(sin^2 psi) d eta/(2 cos psi).
-            nodes.push((wo, w * wo.z.max(0.0) / cos_psi));
+            nodes.push((wo, w * (wo.z * axis.z.signum()).max(0.0) / cos_psi));
         }
     }
     let sum: f64 = nodes.iter().map(|node| node.1).sum();
@@ -100,6 +102,13 @@ pub fn resample_spectrum<'a>(
 ) -> Checked<BrdfTable> {
     let parts: Vec<&dyn Brdf> = parts.collect();
     let (stops, bins) = (grid.stops(), grid.bins());
+    for (looks, side, what) in [(grid.looks_above(), 0, COMES_BACK), (grid.looks_below(), 1, GONE_THROUGH)] {
+        if looks && parts.iter().any(|part| !part.sides()[side]) {
+            return Err(wrong!(
+                "the file says nothing of light that {what}, which the wanted bins collect; take a table of the other side for --like"
+            ));
+        }
+    }
     let pairs = stops.checked_mul(bins).filter(|&pairs| pairs <= MOST_VALUES);
     let pairs = pairs.ok_or_else(|| format!("{stops} incidences of {bins} bins are too many"))?;
     // A small file may be a function of many lights, each of which becomes thousands of bins.

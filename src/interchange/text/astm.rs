@@ -10,7 +10,7 @@ use super::named_columns::{Columns, names_of};
 use super::samples;
 use super::samples::MeasuredPair;
 use crate::error::wrong;
-use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
+use crate::interchange::codec::{self, Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::read_back::{ReadBack, middles_deg};
 use crate::interchange::{Checked, Imported, Options, needed};
 use crate::table::BrdfTable;
@@ -18,7 +18,7 @@ use crate::text_decoding::decode_text_or_latin1;
 
 /// How the values are meant.
 const CONVENTION: &str = "one line a pair of directions, angles in radians, absolute azimuths, phi_s = phi_i + pi is the \
-    mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
+    mirror direction, theta_s beyond pi/2 light that has gone through; BSDF in 1/sr, no cosine; the middle of each bin";
 
 const ANGLES: [&str; 4] = ["theta_i", "phi_i", "theta_s", "phi_s"];
 /// The header line of a table whose azimuths of the light are all alike; other readers pass over keys that they don't
@@ -32,7 +32,7 @@ pub struct Astm;
 
 impl Codec for Astm {
     fn traits(&self) -> FormatTraits {
-        FormatTraits { gaps: true, wavelengths: true, ..FormatTraits::totals("astm") }
+        FormatTraits { gaps: true, sides: Sides::Both, wavelengths: true, ..FormatTraits::totals("astm") }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -57,7 +57,12 @@ impl Codec for Astm {
 /// Writes the totals; a gap has no line.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
     let (stops, bins) = (table.grid.stops(), table.grid.bins());
-    writeln!(out, "LAB_NAME gonio\nSYSTEM_NAME gonio {}\nMEAS_NAME BRDF", table.version)?;
+    let name = match (table.grid.looks_above(), table.grid.looks_below()) {
+        (true, true) => "BSDF",
+        (false, true) => "BTDF",
+        _ => "BRDF",
+    };
+    writeln!(out, "LAB_NAME gonio\nSYSTEM_NAME gonio {}\nMEAS_NAME {name}", table.version)?;
     writeln!(out, "NUM_POINTS {}", stops * bins - table.gaps())?;
     if table.grid.is_isotropic() {
         writeln!(out, "{ISOTROPIC} yes")?;

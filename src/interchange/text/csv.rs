@@ -8,7 +8,7 @@ use super::samples;
 use super::samples::MeasuredPair;
 use crate::error::wrong;
 use crate::instrument::Region;
-use crate::interchange::codec::{BandCodec, Codec, Encoded, FormatTraits};
+use crate::interchange::codec::{BandCodec, Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::read_back::{ReadBack, ReadErrors, middles_deg};
 use crate::interchange::{Bands, Checked, Imported, Options, needed};
 use crate::table::BrdfTable;
@@ -35,7 +35,7 @@ impl Codec for Csv {
     fn traits(&self) -> FormatTraits {
         FormatTraits {
             more_than_totals: true,
-            transmission: true,
+            sides: Sides::Both,
             gaps: true,
             wavelengths: true,
             ..FormatTraits::totals("csv")

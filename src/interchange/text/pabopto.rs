@@ -5,15 +5,18 @@
 
 use std::path::Path;
 
+use crate::campaign::LightSide;
 use crate::files;
-use crate::interchange::codec::{Codec, Encoded, FileContent, FormatTraits};
+use crate::interchange::codec::{Codec, Encoded, FileContent, FormatTraits, Sides};
+use crate::interchange::content::light::side_of;
 use crate::interchange::read_back::{self, ReadBack, middles_deg};
 use crate::interchange::{Checked, Imported, Options};
 use crate::table::BrdfTable;
 use crate::text_decoding::decode_text_or_latin1;
 
 /// How the values are meant.
-const CONVENTION: &str = "one file for each incidence; degrees, theta from the normal, phi absolute; format BSDF: 1/sr, no cosine; \
+const CONVENTION: &str = "one file for each incidence; degrees, in the frame of the sample: light from the front below 90, from \
+    the back beyond, phi absolute; format BSDF: 1/sr, no cosine; \
     colorimetry CIE-Y; the middle of each bin";
 
 /// The format.
@@ -21,7 +24,7 @@ pub struct Pabopto;
 
 impl Codec for Pabopto {
     fn traits(&self) -> FormatTraits {
-        FormatTraits { gaps: true, colours: false, ..FormatTraits::totals("pabopto") }
+        FormatTraits { gaps: true, sides: Sides::Both, colours: false, ..FormatTraits::totals("pabopto") }
     }
 
     fn decode(&self, _bytes: &[u8], _options: &Options) -> Checked<(Imported, Vec<String>)> {
@@ -53,13 +56,17 @@ fn file_name(stop: usize) -> String {
 /// The text of one incidence of a table with one colour; a gap has no line.
 pub fn text(table: &BrdfTable, stop: usize) -> String {
     let (theta_i, phi_i) = table.grid.stop_deg(stop);
+    // A table counts from the normal on the light's side.
+    let from_back = side_of(table) == Some(LightSide::Back);
+    let in_frame = |theta: f64| if from_back { 180.0 - theta } else { theta };
+    let theta_i = in_frame(theta_i);
     let mut text = format!(
         "#sample_name \"gonio\"\n#format: theta phi BSDF\n#incident_angle {theta_i} {phi_i}\n#upphi 0\n#colorimetry: CIE-Y\n"
     );
     let bins = table.grid.bins();
     for (bin, (theta, phi)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
         if !table.is_gap(stop * bins + bin) {
-            text += &format!("{theta} {phi} {}\n", table.colours[0].total[stop * bins + bin]);
+            text += &format!("{} {phi} {}\n", in_frame(theta), table.colours[0].total[stop * bins + bin]);
         }
     }
     text

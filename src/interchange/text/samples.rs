@@ -49,10 +49,11 @@ impl MeasuredPair {
 
     /// Which of its angles is none, if one is not.
     fn fault(&self) -> Option<String> {
-        for (arm, [theta, phi]) in [("light", self.light), ("sensor", self.sensor)] {
-            if !(0.0..=90.0).contains(&theta) {
+        // Beyond 90 degrees the sensor sees what has gone through.
+        for (arm, [theta, phi], most) in [("light", self.light, 90.0), ("sensor", self.sensor, 180.0)] {
+            if !(0.0..=most).contains(&theta) {
                 return Some(format!(
-                    "line {}: polar angle {theta} of the {arm} lies outside [0, 90] degrees",
+                    "line {}: polar angle {theta} of the {arm} lies outside [0, {most}] degrees",
                     self.line
                 ));
             }

@@ -82,7 +82,7 @@ pub fn worst(campaign: &Campaign) -> Option<ApertureBias> {
     let light = campaign.light.aperture_deg.to_radians();
     let sensor = match &campaign.sensor {
         SensorArm::Arm { aperture_deg, .. } => aperture_deg.to_radians(),
-        SensorArm::Hemisphere { .. } | SensorArm::KlemsFull => 0.0,
+        SensorArm::Hemisphere { .. } | SensorArm::KlemsFull { .. } => 0.0,
     };
     let Some(Model::Microfacet { surface, maskings, .. }) = Model::of(campaign) else { return None };
     if light == 0.0 && sensor == 0.0 {

@@ -46,6 +46,11 @@ fn light_goes_through_nothing_else() {
     one_fault(&back, "light.side", "optics.facet = \"dielectric\" lets it through");
     let below = GOOD.replace("bins = \"centred\"", "bins = \"centred\"\nside = \"both\"");
     one_fault(&below, "sensor.hemisphere.side", "must be \"reflection\"");
+    let patches = GOOD.replace(
+        "[sensor.hemisphere]\ntheta_r_bins = 18\nphi_r_bins = 36\nbins = \"centred\"",
+        "[sensor.patches]\nbasis = \"klems_full\"\nside = \"transmission\"",
+    );
+    one_fault(&patches, "sensor.patches.side", "must be \"reflection\"");
     let matt =
         optics("facet = \"diffuse\"\nalbedo = 0.5").replace("bins = \"centred\"", "side = \"transmission\"");
     one_fault(&matt, "sensor.hemisphere.side", "must be \"reflection\"");

@@ -10,7 +10,6 @@ use gonio::interchange;
 use gonio::interchange::foreign_table;
 use gonio::interchange::mitsuba::tensor_file;
 use gonio::interchange::mitsuba::tensor_file::TensorData;
-use gonio::interchange::radiance::xml;
 use gonio::interchange::{Format, Options};
 use gonio::measure::persist::header::KIND;
 use gonio::measure::{self, Patches, RunState, Session};
@@ -18,6 +17,7 @@ use gonio::surface::io::map_file;
 use gonio::table::{BrdfTable, RealisationPart, Realisations, realisations, store};
 
 use super::{checkpoint_of, read};
+use crate::support::radiance;
 
 type Answer = Result<(), Box<dyn std::error::Error>>;
 
@@ -124,7 +124,7 @@ fn small_formats() -> Answer {
         <LowerTheta>0</LowerTheta><UpperTheta>90</UpperTheta></ThetaBounds></AngleBasisBlock></AngleBasis>";
     let bases = "<ColumnAngleBasis>B</ColumnAngleBasis><RowAngleBasis>B</RowAngleBasis>";
     let xml = |structure: &str, basis: &str, data: &str| {
-        xml::write(structure, basis, bases, &[("Visible", data.into())])
+        radiance::reflection(structure, basis, bases, &[("Visible", data.into())])
     };
     sound_seed("klems", "two_patches", xml("Columns", basis, "1, 2, 3, 4").as_bytes())?;
     let leaves = "{{1 1 1 1 2 2 2 2}{3}{4}{5}{6}{7}{8}{0}}";

@@ -179,7 +179,13 @@ fn damaged_lines_are_refused() {
     assert!(reason(&format!("{head}1,2,3,4\n")).contains("line"));
     assert!(reason(&format!("{head}1,2,3,4,5\n1,2,3,4,6\n")).contains("lines 2 and 3"));
     assert!(reason(&format!("{head}1,2,3,4,-5\n")).contains("no BRDF value"));
-    assert!(reason(&format!("{head}1,2,95,4,5\n")).contains("outside"));
+    assert!(
+        reason(&format!("{head}95,2,3,4,5\n")).contains("polar angle 95 of the light lies outside [0, 90]")
+    );
+    assert!(
+        reason(&format!("{head}1,2,185,4,5\n"))
+            .contains("polar angle 185 of the sensor lies outside [0, 180]")
+    );
     let crlf =
         csv::read(b"theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,Y\r\n\"1\",2, 3,4,5\r\n").expect("quoted");
     assert_eq!(crlf.colours[0].total, [5.0]);

@@ -8,20 +8,19 @@ use gonio::instrument::klems::{Basis, patches};
 use gonio::interchange::radiance::klems;
 use gonio::interchange::radiance::klems::Patchwise;
 use gonio::interchange::radiance::tensor_tree;
-use gonio::interchange::radiance::xml;
 use gonio::interchange::radiance::xml::SampleSide;
 use gonio::interchange::resample::nodes;
-use gonio::interchange::{Brdf, Format, Lookup, Options, import};
+use gonio::interchange::{Brdf, Format, Options, import};
 use gonio::sphere::{self, direction_deg};
 
 use crate::support::analytic::{Ggx, hemisphere, l1, steps, table};
-use crate::support::mutations;
+use crate::support::{mutations, radiance};
 
 #[test]
 fn klems_patches_come_back() {
     let ggx = Ggx::new(0.5, 0.5);
     let own = table(&ggx, &hemisphere(steps(5.0, 18), None, 45, 90));
-    let text = klems::write(&own, None).expect("written").0;
+    let text = klems::write(&own, &Options::default()).expect("written").0;
     assert!(text.contains("<WavelengthDataDirection>Reflection Back</WavelengthDataDirection>"));
     let back = klems::read(text.as_bytes()).expect("readable");
     assert_eq!((back.grid.kind, back.grid.stops(), back.grid.bins()), (GridKind::Patches, 145, 145));
@@ -55,7 +54,8 @@ fn klems_patches_come_back() {
     // Midpoints: (step/lobe)^2/24, 2e-4; the table between its stops of 5 degrees: 1e-3.
     assert!((found / wanted - 1.0).abs() < 2e-3, "{found} {wanted}");
     // The matrix itself, written and read again, to the seven digits of its text.
-    let again = klems::read(klems::write(&back, None).expect("written").0.as_bytes()).expect("readable");
+    let again = klems::read(klems::write(&back, &Options::default()).expect("written").0.as_bytes())
+        .expect("readable");
     let pairs = back.colours[0].total.iter().zip(&again.colours[0].total);
     assert!(pairs.clone().all(|(a, b)| (a - b).abs() <= 1e-7 * a), "{:?}", pairs.clone().next());
     // And as a function each patch has its value.
@@ -67,14 +67,15 @@ fn klems_patches_come_back() {
 #[test]
 fn tensor_trees_of_both_ranks_are_within_three_hundredths() {
     let light: Vec<(f64, f64)> = [5.0, 20.0, 40.0, 60.0].map(|t| (t, 3.0 * t)).to_vec();
-    let isotropic = Lookup::new(&table(&Ggx::new(0.3, 0.3), &hemisphere(steps(5.0, 18), None, 90, 120)));
-    let text = tensor_tree::write(&isotropic.expect("a product"));
+    let isotropic = table(&Ggx::new(0.3, 0.3), &hemisphere(steps(5.0, 18), None, 90, 120));
+    let text = tensor_tree::write(&isotropic, &Options::default()).expect("a product").0;
     assert!(text.contains("<IncidentDataStructure>TensorTree3<"));
     let found = tensor_tree::read(text.as_bytes()).expect("readable");
     let off = l1(&found, &Ggx::new(0.3, 0.3), &light, 80.0);
     assert!(off <= 0.03, "rank 3: {off}");
     let grid = hemisphere(steps(10.0, 9), Some(steps(15.0, 24)), 30, 48);
-    let text = tensor_tree::write(&Lookup::new(&table(&Ggx::new(0.4, 0.7), &grid)).expect("a product"));
+    let text = tensor_tree::write(&table(&Ggx::new(0.4, 0.7), &grid), &Options::default());
+    let text = text.expect("a product").0;
     assert!(text.contains("<IncidentDataStructure>TensorTree4<"));
     let found = tensor_tree::read(text.as_bytes()).expect("readable");
     let off = l1(&found, &Ggx::new(0.4, 0.7), &light, 80.0);
@@ -86,7 +87,7 @@ fn colours_of_radiance_files_come_back() {
     let mut ggx = Ggx::new(0.5, 0.5);
     ggx.tint = vec![0.9, 0.5, 0.2];
     let own = table(&ggx, &hemisphere(steps(10.0, 9), None, 30, 60));
-    let text = klems::write(&own, None).expect("written").0;
+    let text = klems::write(&own, &Options::default()).expect("written").0;
     for channel in ["Visible", "CIE-X", "CIE-Z"] {
         assert!(text.contains(&format!("<Wavelength unit=\"Integral\">{channel}</Wavelength>")));
     }
@@ -96,7 +97,7 @@ fn colours_of_radiance_files_come_back() {
     // Eight digits of XYZ, through a matrix with a condition number below 5.
     let off = |k: usize| (g[k] / r[k] - 5.0 / 9.0).abs().max((b[k] / r[k] - 2.0 / 9.0).abs());
     assert!((0..r.len()).all(|k| off(k) < 1e-5));
-    let text = tensor_tree::write(&Lookup::new(&own).expect("a product"));
+    let text = tensor_tree::write(&own, &Options::default()).expect("a product").0;
     assert!(text.contains("CIE-u") && text.contains("CIE-v"));
     let found = tensor_tree::read(text.as_bytes()).expect("readable");
     assert_eq!(found.colours(), 3);
@@ -177,14 +178,14 @@ fn half_and_quarter_bases_go_out_as_they_came() {
     let ggx = Ggx::new(0.5, 0.5);
     let own = table(&ggx, &hemisphere(steps(10.0, 9), None, 45, 72));
     for (basis, count) in [(Basis::Full, 145), (Basis::Half, 73), (Basis::Quarter, 41)] {
-        let (text, notes) = klems::write(&own, Some(basis)).expect("written");
+        let (text, notes) = klems::write(&own, &in_basis(basis)).expect("written");
         assert!(text.contains(basis.name()) && notes[0].contains("resampled"), "{notes:?}");
         let back = klems::read(text.as_bytes()).expect("readable");
         assert_eq!((back.grid.stops(), back.grid.bins()), (count, count));
         let sizes: f64 = back.grid.regions(0).iter().map(|region| region.projected_solid_angle()).sum();
         assert!((sizes - PI).abs() < 1e-12);
         // No basis named: its own, and every value bit for bit.
-        let (again, notes) = klems::write(&back, None).expect("written");
+        let (again, notes) = klems::write(&back, &Options::default()).expect("written");
         assert!(again.contains(basis.name()) && notes[0].contains("as they are"), "{notes:?}");
         assert_eq!(klems::read(again.as_bytes()).expect("readable"), back);
         // A standard name needs no description.
@@ -194,15 +195,15 @@ fn half_and_quarter_bases_go_out_as_they_came() {
     }
     // From one basis to another, where every value is alike.
     let (mut quarter, _) =
-        klems::read_side(klems::write(&own, Some(Basis::Quarter)).expect("written").0.as_bytes(), None)
+        klems::read_side(klems::write(&own, &in_basis(Basis::Quarter)).expect("written").0.as_bytes(), None)
             .expect("read");
     quarter.colours[0].total.fill(0.25);
-    let (text, _) = klems::write(&quarter, Some(Basis::Half)).expect("written");
+    let (text, _) = klems::write(&quarter, &in_basis(Basis::Half)).expect("written");
     let half = klems::read(text.as_bytes()).expect("readable");
     assert!(half.grid.bins() == 73 && half.colours[0].total.iter().all(|&value| value == 0.25));
     // The light's patches may be others than the sensor's.
     let light = patches(Basis::Half.rings()).len();
-    let mixed = klems::write(&half, None).expect("written").0;
+    let mixed = klems::write(&half, &Options::default()).expect("written").0;
     let [from, to] = [Basis::Half, Basis::Quarter].map(|basis| format!("<RowAngleBasis>{}</", basis.name()));
     let mixed = mixed.replace(&from, &to);
     let numbers = "0.5 ".repeat(light * 41);
@@ -210,7 +211,8 @@ fn half_and_quarter_bases_go_out_as_they_came() {
         mixed.find("<ScatteringData>").expect("data") + 16..mixed.find("</ScatteringData>").expect("data");
     let mixed = klems::read(mixed.replace(&mixed[data], &numbers).as_bytes()).expect("readable");
     assert_eq!((mixed.grid.stops(), mixed.grid.bins()), (light, 41));
-    let again = klems::read(klems::write(&mixed, None).expect("written").0.as_bytes()).expect("readable");
+    let again = klems::read(klems::write(&mixed, &Options::default()).expect("written").0.as_bytes())
+        .expect("readable");
     assert_eq!(again, mixed);
 }
 
@@ -219,7 +221,8 @@ fn a_matrix_is_resampled_to_the_grid_of_another_table() {
     let folder = tempfile::tempdir().expect("folder");
     let path = folder.path().join("quarter.xml");
     let own = table(&Ggx::new(0.5, 0.5), &hemisphere(steps(10.0, 9), None, 45, 72));
-    std::fs::write(&path, klems::write(&own, Some(Basis::Quarter)).expect("written").0).expect("written");
+    std::fs::write(&path, klems::write(&own, &in_basis(Basis::Quarter)).expect("written").0)
+        .expect("written");
     // Bins whose edges are those of the patches: means over them are the patches' values, to the sixteen nodes of a bin.
     let mut like = hemisphere(vec![0.0, 18.0, 36.0], Some(vec![0.0]), 2, 24);
     like.theta_r_edges_deg = vec![0.0, 9.0, 27.0, 46.0, 66.0, 90.0];
@@ -238,21 +241,17 @@ fn a_matrix_is_resampled_to_the_grid_of_another_table() {
 #[test]
 fn a_missing_block_is_answered_with_those_that_are_there() {
     let text = small("TensorTree3", "", LAMBERT);
-    let transmission = text.replace("Reflection Back", "Transmission Front");
+    let other = text.replace("Reflection Back", "Absorption Front");
     let reason = |text: &str| tensor_tree::read(text.as_bytes()).err().expect("must be refused");
-    assert!(
-        reason(&transmission).to_string().contains("Transmission Front (Visible)"),
-        "{}",
-        reason(&transmission)
-    );
+    assert!(reason(&other).to_string().contains("Absorption Front (Visible)"), "{}", reason(&other));
     let solar = text.replace("Visible</", "Solar</");
     assert!(reason(&solar).to_string().contains("Reflection Back (Solar)"), "{}", reason(&solar));
     // One block more: read, and named.
     let block = &text[text.find("<WavelengthData>").unwrap()..text.find("</Layer>").unwrap()];
     let both = text
-        .replace("</Layer>", &format!("{}</Layer>", block.replace("Reflection Back", "Transmission Back")));
+        .replace("</Layer>", &format!("{}</Layer>", block.replace("Reflection Back", "Transmission Front")));
     let (_, notes) = tensor_tree::read_side(both.as_bytes(), None).expect("sound");
-    assert!(notes.concat().contains("not read: Transmission Back (Visible)"), "{notes:?}");
+    assert!(notes.concat().contains("not read: Transmission Front (Visible)"), "{notes:?}");
     assert_eq!(tensor_tree::read_side(text.as_bytes(), None).expect("sound").1, Vec::<String>::new());
 }
 
@@ -273,16 +272,20 @@ fn the_wanted_side_is_read() {
     for (side, wanted, said) in [
         (None, 0.095_493, "not read: Reflection Front"),
         (Some(SampleSide::Back), 0.095_493, "not read: Reflection Front"),
-        (Some(SampleSide::Front), 0.2, "the side -z"),
+        (Some(SampleSide::Front), 0.2, "light from the side -z"),
     ] {
         let (found, notes) = value(&both, side).expect("there");
         assert!(found == wanted && notes.contains(said), "{found} {notes}");
     }
     let why = value(&back, Some(SampleSide::Front)).expect_err("not there");
-    assert!(why.contains("`Reflection Front`") && why.contains("Reflection Back (Visible)"), "{why}");
+    assert!(
+        why.contains("`Reflection Front` or `Transmission Front`")
+            && why.contains("Reflection Back (Visible)"),
+        "{why}"
+    );
     // A file of that side alone is read without being asked.
     let alone = value(&back.replace("Reflection Back", "Reflection Front"), None).expect("there");
-    assert!(alone.0 == 0.095_493 && alone.1.contains("the side -z"), "{}", alone.1);
+    assert!(alone.0 == 0.095_493 && alone.1.contains("light from the side -z"), "{}", alone.1);
 }
 
 #[test]
@@ -348,7 +351,7 @@ fn damaged_xml_is_refused() {
     assert!(tree_reason(&tree.replace("{7}", "{inf}")).to_string().contains("no finite number"));
     let deep = tree.replace("{7}", &"{".repeat(100_000));
     assert!(tree_reason(&deep).to_string().contains("deep"));
-    let coloured = xml::write(
+    let coloured = radiance::reflection(
         "TensorTree3",
         "",
         "",
@@ -360,7 +363,11 @@ fn damaged_xml_is_refused() {
     assert!(mutations::refused(matrix.as_bytes(), klems::read) > 0.2);
 }
 
+fn in_basis(basis: Basis) -> Options {
+    Options { klems: Some(basis), ..Options::default() }
+}
+
 fn small(structure: &str, basis: &str, data: &str) -> String {
     let bases = "<ColumnAngleBasis>B</ColumnAngleBasis><RowAngleBasis>B</RowAngleBasis>";
-    xml::write(structure, basis, bases, &[("Visible", data.into())])
+    radiance::reflection(structure, basis, bases, &[("Visible", data.into())])
 }

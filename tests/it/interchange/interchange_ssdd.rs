@@ -205,7 +205,8 @@ const MATERIAL: &str = "VERSION 0.2\n\n# Bluish diffuse BRDF\nDATA_TYPE brdf\nCO
     # PARAM2: 90\n0 0.0524275 0.159779\n0 0.0524275 0.159779\n# PARAM3: 90\n# PARAM2: 0\n0 0.0524275 0.159779\n\
     0 0.0524275 0.159779\n# PARAM2: 90\n0 0.0524275 0.159779\n0 0.0524275 0.159779\n\n# Orange diffuse BTDF\n\
     DATA_TYPE btdf\nCOLOR_MODEL xyz\nPARAM_TYPE specular_coordinate_system\nREDUCTION_TYPE bilateral_symmetry\n\
-    PARAM0_LIST 0 90\nPARAM2_LIST 0 180\nPARAM3_LIST 0 180\nDATA ascii\n0.106 0.082 0.011\n";
+    PARAM0_LIST 0 90\nPARAM2_LIST 0 180\nPARAM3_LIST 0 180\nDATA ascii\n0.106 0.082 0.011\n0.106 0.082 0.011\n\
+    0.106 0.082 0.011\n0.106 0.082 0.011\n0.106 0.082 0.011\n0.106 0.082 0.011\n0.106 0.082 0.011\n0.106 0.082 0.011\n";
 
 fn imported(bytes: &[u8], like: Option<&BrdfTable>) -> (BrdfTable, Vec<String>) {
     let folder = tempfile::tempdir().expect("folder");
@@ -219,13 +220,18 @@ fn imported(bytes: &[u8], like: Option<&BrdfTable>) -> (BrdfTable, Vec<String>) 
 fn ssdd_says_what_it_does_not_read() {
     let like = table(&Ggx::new(0.3, 0.3), &hemisphere(vec![0.0, 60.0], None, 3, 4));
     let (found, notes) = imported(MATERIAL.as_bytes(), Some(&like));
-    assert!(notes.iter().any(|note| note.contains("`btdf`")), "{notes:?}");
+    assert!(notes.iter().any(|note| note.contains("has gone through the surface is left out")), "{notes:?}");
     // A diffuse material is the same everywhere, up to the rounding of f32.
     for (colour, wanted) in found.colours.iter().zip([0.0f32, 0.0524275, 0.159779]) {
         assert!(
             colour.total.iter().all(|value| (value - wanted).abs() < 4.0 * f32::EPSILON * wanted + 1e-30)
         );
     }
+    // Y of the BTDF, X = 0.106 and Z = 0.011 beside it, in linear R, G and B.
+    let (whole, _) = imported(MATERIAL.as_bytes(), None);
+    let through = whole.half(true).expect("below");
+    let [r, g, b] = [0, 1, 2].map(|c| f64::from(through.colours[c].total[100]));
+    assert!((0.2126 * r + 0.7152 * g + 0.0722 * b - 0.082).abs() < 1e-6, "{r} {g} {b}");
     let (head, _) = MATERIAL.split_once("ascii").expect("there");
     let values = [0.0f32, 0.0524275, 0.159779].map(f32::to_le_bytes).concat().repeat(8);
     let binary = |rest: &str| [head.as_bytes(), b"binary\n", &values, rest.as_bytes()].concat();
@@ -284,16 +290,17 @@ fn a_spectrum_is_resampled_like_its_colours() {
 
 #[test]
 fn ssdd_is_read_in_every_encoding_and_survives_damage() {
-    let wanted = ssdd::read(MATERIAL.as_bytes()).expect("read");
+    let (brdf, _) = MATERIAL.split_once("\n# Orange").expect("two blocks");
+    let wanted = ssdd::read(brdf.as_bytes()).expect("read");
     let wide = |mark: u16, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
-        std::iter::once(mark).chain(MATERIAL.encode_utf16()).flat_map(bytes).collect()
+        std::iter::once(mark).chain(brdf.encode_utf16()).flat_map(bytes).collect()
     };
-    let latin = MATERIAL.replace("Bluish", "Bl\u{e4}ulich").chars().map(|c| c as u8).collect();
-    let marked = format!("\u{feff}{MATERIAL}").into_bytes();
+    let latin = brdf.replace("Bluish", "Bl\u{e4}ulich").chars().map(|c| c as u8).collect();
+    let marked = format!("\u{feff}{brdf}").into_bytes();
     for bytes in [marked, wide(0xfeff, u16::to_le_bytes), wide(0xfeff, u16::to_be_bytes), latin] {
         assert!(ssdd::read(&bytes).expect("read") == wanted);
     }
-    assert!(mutations::survives(MATERIAL.as_bytes(), 20_000, ssdd::read) > 2_000);
+    assert!(mutations::survives(MATERIAL.as_bytes(), 20_000, ssdd::read_with_notes) > 2_000);
     let lists: [&[f64]; 4] = [&[0.0, 40.0], &[0.0, 90.0, 180.0, 270.0], &[0.0, 30.0], &[0.0, 180.0, 360.0]];
     let text = file(SPECULAR, lists, |_| 0.25);
     assert!(mutations::survives(text.as_bytes(), 20_000, ssdd::read_with_notes) > 2_000);

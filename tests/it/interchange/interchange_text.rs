@@ -100,7 +100,7 @@ fn spectral_tables_come_back_from_lists() {
 fn zemax_tables_stand_about_the_mirror_direction() {
     let ggx = Ggx::new(0.3, 0.3);
     let own = table(&ggx, &hemisphere(steps(5.0, 18), None, 90, 120));
-    let (text, _) = zemax::write(&own, &Lookup::new(&own).expect("a product")).expect("isotropic");
+    let (text, _) = zemax::write(&own, false, &Lookup::new(&own).expect("a product")).expect("isotropic");
     let line =
         |k: usize| text.lines().skip_while(|line| !line.starts_with("DataBegin")).nth(k).expect("there");
     // Behind DataBegin: TIS and 37 lines for each incidence. TIS of that of 25 degrees: GGX 0.3, separable, between
@@ -128,7 +128,7 @@ fn zemax_tables_stand_about_the_mirror_direction() {
 fn zemax_has_a_table_for_each_rotation_of_an_anisotropic_sample() {
     let ggx = Ggx::new(0.4, 0.7);
     let own = table(&ggx, &hemisphere(steps(10.0, 9), Some(steps(30.0, 12)), 45, 72));
-    let (text, _) = zemax::write(&own, &Lookup::new(&own).expect("a product")).expect("written");
+    let (text, _) = zemax::write(&own, false, &Lookup::new(&own).expect("a product")).expect("written");
     assert!(text.contains("Symmetry  ASymmetrical4D\n") && text.contains("SampleRotation  12\n0 30 60 "));
     // Turned by 330 counter-clockwise, the sample has the lamp at its azimuth 30: 11 blocks of all incidences before; that
     // of 20 degrees, azimuth 90 (row 18), radial 180 (30/90)^2 = 20 degrees (column 30).
@@ -180,7 +180,7 @@ fn damaged_texts_are_refused() {
     let ssdd_text = text(|out| ssdd::write(&wanted, out));
     let reason = |text: &str| ssdd::read(text.as_bytes()).expect_err("must be refused").to_string();
     assert!(reason("").contains("VERSION"));
-    assert!(reason(&ssdd_text.replace("brdf", "btdf")).contains("brdf needed"));
+    assert!(reason(&ssdd_text.replace("brdf", "brtf")).contains("brdf or btdf needed"));
     assert!(reason(&ssdd_text.replace("PARAM0_LIST 0", "PARAM0_LIST 0 1 2 3 4")).contains("needed"));
     assert!(reason(&ssdd_text.replace("ascii", "hex")).contains("ascii or binary"));
     assert!(mutations::refused(astm_text.as_bytes(), astm::read) > 0.2);

@@ -178,7 +178,7 @@ fn albedos(table: &gonio::table::BrdfTable) -> Vec<f64> {
 fn tis_is_the_albedo_of_the_table() {
     for alpha in [0.03, 0.3] {
         let own = table(&Ggx::new(alpha, alpha), &hemisphere(vec![0.0, 30.0, 60.0], None, 90, 72));
-        let (text, _) = zemax::write(&own, &Lookup::new(&own).expect("a product")).expect("written");
+        let (text, _) = zemax::write(&own, false, &Lookup::new(&own).expect("a product")).expect("written");
         let file = zemax::read(text.as_bytes()).expect("readable");
         for (theta, wanted) in [0.0, 30.0, 60.0].into_iter().zip(albedos(&own)) {
             let place = file.light.iter().position(|&light| light == theta).expect("every stop is there");
@@ -196,7 +196,7 @@ fn the_albedo_holds_between_incidences() {
     for alpha in [0.1, 0.3] {
         let own = table(&Ggx::new(alpha, alpha), &hemisphere(vec![0.0, 30.0, 60.0, 80.0], None, 90, 180));
         let lookup = Lookup::new(&own).expect("a product");
-        let (text, _) = zemax::write(&own, &lookup).expect("written");
+        let (text, _) = zemax::write(&own, false, &lookup).expect("written");
         let file = zemax::read(text.as_bytes()).expect("readable");
         assert!(file.light.len() <= 60, "{} incidences", file.light.len());
         for theta in [10.0, 40.0, 50.0, 65.0, 73.0, 78.0] {
@@ -234,7 +234,8 @@ fn the_values_of_a_file_integrate_to_its_tis() {
     // Bins of 1 x 5 degrees are wider than the lobe of alpha 0.03 at 60 degrees; those of 0.3 are not.
     for alpha in [0.03, 0.3] {
         let own = table(&Ggx::new(alpha, alpha), &hemisphere(vec![0.0, 30.0, 60.0], None, 90, 72));
-        let (text, notes) = zemax::write(&own, &Lookup::new(&own).expect("a product")).expect("written");
+        let (text, notes) =
+            zemax::write(&own, false, &Lookup::new(&own).expect("a product")).expect("written");
         let (back, said) = read(&text);
         for (theta, wanted) in [0.0, 30.0, 60.0].into_iter().zip(albedos(&own)) {
             let found = integral(&back, theta);

@@ -1,9 +1,10 @@
 //! Promise: what becomes of every kind of table in every format: it comes back exactly, or within what the directions of
 //! the format allow, or is refused with the reason. `--nocapture` prints the matrix.
 
+use gonio::campaign::SensorSide;
 use gonio::instrument::klems::Basis;
 use gonio::instrument::{Grid, GridKind};
-use gonio::interchange::{self, Format, Options};
+use gonio::interchange::{self, Brdf, Format, Options, TwoSided};
 use gonio::table::BrdfTable;
 
 /// What is to become of a table.
@@ -38,29 +39,40 @@ fn constant(width_deg: f64) -> Fate {
     Within(width_deg.to_radians() / 4.0 * 2.6)
 }
 
-/// By format: isotropic, brushed, arm, spectral, a scan with gaps.
-fn fates(format: Format) -> [Fate; 5] {
+const BOTH: Fate = Refused("--side reflection writes what comes back alone");
+const THROUGH: Fate = Refused("has no place for light that has gone through");
+const ONE: Fate = Refused("--side reflection or --side transmission");
+
+/// By format: isotropic, brushed, arm, spectral, a scan with gaps, both sides, light that has gone through alone.
+fn fates(format: Format) -> [Fate; 7] {
     let arm_of_ssdd = Refused("an arm with negative polar angles has no list of spherical angles");
     match format {
-        Format::Npz | Format::Csv | Format::ExrParts | Format::Astm => [Exact; 5],
-        Format::Npy => [Exact, Exact, Exact, Exact, GAPS],
-        Format::Ssdd => [Exact, Exact, arm_of_ssdd, Exact, GAPS],
-        Format::Pabopto => [Exact, Exact, Exact, WAVELENGTHS, Exact],
+        Format::Npz | Format::Csv | Format::ExrParts | Format::Astm => [Exact; 7],
+        Format::Npy => [Exact, Exact, Exact, Exact, GAPS, Exact, Exact],
+        Format::Ssdd => [Exact, Exact, arm_of_ssdd, Exact, GAPS, Exact, Exact],
+        Format::Pabopto => [Exact, Exact, Exact, WAVELENGTHS, Exact, Exact, Exact],
         // A degree of theta_d is two of the sensor's; up to 1.4 of theta_h, 2.8: their squares add up.
-        Format::Merl => [linear(3.5), ANISOTROPIC, ANISOTROPIC, WAVELENGTHS, GAPS],
+        Format::Merl => [linear(3.5), ANISOTROPIC, ANISOTROPIC, WAVELENGTHS, GAPS, BOTH, THROUGH],
         // Its cells follow the lobe; 5 degrees of the sensor's angle for the table's own bins.
-        Format::Rgl => [linear(5.0), linear(10.0), ARM, WAVELENGTHS, GAPS],
-        Format::Utia => [linear(15.0), linear(15.0), ARM, WAVELENGTHS, GAPS],
-        Format::Klems => [constant(15.0), constant(15.0), ARM, WAVELENGTHS, GAPS],
+        Format::Rgl => [linear(5.0), linear(10.0), ARM, WAVELENGTHS, GAPS, BOTH, THROUGH],
+        Format::Utia => [linear(15.0), linear(15.0), ARM, WAVELENGTHS, GAPS, BOTH, THROUGH],
+        Format::Klems => {
+            [constant(15.0), constant(15.0), ARM, WAVELENGTHS, GAPS, constant(15.0), constant(15.0)]
+        }
         // Divided until the cells' steps make one to two per cent of the sum.
-        Format::TensorTree => [Within(0.02), Within(0.02), ARM, WAVELENGTHS, GAPS],
-        Format::Zemax => [linear(5.0), linear(10.0), ARM, WAVELENGTHS, GAPS],
+        Format::TensorTree => {
+            [Within(0.02), Within(0.02), ARM, WAVELENGTHS, GAPS, Within(0.02), Within(0.02)]
+        }
+        Format::Zemax => [linear(5.0), linear(10.0), ARM, WAVELENGTHS, GAPS, ONE, linear(5.0)],
     }
 }
 
-fn kinds() -> [(&'static str, BrdfTable); 5] {
+fn kinds() -> [(&'static str, BrdfTable); 7] {
     let isotropic = table(&Ggx::new(0.5, 0.5), &hemisphere(steps(17.0, 6), None, 18, 36));
     let brushed = table(&Ggx::new(0.4, 0.6), &hemisphere(steps(24.0, 3), Some(steps(45.0, 8)), 9, 18));
+    // What comes back, and the same below: what goes through, straight on.
+    let below = isotropic.mirrored().expect("bins");
+    let both = table(&TwoSided([of_ggx(), of_ggx()]), &isotropic.grid.clone().of_side(SensorSide::Both));
     let arm = Grid {
         kind: GridKind::Arm,
         theta_i_deg: steps(20.0, 4),
@@ -84,7 +96,13 @@ fn kinds() -> [(&'static str, BrdfTable); 5] {
         ("arm", table(&Ggx::new(0.5, 0.5), &arm)),
         ("spectral", spectral),
         ("gaps", gaps),
+        ("both", both),
+        ("through", below),
     ]
+}
+
+fn of_ggx() -> Option<Box<dyn Brdf>> {
+    Some(Box::new(Ggx::new(0.5, 0.5)))
 }
 
 /// Totals of all colours, and what was not measured.

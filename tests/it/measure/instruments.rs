@@ -7,7 +7,7 @@ use std::path::Path;
 use gonio::campaign::{self, Parsed};
 use gonio::instrument::klems::FULL;
 use gonio::instrument::{GridKind, Region, grid_of};
-use gonio::interchange;
+use gonio::interchange::{self, Options};
 use gonio::measure::Measured;
 use gonio::sphere::direction_deg;
 use gonio::stats;
@@ -215,7 +215,8 @@ fn a_klems_table_is_written_as_its_own_patches() {
     let measured = quickly_measured(&text);
     let hits: u64 = measured.table.hits.iter().map(|&hits| u64::from(hits)).sum();
     assert!(hits > 145 * 2 * 512 / 2, "{hits}");
-    let xml = interchange::radiance::klems::write(&measured.table, None).expect("its own basis").0;
+    let xml =
+        interchange::radiance::klems::write(&measured.table, &Options::default()).expect("its own basis").0;
     let read = interchange::radiance::klems::read(xml.as_bytes()).expect("a matrix");
     assert_eq!(read.grid, measured.table.grid);
     for (found, expected) in read.colours[0].total.iter().zip(&measured.table.colours[0].total) {

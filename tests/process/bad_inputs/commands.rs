@@ -112,6 +112,11 @@ fn words() -> Vec<Row> {
         wrong("measure small.toml small.toml", &["error: unexpected argument 'small.toml'"]),
         wrong("export small.toml --to gif -o x", &["error: --to gif: known formats are npz"]),
         wrong("export small.toml --to csv --half -o x", &["error: unexpected argument '--half'"]),
+        wrong("export small.toml --to csv --side both -o x", &["error: invalid value 'both' for '--side"]),
+        wrong(
+            "import small.toml --from klems --side up -o x",
+            &["error: invalid value 'up'", "front or back needed"],
+        ),
         command("value beyond the format", "export t.exr --to csv --f16 -o x")
             .exits(2, &["error: unexpected argument '--f16'"]),
         refused("output is the input", SMALL, &["error: a value is required for '--output <DIR>'"])

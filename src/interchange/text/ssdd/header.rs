@@ -21,6 +21,8 @@ pub enum AngleKind {
 /// What stands before the values.
 #[derive(Default)]
 pub struct SsddHeader {
+    /// Light that has gone through: angles of the sensor are those that a mirror in the horizon shows.
+    pub through: bool,
     pub parameters: AngleKind,
     /// Degrees; the second is 0 where the file has none.
     pub lists: [Vec<f64>; 4],
@@ -46,15 +48,23 @@ impl SsddHeader {
         if lines.next()?.is_none_or(|(_, line)| !line.starts_with("VERSION ")) {
             return Err("no VERSION line: not an SSDD file".into());
         }
-        let mut found = SsddHeader::default();
+        SsddHeader::default().block(lines)
+    }
+
+    /// What stands before the values of a further block, whose DATA_TYPE has been read.
+    pub fn next(lines: &mut NumberLines<impl BufRead>, through: bool) -> Checked<Self> {
+        SsddHeader { through, ..SsddHeader::default() }.block(lines)
+    }
+
+    fn block(mut self, lines: &mut NumberLines<impl BufRead>) -> Checked<Self> {
         loop {
             let Some((number, line)) = lines.next()? else { return Err("no DATA line".into()) };
             let (key, value) = line.split_once(char::is_whitespace).unwrap_or((&line, ""));
-            if found.set(number, key, value.trim())? {
+            if self.set(number, key, value.trim())? {
                 break;
             }
         }
-        found.finish()
+        self.finish()
     }
 
     /// Takes one line; whether it was the last before the values.
@@ -71,8 +81,8 @@ impl SsddHeader {
                 return Ok(true);
             }
             ("DATA", _) => return needs("ascii or binary"),
-            ("DATA_TYPE", "brdf") => {}
-            ("DATA_TYPE", _) => return needs("brdf"),
+            ("DATA_TYPE", "brdf" | "btdf") => self.through = value == "btdf",
+            ("DATA_TYPE", _) => return needs("brdf or btdf"),
             ("PARAM_TYPE", "spherical_coordinate_system") => self.parameters = AngleKind::Spherical,
             ("PARAM_TYPE", "specular_coordinate_system") => self.parameters = AngleKind::Specular,
             ("PARAM_TYPE", "half_difference_coordinate_system") => {

@@ -2,8 +2,8 @@
 //!
 //! `KEY value` lines, `PARAM0_LIST` .. `PARAM3_LIST`, `DATA ascii` or `binary`, then one colour a line, the first
 //! angle fastest, the last slowest. Written are spherical coordinates (theta_i, phi_i, theta_o, phi_o); read are
-//! these, angles about the mirror direction and half/difference angles. Source: the SSDD 0.2 specification (libbsdf's
-//! repository).
+//! these, angles about the mirror direction and half/difference angles. A block `btdf` is light that has gone through, as a
+//! mirror in the horizon shows it. Source: the SSDD 0.2 specification, and `Btdf` (libbsdf's repository).
 
 mod azimuths;
 mod half_difference;
@@ -18,7 +18,8 @@ use std::path::Path;
 
 use super::seam;
 use crate::error::wrong;
-use crate::interchange::codec::{self, Codec, Encoded, FormatTraits};
+use crate::interchange::codec::{self, Codec, Encoded, FormatTraits, Sides};
+use crate::interchange::content::sides::put_together;
 use crate::interchange::radiance::colour;
 use crate::interchange::read_back::{Listing, ReadBack};
 use crate::interchange::resample::angles::{bin_axes, stop_axes};
@@ -31,14 +32,18 @@ use lines::NumberLines;
 
 /// How the values are meant.
 const CONVENTION: &str = "spherical coordinates in degrees (theta_i, phi_i, theta_o, phi_o), phi_o = phi_i + 180 is the \
-    mirror direction; BRDF in 1/sr, no cosine; the middle of each bin";
+    mirror direction; BRDF in 1/sr, no cosine; the middle of each bin; light that has gone through as DATA_TYPE btdf, \
+    theta_o from the normal on that side, azimuths those of the brdf";
+
+/// The data types of light that comes back and that has gone through.
+const KINDS: [&str; 2] = ["brdf", "btdf"];
 
 /// The format.
 pub struct Ssdd;
 
 impl Codec for Ssdd {
     fn traits(&self) -> FormatTraits {
-        FormatTraits { wavelengths: true, ..FormatTraits::totals("ssdd") }
+        FormatTraits { sides: Sides::Both, wavelengths: true, ..FormatTraits::totals("ssdd") }
     }
 
     fn memory_needed(&self, bytes: &[u8]) -> Checked<u64> {
@@ -67,10 +72,15 @@ fn is_binary(bytes: &[u8]) -> bool {
     bytes.split(|&byte| byte == b'\n').any(begins)
 }
 
-/// Writes the totals of a table whose incidences and bins are products of angles. Azimuths are put into [0, 360) in
-/// increasing order, as the format wants them; of an isotropic table the light has none.
+/// Writes the totals of a table whose incidences and bins are products of angles, a block for each of its sides. Azimuths
+/// are put into [0, 360) in increasing order, as the format wants them; of an isotropic table the light has none.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
-    let grid = &table.grid;
+    writeln!(out, "VERSION 0.2")?;
+    codec::halves(table).into_iter().try_for_each(|(through, half)| block(&half, through, out))
+}
+
+fn block(table: &BrdfTable, through: bool, out: &mut dyn Write) -> Checked<()> {
+    let (grid, kind) = (&table.grid, KINDS[usize::from(through)]);
     if grid.phi_r_relative && !grid.is_isotropic() {
         return Err("phi_r counts from the light at several azimuths; SSDD has absolute ones".into());
     }
@@ -90,10 +100,7 @@ pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
         1 => "monochrome".into(),
         _ => "rgb".into(),
     };
-    writeln!(
-        out,
-        "VERSION 0.2\nDATA_TYPE brdf\nCOLOR_MODEL {model}\nPARAM_TYPE spherical_coordinate_system"
-    )?;
+    writeln!(out, "DATA_TYPE {kind}\nCOLOR_MODEL {model}\nPARAM_TYPE spherical_coordinate_system")?;
     for (k, list) in lists.iter().enumerate().filter(|(k, _)| *k != 1 || !grid.is_isotropic()) {
         let list: Vec<String> = list.iter().map(|(angle, _)| angle.to_string()).collect();
         writeln!(out, "PARAM{k}_LIST {}", list.join(" "))?;
@@ -142,16 +149,29 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
 pub fn read_with_notes(bytes: &[u8]) -> Checked<(Imported, Vec<String>)> {
     let bytes = without_mark(bytes)?;
     let mut lines = NumberLines::of(&*bytes);
-    let header = SsddHeader::read(&mut lines)?;
-    let (values, mut notes) = values::all(&mut lines, &header, bytes.len())?;
-    let values = if header.xyz { to_rgb(values) } else { values };
-    let (imported, more) = match header.parameters {
-        AngleKind::Spherical => (seam::dropped(spherical::table(&header, values)?)?.into(), vec![]),
-        AngleKind::Specular => specular::function(&header, &values)?,
-        AngleKind::HalfDifference => half_difference::imported(&header, &values)?,
-    };
-    notes.extend(more);
-    Ok((imported, notes))
+    let mut header = SsddHeader::read(&mut lines)?;
+    let (mut blocks, mut notes) = ([None, None], vec![]);
+    loop {
+        let (values, more) = values::all(&mut lines, &header, bytes.len())?;
+        let values = if header.xyz { to_rgb(values) } else { values };
+        let (imported, said) = match header.parameters {
+            AngleKind::Spherical => (seam::dropped(spherical::table(&header, values)?)?.into(), vec![]),
+            AngleKind::Specular => specular::function(&header, &values)?,
+            AngleKind::HalfDifference => half_difference::imported(&header, &values)?,
+        };
+        notes.extend(said);
+        let through = usize::from(header.through);
+        if blocks[through].replace(imported).is_some() {
+            return Err(wrong!("two data blocks `{}`: one needed", KINDS[through]));
+        }
+        let Some(kind) = more else { break };
+        let Some(through) = KINDS.iter().position(|known| *known == kind) else {
+            notes.push(format!("a data block `{kind}` follows: it is not read, nor what follows it"));
+            break;
+        };
+        header = SsddHeader::next(&mut lines, through == 1)?;
+    }
+    Ok((put_together(blocks)?, notes))
 }
 
 /// X, Y, Z as linear R, G, B.
@@ -167,16 +187,22 @@ fn to_rgb(mut total: Vec<Vec<f32>>) -> Vec<Vec<f32>> {
 /// Compares a file of the table's own angles with the table, line by line, each value at its angles.
 fn read_back(file: impl BufRead, table: &BrdfTable) -> Checked<Option<ReadBack>> {
     let mut lines = NumberLines::of(file);
-    let header = SsddHeader::read(&mut lines)?;
-    let grid = spherical::grid(&header)?;
-    let sizes = (grid.stops(), grid.bins(), header.colours);
-    if sizes != (table.grid.stops(), table.grid.bins(), table.colours.len()) {
-        return Err(wrong!("{} incidences of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
-    }
-    let (stops, bins) = seam::places(&grid, &table.grid)?;
+    let mut header = SsddHeader::read(&mut lines)?;
     let mut listing = Listing::new(table);
-    values::each(&mut lines, &header, |stop, bin, colour, value| {
-        listing.add(stops[stop], bins[bin], colour, value)
-    })?;
+    for below in [false, true] {
+        let Some(half) = table.grid.half(below) else { continue };
+        let grid = spherical::grid(&header)?;
+        let sizes = (grid.stops(), grid.bins(), header.colours);
+        if header.through != below || sizes != (half.grid.stops(), half.grid.bins(), table.colours.len()) {
+            return Err(wrong!("{} incidences of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
+        }
+        let (stops, bins) = seam::places(&grid, &half.grid)?;
+        let more = values::each(&mut lines, &header, |stop, bin, colour, value| {
+            listing.add(stops[stop], half.bins[bins[bin]], colour, value)
+        })?;
+        if let Some(kind) = more {
+            header = SsddHeader::next(&mut lines, kind == KINDS[1])?;
+        }
+    }
     listing.finish()
 }

@@ -7,12 +7,12 @@ use super::lines::NumberLines;
 use crate::error::wrong;
 use crate::interchange::Checked;
 
-/// The values of each colour by the four angles, the first slowest; and notes on what follows them.
+/// The values of each colour by the four angles, the first slowest; and the kind of a further data block.
 pub fn all(
     lines: &mut NumberLines<impl BufRead>,
     header: &SsddHeader,
     bytes: usize,
-) -> Checked<(Vec<Vec<f32>>, Vec<String>)> {
+) -> Checked<(Vec<Vec<f32>>, Option<String>)> {
     let (sizes, colours) = (header.sizes(), header.colours);
     let pixels = sizes.iter().try_fold(1, |product: usize, &size| product.checked_mul(size));
     let pixels = pixels.filter(|pixels| pixels.checked_mul(colours).is_some_and(|values| values <= bytes));
@@ -25,9 +25,7 @@ pub fn all(
     let more = each(lines, header, |row, column, colour, value| {
         total[colour][row * columns + column] = value;
     })?;
-    let note =
-        |kind: String| format!("a data block {kind} follows the BRDF: it is not read, nor what follows it");
-    Ok((total, more.map(note).into_iter().collect()))
+    Ok((total, more))
 }
 
 /// Visits the values: row (the first two angles), column (the others), colour. Returns the kind of a further data
@@ -89,5 +87,5 @@ pub fn each(
 /// What a data block that begins with this line holds.
 fn further(line: &str) -> Option<String> {
     let (key, kind) = line.split_once(char::is_whitespace)?;
-    (key == "DATA_TYPE").then(|| format!("`{:.40}`", kind.trim()))
+    (key == "DATA_TYPE").then(|| format!("{:.40}", kind.trim()))
 }

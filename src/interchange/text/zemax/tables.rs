@@ -27,6 +27,8 @@ pub(crate) fn rotation_deg(phi_deg: f64) -> f64 {
 /// The tables of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Zemax {
+    /// Of light that has gone through: directions are those that a mirror in the horizon shows.
+    pub through: bool,
     /// The plane of incidence is a mirror: azimuths from 0 to 180, beyond as before.
     pub symmetric: bool,
     /// Increasing in [0, 360), as all that follow.

@@ -16,6 +16,8 @@ use crate::text_decoding::decode_text_or_latin1;
 const LONGEST: usize = 10_000;
 /// The widest step between rotations that is interpolated over, degrees.
 const WIDEST_GAP: f64 = 46.0;
+/// Of light that comes back and that has gone through.
+const TYPES: [&str; 2] = ["BRDF", "BTDF"];
 const KEYS: [&str; 4] = ["SampleRotation", "AngleOfIncidence", "ScatterAzimuth", "ScatterRadial"];
 
 /// The text of a file of one channel; azimuths that go round end where they began, as other readers do not wrap them.
@@ -25,7 +27,8 @@ pub fn text(file: &Zemax) -> String {
     let seam = if file.symmetric { None } else { file.azimuths.first().map(|first| first + 360.0) };
     let azimuths: Vec<f64> = file.azimuths.iter().copied().chain(seam).collect();
     let mut text = format!(
-        "# written by gonio\nSource  Measured\nSymmetry  {symmetry}\nSpectralContent  Monochrome\nScatterType  BRDF\n"
+        "# written by gonio\nSource  Measured\nSymmetry  {symmetry}\nSpectralContent  Monochrome\nScatterType  {}\n",
+        TYPES[usize::from(file.through)]
     );
     for (key, list) in KEYS.iter().zip([&file.rotations, &file.light, &azimuths, &file.radials]) {
         text += &format!("{key}  {}\n{}\n", list.len(), listed(list));
@@ -48,6 +51,7 @@ pub fn text(file: &Zemax) -> String {
 
 /// What stands before the data.
 struct ZemaxHeader {
+    through: bool,
     symmetric: bool,
     channels: &'static [&'static str],
     lists: [Vec<f64>; 4],
@@ -64,6 +68,7 @@ pub fn parse(bytes: &[u8]) -> Checked<(Zemax, Vec<String>)> {
     let [rotations, light, azimuths, radials] = &header.lists;
     let (turns, directions) = (circle(KEYS[0], rotations)?, circle(KEYS[2], azimuths)?);
     let mut file = Zemax {
+        through: header.through,
         symmetric: header.symmetric,
         rotations: turns.angles.clone(),
         light: light.clone(),
@@ -125,7 +130,8 @@ fn is(word: &str, key: &str) -> bool {
 
 /// Everything up to the name of the first channel, or its data.
 fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Checked<ZemaxHeader> {
-    let mut header = ZemaxHeader { symmetric: true, channels: &["Monochrome"], lists: Default::default() };
+    let mut header =
+        ZemaxHeader { through: false, symmetric: true, channels: &["Monochrome"], lists: Default::default() };
     loop {
         let word = *words.peek().ok_or("no DataBegin: not a Zemax BSDF")?;
         if is(word, "DataBegin")
@@ -148,7 +154,7 @@ fn header<'a>(words: &mut Peekable<impl Iterator<Item = &'a str>>) -> Checked<Ze
             header.channels =
                 if coloured { &["TristimulusX", "TristimulusY", "TristimulusZ"] } else { &["Monochrome"] };
         } else if is(word, "ScatterType") {
-            choice("ScatterType", &["BRDF"])?;
+            header.through = choice("ScatterType", &TYPES)? == 1;
         } else if let Some(k) = KEYS.iter().position(|key| is(word, key)) {
             header.lists[k] = list(KEYS[k], words)?;
         }

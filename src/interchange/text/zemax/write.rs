@@ -44,19 +44,21 @@ struct IncidenceBlock {
     albedo: Option<f64>,
 }
 
-/// The text of a file of a table with one colour, and notes on it.
+/// The text of a file of a table with one colour, and notes on it; of light that has gone `through` the table is what a
+/// mirror in the horizon shows.
 ///
 /// TIS is the table's own albedo where its bins have sizes, interpolated between incidences, and else what the file's
 /// values integrate to.
 // Tested by `tis_is_the_albedo_of_the_table`, `the_albedo_holds_between_incidences`,
 // `zemax_tables_stand_about_the_mirror_direction` (tests/it/interchange/interchange_text.rs).
-pub fn write(table: &BrdfTable, lookup: &Lookup) -> Checked<(String, Vec<String>)> {
+pub fn write(table: &BrdfTable, through: bool, lookup: &Lookup) -> Checked<(String, Vec<String>)> {
     let isotropic = lookup.is_isotropic();
     // Rotations increase: azimuths fall, but for 0.
     let mut turns: Vec<(f64, usize)> =
         lookup.phi_i().iter().map(|&phi| rotation_deg(deg(phi))).zip(0..).collect();
     turns.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut file = Zemax {
+        through,
         symmetric: isotropic,
         rotations: turns.iter().map(|turn| turn.0).collect(),
         azimuths: (0..if isotropic { 37 } else { 72 }).map(|k| STEP * f64::from(k)).collect(),
