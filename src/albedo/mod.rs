@@ -8,10 +8,12 @@
 pub mod files;
 pub mod formula;
 pub mod measured;
+pub mod setup;
 pub mod table;
 mod verdict;
 
 pub use formula::{FormulaSurface, by_formula};
-pub use measured::{campaign_of, measure};
+pub use measured::measure;
+pub use setup::{Chosen, Setup, campaign_of};
 pub use table::{AlbedoTable, Axes, Cell, Quantity};
 pub use verdict::Certificate;

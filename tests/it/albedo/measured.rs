@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gonio::albedo::measured::Chosen;
+use gonio::albedo::Chosen;
 use gonio::albedo::{self, AlbedoTable, Certificate, FormulaSurface};
 use gonio::campaign;
 use gonio::measure::{self, Patches};
