@@ -135,7 +135,9 @@ pub fn albedo(scene: &Scene, stops: &[StopSummary], sweep: &Sweep) -> Option<Cha
     let column = |pick: &dyn Fn(&StopSummary) -> Option<f64>| {
         shown.iter().filter_map(|stop| Some([stop.theta_i_deg, pick(stop)?])).collect::<Vec<_>>()
     };
-    let errors = |pick: fn(&StopSummary) -> Option<f64>| shown.iter().filter_map(|stop| pick(stop)).collect();
+    let errors = |pick: fn(&StopSummary) -> Option<f64>| {
+        shown.iter().filter_map(|stop| scene.interval(pick(stop)?)).collect()
+    };
     let mut series = Vec::new();
     let mut add = |label: String, points: Vec<[f64; 2]>, error: Vec<f64>, style: SeriesStyle| {
         if !points.is_empty() {
