@@ -173,6 +173,9 @@ pub fn albedo(scene: &Scene, stops: &[StopSummary], sweep: &Sweep) -> Option<Cha
     })
 }
 
+/// What a curve shows of R and T.
+type PartOfBoth = fn([f64; 2]) -> f64;
+
 /// What comes back of the light (R), what goes through (T), and both together against theta_i at one azimuth of the light:
 /// all orders that were followed, and order 1 by the model with the masking `masking`. `None` at one angle only, or where
 /// one of them is not known.
@@ -193,8 +196,7 @@ pub fn shares(halves: [&Scene; 2], stops: &[StopSummary], sweep: &Sweep, masking
     };
     let known: Vec<_> = shown.iter().map(known).collect::<Option<_>>()?;
     let mut series = vec![line_at_one()];
-    let parts: [(&str, fn([f64; 2]) -> f64); 3] =
-        [("R", |[r, _]| r), ("T", |[_, t]| t), ("R + T", |[r, t]| r + t)];
+    let parts: [(&str, PartOfBoth); 3] = [("R", |[r, _]| r), ("T", |[_, t]| t), ("R + T", |[r, t]| r + t)];
     for (index, (label, part)) in parts.into_iter().enumerate() {
         let points = known.iter().map(|&(theta, both, _)| [theta, part(both)]).collect();
         let error = known.iter().map(|&(_, _, errors)| errors.map(part)).collect::<Option<Vec<f64>>>();

@@ -214,11 +214,11 @@ class HalfPictures {
       }
     }
     g.putImageData(image, 0, 0);
-    const from = this.table.below ? `180° to ${short(180 - this.table.end())}°` : `0° to ${short(this.table.end())}°`;
+    const ends = () => [0, this.table.end()].map((theta) => `${short(this.table.below ? 180 - theta : theta)}°`);
     caption.textContent = (this.letter ? `${this.letter}: ` : "") + (this.table.spots
       ? "A line for each light direction (theta_i downwards): the sensor's directions in the order of the table. Colours as above."
       : `A tile for each light direction (${azimuths > 1 ? "theta_i from left to right, phi_i downwards" : "theta_i from left to right, then downwards"}): ` +
-        `rows are theta_r from ${from}, columns phi_r. Colours as above.`);
+        `rows are theta_r from ${ends().join(" to ")}, columns phi_r. Colours as above.`);
   }
 }
 

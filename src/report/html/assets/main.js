@@ -81,6 +81,8 @@ function startViewer(tables, inside) {
     label.className = "sides";
     label.textContent = "above: outside, below: inside";
     element("lobe").before(label);
+    const which = back ? "The lobes on both sides of the surface" : "The lobe beyond the surface";
+    element("lobe").setAttribute("aria-label", `${which}. Arrow keys turn the view, plus and minus zoom.`);
   }
   // Single directions say nothing of all the others that a sphere needs.
   const scene = !back || back.spots ? { gl: null, show() {} } : new SceneView(element("scene"), back);

@@ -70,7 +70,16 @@ class Pictures {
     title.textContent = `theta_i ${theta}°` + (this.table.phi_i.length > 1 ? `, phi_i ${phi}°` : "") +
       this.halves.map((half) => half.note(theta)).join("");
     box.append(title);
-    for (const half of this.halves) box.append(...half.discs(stop));
+    if (this.halves.length === 1) {
+      box.append(...this.halves[0].discs(stop));
+      return box;
+    }
+    for (const half of this.halves) {
+      const line = document.createElement("div");
+      line.className = "half";
+      line.append(...half.discs(stop));
+      box.append(line);
+    }
     return box;
   }
 }

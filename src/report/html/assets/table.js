@@ -15,8 +15,9 @@ function fromHalf(bits) {
 
 function decoded(base64, scale) {
   const bytes = bytesOf(base64);
-  const halfs = new Uint16Array(bytes.buffer);
-  return Float32Array.from(halfs, (bits) => scale * fromHalf(bits));
+  const halfs = new Uint16Array(bytes.buffer), values = new Float32Array(halfs.length);
+  for (let k = 0; k < halfs.length; k += 1) values[k] = scale * fromHalf(halfs[k]);
+  return values;
 }
 
 function direction(theta, phi) {

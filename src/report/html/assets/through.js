@@ -137,7 +137,7 @@ class Refraction {
     Object.assign(this, { table, inside });
     const known = table.eta && table.eta !== 1;
     const why = table.spots ? "Single directions say too little of all the others that a view through the surface needs."
-      : known ? "" : "The table does not say which index the other side has: there is no view through the surface.";
+      : known ? "" : "The table does not say of another index on the other side: there is no view through the surface.";
     if (why) this.hide(why);
     else element("refraction-controls").addEventListener("input", () => this.draw());
   }
