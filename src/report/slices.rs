@@ -133,7 +133,11 @@ impl Scene<'_> {
 
     /// Half-width of the 95 % interval of a bin's order 1, 1/sr; `None` without error bars.
     pub fn half_width(&self, stop: usize, bin: usize) -> Option<f64> {
-        let se = f64::from(self.channels().stderr_single[stop * self.table.grid.bins() + bin]);
+        self.interval(f64::from(self.channels().stderr_single[stop * self.table.grid.bins() + bin]))
+    }
+
+    /// Half-width of the 95 % interval of what has the standard error `se` over the realisations; below 0: unknown.
+    pub fn interval(&self, se: f64) -> Option<f64> {
         (se >= 0.0 && self.realisations > 1).then(|| se * stats::student_limit(0.05, self.realisations - 1))
     }
 

@@ -9,6 +9,11 @@ const FLAGS = ["--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--n
   "--disable-background-networking", "--disable-dev-shm-usage"];
 export const WITH_GL = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 export const WITHOUT_GL = ["--disable-3d-apis", "--disable-gpu"];
+// Notes when a page says for the first time that it has drawn, ms after its start.
+const FIRST_DRAWN = `new MutationObserver((_, observer) => {
+  window.firstDrawn = performance.now();
+  observer.disconnect();
+}).observe(document, { subtree: true, attributeFilter: ["data-drawn"] });`;
 const PATIENCE_MS = 120_000;
 
 export class Browser {
@@ -58,6 +63,7 @@ export class Browser {
     this.listeners = [(event) => this.note(event)];
     for (const domain of ["Page", "Runtime", "Network", "Log"]) await this.send(`${domain}.enable`);
     await this.resize(width, height);
+    await this.send("Page.addScriptToEvaluateOnNewDocument", { source: FIRST_DRAWN });
     await this.send("Page.navigate", { url });
     await this.until("document.readyState === 'complete'");
   }

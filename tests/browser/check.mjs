@@ -3,7 +3,11 @@
 //
 //   node tests/browser/check.mjs PAGE.html SUMMARY.json [FOLDER]
 //
-// SUMMARY.json may be -: the page of a table that has none, on a grid of any kind. Writes screenshots at 1280 and 400 pixels to FOLDER. CHROMIUM names another program than `chromium`.
+// SUMMARY.json may be -: the page of a table that has none, on a grid of any kind. Writes screenshots at 1400, 800 and 400
+// pixels to FOLDER. CHROMIUM names another program than `chromium`.
+//
+// Where light goes through the surface there are a disc of it for every light direction, a lobe on both sides, and a pattern
+// seen through the surface, as bright as the summary's T.
 
 import { readFileSync, writeFileSync, mkdirSync } from "node:fs";
 import { join, resolve } from "node:path";
@@ -32,6 +36,9 @@ const TABLE = (id) => `[...document.querySelectorAll("#${id} tbody tr")].map((ro
   [...row.querySelectorAll("td[data-key]")].map((cell) => [cell.dataset.key, cell.textContent]))`;
 
 async function numbers(browser) {
+  // The figures of light that has gone through alone.
+  const alone = await browser.evaluate("!JSON.parse(document.getElementById('data').textContent).table");
+  const share = (stop, key) => summary.stops[stop][alone ? key.replace("albedo", "transmittance") : key];
   // Light that has gone through has tables of its own further down.
   const maskings = summary.comparisons.filter((c) => c.scope === summary.comparisons[0].scope);
   const shown = await browser.evaluate(TABLE("comparisons"));
@@ -47,7 +54,7 @@ async function numbers(browser) {
     });
     const albedos = await browser.evaluate(TABLE("albedos"));
     albedos.forEach((row, stop) => row.filter(([key]) => key.startsWith("albedo")).forEach(([key, text]) => {
-      hold(`${key} of stop ${stop}`, text === summary.stops[stop][key].toFixed(5), [text, summary.stops[stop][key]]);
+      hold(`${key} of stop ${stop}`, text === share(stop, key).toFixed(5), [text, share(stop, key)]);
     }));
     hold("albedos are there", albedos.length === summary.stops.length);
   }
@@ -88,20 +95,107 @@ async function changes(browser, id, value, pictures) {
 }
 
 async function controls(browser) {
-  await changes(browser, "theta", "15", ["lobe", "scene"]);
-  await changes(browser, "phi", "40", ["lobe", "scene"]);
+  const shown = await browser.evaluate("!document.getElementById('scene-figure').hidden");
+  const both = shown ? ["lobe", "scene"] : ["lobe"];
+  await changes(browser, "theta", "15", both);
+  await changes(browser, "phi", "40", both);
   await changes(browser, "radius", "linear", ["lobe"]);
-  await changes(browser, "lamp", "sky", ["scene"]);
-  await changes(browser, "halves", "one", ["scene"]);
-  await changes(browser, "exposure", "2", ["scene"]);
+  if (shown) {
+    await changes(browser, "lamp", "sky", ["scene"]);
+    await changes(browser, "halves", "one", ["scene"]);
+    await changes(browser, "exposure", "2", ["scene"]);
+  }
   await changes(browser, "which", "model", ["lobe"]);
-  for (const id of ["lobe", "scene"]) await arrow(browser, `document.getElementById("${id}")`, id);
+  for (const id of both) await arrow(browser, `document.getElementById("${id}")`, id);
   await reading(browser);
   const hemispheres = "[...document.querySelectorAll('#hemispheres canvas')].map((c) => c.toDataURL()).join()";
   const before = await browser.evaluate(hemispheres);
   await browser.evaluate(`(() => { const scale = document.getElementById("scale"); scale.value = "linear";
     scale.dispatchEvent(new Event("input", { bubbles: true })); })()`);
   hold("the scale changes the hemispheres", (await browser.evaluate(hemispheres)) !== before);
+}
+
+const READY = "new Promise((done) => setTimeout(() => requestAnimationFrame(() => setTimeout(done, 0)), 0))";
+
+// Both half-spheres: their discs, legends and lobes.
+async function halves(browser, data) {
+  const known = [data.table, data.through].filter(Boolean);
+  const discs = known.reduce((sum, { layers }) => {
+    const models = layers.filter(({ kind }) => kind === "model").length;
+    return sum + (models > 0 ? 3 : 1);
+  }, 0) * known[0].theta_i.length;
+  const labels = await browser.evaluate("[...document.querySelectorAll('#hemispheres canvas')].map((c) => c.getAttribute('aria-label'))");
+  hold("every light direction has its discs", labels.length === discs, [labels.length, discs]);
+  const of = (words) => labels.filter((label) => label.includes(words)).length;
+  hold("discs say which light they show", of("gone through") === discs / known.length
+    && of("comes back") === discs - discs / known.length, labels);
+  const legends = await browser.evaluate("[...document.querySelectorAll('.legends figcaption')].map((c) => c.textContent)");
+  for (const letter of [data.table && "R, what comes back", "T, what goes through"].filter(Boolean)) {
+    hold(`a legend of ${letter}`, legends.filter((text) => text.startsWith(letter)).length === 1, legends);
+  }
+  const titles = await browser.evaluate("[...document.querySelectorAll('.hemisphere h3')].map((title) => title.textContent)");
+  known[0].theta_i.forEach((theta, k) => {
+    // Snell's law at the mean plane.
+    const sine = Math.sin(theta * Math.PI / 180) / data.interface.eta;
+    const wanted = sine < 1 ? `theta_r ${(180 - Math.asin(sine) * 180 / Math.PI).toFixed(1)}°` : "total reflection";
+    hold(`refraction at ${theta}°`, titles[k].includes(wanted), [titles[k], wanted]);
+  });
+  await browser.evaluate("[...document.querySelectorAll('#hemispheres canvas')].find((c) => c.getAttribute('aria-label').includes('gone through')).focus()");
+  await press(browser, "ArrowRight", 39);
+  const text = await browser.evaluate("document.getElementById('readout').textContent");
+  const [low, high] = (/^T, theta_r ([0-9.]+)° to ([0-9.]+)°/.exec(text) || []).slice(1).map(Number);
+  // Single directions may not lie there.
+  if (!data.through.spots) hold("a disc of T reads the table's angles", low >= 90 && high > low && high <= 180, text);
+  const caption = await browser.evaluate("document.getElementById('lobe-caption').textContent");
+  const side = data.interface.inside ? "T, what goes through, is above" : "T, what goes through, is below";
+  hold("the lobe's caption says where T is", caption.includes(side), caption);
+  // The eye goes below the surface.
+  const lobe = shot("lobe");
+  await browser.evaluate("document.getElementById('lobe').focus()");
+  for (let k = 0; k < 4; k += 1) await press(browser, "ArrowDown", 40);
+  const before = await browser.evaluate(lobe);
+  await press(browser, "ArrowDown", 40);
+  hold("the lobe is seen from below, too", (await browser.evaluate(lobe)) !== before);
+}
+
+// Sets a control of the view through the surface.
+async function glass(browser, id, value) {
+  await browser.evaluate(`(() => { const control = document.getElementById("${id}"); control.value = "${value}";
+    control.dispatchEvent(new Event("input", { bubbles: true })); })()`);
+  return browser.evaluate(shot("refraction"));
+}
+
+// The light of the brightest pixels in the middle of the left half, as a share of that of a white square (0.9).
+const WHITE = `(() => {
+  const view = document.getElementById("refraction"), copy = document.createElement("canvas");
+  [copy.width, copy.height] = [view.width, view.height];
+  const g = copy.getContext("2d");
+  g.drawImage(view, 0, 0);
+  const [w, h] = [Math.round(copy.width / 5), Math.round(copy.height / 5)];
+  const { data } = g.getImageData(Math.round(copy.width / 4 - w / 2), Math.round(copy.height / 2 - h / 2), w, h);
+  const greens = Array.from({ length: w * h }, (_, k) => data[4 * k + 1]).sort((a, b) => a - b);
+  return (greens[Math.floor(0.9 * greens.length)] / 255) ** 2.2 / 0.9;
+})()`;
+
+async function refraction(browser, data) {
+  await browser.evaluate(READY);
+  const dome = await browser.evaluate(shot("refraction"));
+  await arrow(browser, "document.getElementById('refraction')", "the view through the surface");
+  const pane = await glass(browser, "glass", "pane");
+  hold("a pane is another picture than half a ball", pane !== dome);
+  hold("the pattern's depth changes the picture", (await glass(browser, "depth", "3")) !== pane);
+  await glass(browser, "depth", "0");
+  const caption = await browser.evaluate("document.getElementById('refraction-caption').textContent");
+  const index = data.interface.inside ? 1 / data.interface.eta : data.interface.eta;
+  hold("the view says what it shows", caption.includes(`index ${index.toPrecision(4)}`) && caption.includes("one interface"), caption);
+  if (!summary || data.interface.inside) return;
+  // The eye is about 45 degrees from the normal. T of one bounce falls from angle to angle; 68 directions of one pixel, 8 bits
+  // and a power of 2.2 are good for 2 %.
+  const near = summary.stops.filter(({ theta_i_deg }) => theta_i_deg >= 15 && theta_i_deg <= 75).map((stop) => stop.transmittance_single);
+  const found = await browser.evaluate(WHITE);
+  hold("white squares are as bright as T", found > Math.min(...near) - 0.02 && found < Math.max(...near) + 0.02, [found, near]);
+  console.log(`white through the surface: ${found.toFixed(3)}, T ${near.map((t) => t.toFixed(3)).join(", ")}`);
+  await glass(browser, "glass", "dome");
 }
 
 // Height over width of the highlight on the measured sphere, by second moments of its bright pixels, with the lamp
@@ -194,16 +288,25 @@ async function withViewer() {
   await browser.open(url, 1280, 900);
   await browser.until("document.body.dataset.drawn > 0");
   hold("WebGL 2 is there", await browser.evaluate("document.getElementById('no-webgl').hidden"));
-  for (const width of [1280, 400]) {
+  const drawn = await browser.evaluate("window.firstDrawn");
+  console.log(`first picture after ${Math.round(drawn)} ms`);
+  for (const width of [1400, 800, 400]) {
     await browser.resize(width, 900);
     // The pictures follow the window.
     await browser.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
+    await browser.evaluate(READY);
     const found = await browser.evaluate(LAYOUT);
     hold(`layout at ${width} px`, found.length === 0, found);
     if (folder) writeFileSync(join(folder, `page-${width}.png`), await browser.picture());
   }
   await browser.resize(1280, 900);
   await browser.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))");
+  const data = await browser.evaluate("(({ table, through, interface: two }) => ({ table, through, interface: two }))(JSON.parse(document.getElementById('data').textContent))");
+  hold("what light goes through has its view", Boolean(data.through) === (await browser.evaluate("Boolean(document.getElementById('refraction'))")));
+  if (data.through) {
+    await halves(browser, data);
+    if (await browser.evaluate("document.getElementById('no-refraction').hidden")) await refraction(browser, data);
+  }
   if (summary) {
     await numbers(browser);
     if (!(await browser.evaluate("document.getElementById('scene-figure').hidden"))) await highlight(browser);

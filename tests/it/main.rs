@@ -22,6 +22,7 @@ mod layout;
 mod mentions;
 mod properties;
 mod report;
+mod report_through;
 mod study;
 mod transmission_values;
 

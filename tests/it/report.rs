@@ -11,6 +11,7 @@ use gonio::campaign::{self, Campaign};
 use gonio::instrument::Grid;
 use gonio::instrument::grid::GridKind;
 use gonio::report::page;
+use gonio::report::plot::plots;
 use gonio::report::{Page, Scene, StopSummary, Summary};
 use gonio::table::{BrdfTable, ColourChannels};
 use gonio::validate::prediction::bin_mean::MASKINGS;
@@ -39,7 +40,7 @@ fn without_cost(page: &str) -> String {
 }
 
 /// The data that the page's script reads.
-fn data_of(page: &str) -> Value {
+pub(crate) fn data_of(page: &str) -> Value {
     let (_, rest) = page.split_once("id=\"data\">").expect("data");
     serde_json::from_str(rest.split_once("</script>").expect("an end").0).expect("JSON")
 }
@@ -471,4 +472,17 @@ fn the_ladders_of_a_bench_are_plotted() {
     let two = page_of(&made(1, 2, 1, [6, 12]), "bench", &[bench.clone(), bench]);
     assert_eq!(two.matches("b within [0, 2.0e-2]").count(), 2);
     assert!(two.find("Distance from the formula") < two.find("slope -0.470"));
+}
+
+#[test]
+fn bars_of_the_albedo_are_intervals_of_95_percent() {
+    let made = made(1, 2, 1, [6, 12]);
+    let scene = Scene { table: &made.table, prediction: None, realisations: 4 };
+    let stop =
+        StopSummary { albedo_single: Some(0.9), albedo_single_se: Some(0.001), ..StopSummary::default() };
+    let chart =
+        plots::albedo(&scene, &[stop.clone(), stop], &plots::shown_sweeps(&scene)[0]).expect("a chart");
+    assert_eq!(chart.series[0].error.len(), 2);
+    // Student's t of 3 degrees of freedom is 3.1824 in tables; to their last digit.
+    assert!(chart.series[0].error.iter().all(|bar| (bar / 0.001 - 3.1824).abs() < 5e-5), "{chart:?}");
 }

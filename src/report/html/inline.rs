@@ -16,8 +16,8 @@ use crate::table::BrdfTable;
 
 /// The wavelengths that stand for R, G and B, nm.
 const RGB_NM: [f64; 3] = [650.0, 550.0, 450.0];
-/// Bytes of all layers in base64 at most: the rest of a page is below 1 MB.
-const LARGEST: usize = 4_500_000;
+/// Bytes of all layers in base64 that a page holds at most: its rest is below 1 MB.
+pub const LARGEST: usize = 4_500_000;
 /// Bins are merged down to about so many rows and columns before stops are left out.
 const FEWEST: [usize; 2] = [24, 48];
 /// Light angles and azimuths that the viewer interpolates between.
@@ -51,11 +51,11 @@ struct Reduction {
     colours: Vec<usize>,
 }
 
-/// The table and its models for the page; `None` for grids that it does not know. `masking` is the model that stays
-/// where there is room for one only.
-pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize) -> Option<Inline> {
+/// The table and its models for the page in so many bytes; `None` for grids that it does not know. `masking` is the model
+/// that stays where there is room for one only.
+pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize, largest: usize) -> Option<Inline> {
     let shown = shown(&scene.table.grid, scene.table.gaps() > 0).filter(|shown| !shown.stops.is_empty())?;
-    let (plan, notes) = reduction(scene, &shown, masking);
+    let (plan, notes) = reduction(scene, &shown, masking, largest);
     let notes = [shown.notes.clone(), notes].concat();
     let layers = layers(scene, &shown, &plan);
     let highest = layers.iter().flat_map(|layer| &layer.values).copied().fold(0.0, f64::max);
@@ -122,7 +122,12 @@ fn shown_names(table: &BrdfTable, colours: &[usize]) -> Vec<String> {
 }
 
 /// Merges bins, leaves out stops, until the layers fit.
-fn reduction(scene: &Scene, shown: &DrawnHemisphere, masking: usize) -> (Reduction, Vec<String>) {
+fn reduction(
+    scene: &Scene,
+    shown: &DrawnHemisphere,
+    masking: usize,
+    largest: usize,
+) -> (Reduction, Vec<String>) {
     let [rows, columns] = match &shown.sensor {
         Places::Bins(raster) => [raster.theta_deg.len() - 1, raster.phi_deg.len() - 1],
         Places::Spots { directions_deg, .. } => [1, directions_deg.len()],
@@ -145,11 +150,11 @@ fn reduction(scene: &Scene, shown: &DrawnHemisphere, masking: usize) -> (Reducti
         let shown: Vec<&str> = plan.colours.iter().map(|&colour| names[colour].as_str()).collect();
         notes.push(format!("of {} wavelengths only {}", names.len(), shown.join(", ")));
     }
-    if bytes(&plan) > LARGEST && plan.maskings.len() > 1 {
+    if bytes(&plan) > largest && plan.maskings.len() > 1 {
         plan.maskings = vec![masking];
         notes.push(format!("only the model with {} masking", scene.maskings()[masking]));
     }
-    while bytes(&plan) > LARGEST {
+    while bytes(&plan) > largest {
         let [merged_rows, merged_columns] = [rows.div_ceil(plan.merge[0]), columns.div_ceil(plan.merge[1])];
         if !spots && (merged_rows > FEWEST[0] || merged_columns > FEWEST[1]) {
             plan.merge[usize::from(merged_columns * FEWEST[0] >= merged_rows * FEWEST[1])] += 1;

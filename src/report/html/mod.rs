@@ -9,3 +9,4 @@ pub(crate) mod sections;
 pub(crate) mod shown;
 pub mod specimen;
 pub mod thinned;
+pub(crate) mod through;

@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 
 use super::figures::figures;
 use super::head::head;
-use super::inline::inline;
+use super::inline::{Inline, LARGEST, inline};
 use super::page::Page;
-use super::sections;
+use super::{sections, through};
 use crate::error::seen_in_json;
 use crate::report::plot::escaped;
 use crate::report::slices::Scene;
@@ -19,14 +19,27 @@ pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
 const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/page.css");
 /// In the order in which they build upon each other.
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 9] = [
     include_str!("assets/table.js"),
     include_str!("assets/colours.js"),
+    include_str!("assets/discs.js"),
     include_str!("assets/pictures.js"),
+    include_str!("assets/orbit.js"),
     include_str!("assets/lobe.js"),
+    include_str!("assets/shading.js"),
     include_str!("assets/scene.js"),
     include_str!("assets/main.js"),
 ];
+
+/// What a page shows of its table.
+enum Shown<'a> {
+    /// Light that comes back.
+    Back,
+    /// That, and light that has gone through.
+    Both(&'a Page<'a>),
+    /// Light that has gone through alone.
+    Through,
+}
 
 /// The whole file.
 ///
@@ -35,7 +48,7 @@ const SCRIPTS: [&str; 6] = [
 pub fn page(page: &Page) -> String {
     let (table, prediction) = (page.scene.table, page.scene.prediction);
     if !table.grid.looks_below() {
-        return filled_page(page, "");
+        return filled_page(page, &Shown::Back);
     }
     let sides = [false, true].map(|below| {
         let half = table.half(below)?;
@@ -49,20 +62,40 @@ pub fn page(page: &Page) -> String {
         Some(Page { scene, summary, specimen, ..*page })
     });
     match &shown {
-        [Some(back), Some(through)] => filled_page(back, &sections::through(through)),
-        [Some(back), None] => filled_page(back, ""),
+        [Some(back), Some(through)] => filled_page(back, &Shown::Both(through)),
+        [Some(back), None] => filled_page(back, &Shown::Back),
         [None, through] => {
-            through.as_ref().map_or(String::new(), |through| filled_page(through, sections::THROUGH_ALONE))
+            through.as_ref().map_or(String::new(), |through| filled_page(through, &Shown::Through))
         }
     }
 }
 
-/// The page of one side of a surface; `further` is a section of the other, or a word on it.
-fn filled_page(page: &Page, further: &str) -> String {
-    let inlined = inline(&page.scene, page.campaign, page.masking_index());
-    let table = inlined.as_ref().map_or(Value::Null, |inlined| inlined.data.clone());
+/// The page of a table, or of one half of it that `page` is of.
+fn filled_page(page: &Page, shown: &Shown) -> String {
+    let of = |page: &Page, largest| inline(&page.scene, page.campaign, page.masking_index(), largest);
+    let [back, through] = match shown {
+        Shown::Back => [of(page, LARGEST), None],
+        Shown::Both(through) => [of(page, LARGEST / 2), of(through, LARGEST / 2)],
+        Shown::Through => [None, of(page, LARGEST)],
+    };
     let picture = page.specimen.as_ref().ok().map(sections::picture);
-    let data = json!({ "name": page.summary.name, "table": table, "specimen": picture });
+    let table = |inlined: &Option<Inline>| inlined.as_ref().map_or(Value::Null, |it| it.data.clone());
+    let mut data = json!({ "name": page.summary.name, "table": table(&back), "specimen": picture });
+    let (mut view, mut hint, mut further, mut first) = ("", "", String::new(), Vec::new());
+    let mut scripts = SCRIPTS.to_vec();
+    if !matches!(shown, Shown::Back) {
+        data["through"] = table(&through);
+        data["interface"] = through::interface(page);
+        (view, hint) = (through::VIEW, through::HINT);
+        // Before the last, which puts all together.
+        scripts.insert(scripts.len() - 1, through::SCRIPT);
+        further = through::ALONE.into();
+    }
+    if let Shown::Both(through) = shown {
+        further = through::section(through);
+        first = through::shares(page, through);
+    }
+    let halves: Vec<&Inline> = [&back, &through].into_iter().flatten().collect();
     let parts = [
         ("TITLE", escaped(&page.summary.name)),
         ("STYLE", STYLE.to_string()),
@@ -70,12 +103,14 @@ fn filled_page(page: &Page, further: &str) -> String {
         ("PROOF", sections::proof(page)),
         ("FIGURES", figures(page)),
         ("SPECIMEN", sections::specimen(page)),
-        ("PLOTS", sections::plots(page)),
-        ("THROUGH", further.to_string()),
-        ("REDUCED", sections::reduced(page, inlined.as_ref())),
+        ("VIEW", view.to_string()),
+        ("HINT", hint.to_string()),
+        ("PLOTS", sections::plots(page, first)),
+        ("THROUGH", further),
+        ("REDUCED", sections::reduced(page, &halves)),
         ("FOOT", sections::foot(page)),
         ("DATA", inside_script(&data)),
-        ("SCRIPT", format!("\"use strict\";\n{}", SCRIPTS.join("\n"))),
+        ("SCRIPT", format!("\"use strict\";\n{}", scripts.join("\n"))),
     ];
     filled(TEMPLATE, &parts)
 }

@@ -4,7 +4,6 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-use super::figures::of_light;
 use super::inline::Inline;
 use super::page::Page;
 use super::specimen::PatchPicture;
@@ -45,7 +44,7 @@ fn convergence_charts(page: &Page) -> Vec<Chart> {
     several.into_iter().chain(ladders).chain(convergence::looks(&page.scene, &page.summary.stops)).collect()
 }
 
-fn figures_of(pictures: impl IntoIterator<Item = String>) -> String {
+pub(super) fn figures_of(pictures: impl IntoIterator<Item = String>) -> String {
     let figures: String = pictures.into_iter().map(|svg| format!("<figure>{svg}</figure>\n")).collect();
     format!("<div class=\"charts\">\n{figures}</div>\n")
 }
@@ -92,44 +91,24 @@ pub fn specimen(page: &Page) -> String {
     )
 }
 
-/// What is said where the page shows light that has gone through alone.
-pub const THROUGH_ALONE: &str = "<p id=\"through\">All pictures are of light that has gone through the surface, as a mirror \
-                                 in the horizon shows it: its theta_r is 180° less that of the table.</p>\n";
-
-/// Light that has gone through, next to light that comes back: figures and plots.
-pub fn through(page: &Page) -> String {
-    let scene = &page.scene;
-    let shown = in_plane_plots(scene, &shown_stops(scene));
-    let around = shown_sweeps(scene).into_iter().flat_map(|sweep| {
-        let albedo = plots::albedo(scene, &page.summary.stops, &sweep).map(|chart| chart.svg());
-        polar(scene, &sweep.stops, page.masking_index()).into_iter().chain(albedo).collect::<Vec<_>>()
-    });
-    format!(
-        "<section id=\"through\" aria-label=\"Light that has gone through\">\n<h2>Light that has gone through</h2>\n\
-         <p>As a mirror in the horizon shows it: theta_r is 180° less that of the table. Albedo stands for the share of the \
-         light that goes through.</p>\n{}{}</section>\n",
-        figures_of(shown.into_iter().chain(around)),
-        of_light(page, "-through")
-    )
-}
-
 /// The lobes in the plane of incidence, and their ratio to the model's.
-fn in_plane_plots(scene: &Scene, stops: &[usize]) -> Vec<String> {
+pub(super) fn in_plane_plots(scene: &Scene, stops: &[usize]) -> Vec<String> {
     let both = |&stop: &usize| [plots::lobe(scene, stop), plots::ratio(scene, stop)];
     stops.iter().flat_map(both).flatten().map(|chart| chart.svg()).collect()
 }
 
-/// All plots, and what cannot be plotted.
-pub fn plots(page: &Page) -> String {
+/// All plots after the `first`, and what cannot be plotted.
+pub fn plots(page: &Page, first: Vec<String>) -> String {
     let scene = &page.scene;
     let mut absent = Vec::new();
     let stops = shown_stops(scene);
-    let mut shown = in_plane_plots(scene, &stops);
-    if shown.is_empty() {
+    let lobes = in_plane_plots(scene, &stops);
+    if lobes.is_empty() {
         absent.push("No light in the plane of incidence, or no bins there: no in-plane lobes.".into());
     } else if stops.len() < scene.table.grid.stops() {
         absent.push(format!("{} of {} light directions have plots.", stops.len(), scene.table.grid.stops()));
     }
+    let mut shown = [first, lobes].concat();
     for sweep in shown_sweeps(scene) {
         shown.extend(polar(scene, &sweep.stops, page.masking_index()));
         shown.extend(plots::albedo(scene, &page.summary.stops, &sweep).map(|chart| chart.svg()));
@@ -175,17 +154,24 @@ fn no_masking(page: &Page) -> &'static str {
     }
 }
 
-/// What the pictures and the viewer do not show; `None`: they have nothing to show.
-pub fn reduced(page: &Page, inlined: Option<&Inline>) -> String {
-    let spots = inlined.is_some_and(|inlined| inlined.spots);
+/// What the pictures and the viewer do not show of each half; without any they have nothing to show.
+pub fn reduced(page: &Page, halves: &[&Inline]) -> String {
+    let spots = halves.iter().any(|half| half.spots);
     let spots = if spots {
         "<p id=\"spots\">The sensor looks in single directions, too few to make a hemisphere: they are drawn as they \
          are, and there is no sphere.</p>"
     } else {
         ""
     };
-    let notes = match inlined.map(|inlined| &inlined.notes[..]) {
-        None => {
+    let mut notes: Vec<&str> = Vec::new();
+    for note in halves.iter().flat_map(|half| &half.notes) {
+        // Both halves mostly lack the same.
+        if !notes.contains(&note.as_str()) {
+            notes.push(note);
+        }
+    }
+    let notes = match (halves, &notes[..]) {
+        ([], _) => {
             let kind = serde_json::to_value(page.scene.table.grid.kind).unwrap_or_default();
             let kind = kind.as_str().unwrap_or("other").replace('_', " ");
             format!(
@@ -194,8 +180,8 @@ pub fn reduced(page: &Page, inlined: Option<&Inline>) -> String {
                 escaped(&kind)
             )
         }
-        Some([]) => String::new(),
-        Some(notes) => format!(
+        (_, []) => String::new(),
+        (_, notes) => format!(
             "<p id=\"reduced\">Pictures and viewer hold {}. Plots and figures are of the whole table.</p>",
             escaped(&notes.join("; "))
         ),

@@ -135,7 +135,9 @@ pub fn albedo(scene: &Scene, stops: &[StopSummary], sweep: &Sweep) -> Option<Cha
     let column = |pick: &dyn Fn(&StopSummary) -> Option<f64>| {
         shown.iter().filter_map(|stop| Some([stop.theta_i_deg, pick(stop)?])).collect::<Vec<_>>()
     };
-    let errors = |pick: fn(&StopSummary) -> Option<f64>| shown.iter().filter_map(|stop| pick(stop)).collect();
+    let errors = |pick: fn(&StopSummary) -> Option<f64>| {
+        shown.iter().filter_map(|stop| scene.interval(pick(stop)?)).collect()
+    };
     let mut series = Vec::new();
     let mut add = |label: String, points: Vec<[f64; 2]>, error: Vec<f64>, style: SeriesStyle| {
         if !points.is_empty() {
@@ -167,6 +169,59 @@ pub fn albedo(scene: &Scene, stops: &[StopSummary], sweep: &Sweep) -> Option<Cha
         title: format!("Albedo against the light's angle{at}"),
         x: ChartAxis::degrees("light theta_i, degrees", [0.0, 90.0]),
         y: ChartAxis::linear("share of the light", [0.0, (1.05 * highest).max(1e-6)]),
+        series,
+    })
+}
+
+/// What a curve shows of R and T.
+type PartOfBoth = fn([f64; 2]) -> f64;
+
+/// What comes back of the light (R), what goes through (T), and both together against theta_i at one azimuth of the light:
+/// all orders that were followed, and order 1 by the model with the masking `masking`. `None` at one angle only, or where
+/// one of them is not known.
+///
+/// Input: the scenes of both halves. R and T of a realisation do not vary independently, so the bars of R + T are the sum of
+/// both, which is the most that they can be: sd(R + T) <= sd(R) + sd(T).
+// Tested by `shares_of_the_light_add_up` (tests/it/report.rs).
+pub fn shares(halves: [&Scene; 2], stops: &[StopSummary], sweep: &Sweep, masking: usize) -> Option<Chart> {
+    let [back, _] = halves;
+    let shown: Vec<&StopSummary> = sweep.stops.iter().filter_map(|&stop| stops.get(stop)).collect();
+    if shown.len() < 2 {
+        return None;
+    }
+    let known = |stop: &&StopSummary| {
+        let errors = stop.albedo_total_se.zip(stop.transmittance_total_se);
+        let errors = errors.and_then(|(r, t)| Some([back.interval(r)?, back.interval(t)?]));
+        Some((stop.theta_i_deg, [stop.albedo_total?, stop.transmittance_total?], errors))
+    };
+    let known: Vec<_> = shown.iter().map(known).collect::<Option<_>>()?;
+    let mut series = vec![line_at_one()];
+    let parts: [(&str, PartOfBoth); 3] = [("R", |[r, _]| r), ("T", |[_, t]| t), ("R + T", |[r, t]| r + t)];
+    for (index, (label, part)) in parts.into_iter().enumerate() {
+        let points = known.iter().map(|&(theta, both, _)| [theta, part(both)]).collect();
+        let error = known.iter().map(|&(_, _, errors)| errors.map(part)).collect::<Option<Vec<f64>>>();
+        series.push(Series {
+            label: label.into(),
+            points,
+            error: error.unwrap_or_default(),
+            style: series_style(index),
+        });
+    }
+    for (index, (label, part)) in parts.into_iter().enumerate() {
+        let model = |stop: usize| {
+            let [r, t] = halves.map(|half| half.model_albedo(masking, stop));
+            Some([back.table.grid.stop_deg(stop).0, part([r?, t?])])
+        };
+        let points: Vec<[f64; 2]> = sweep.stops.iter().filter_map(|&stop| model(stop)).collect();
+        if !points.is_empty() {
+            series.push(Series::new(format!("{label}, model, order 1"), points, model_style(index)));
+        }
+    }
+    let at = if back.has_azimuths() { format!(", phi_i {}°", sweep.angle_deg) } else { String::new() };
+    Some(Chart {
+        title: format!("What comes back (R) and goes through (T){at}"),
+        x: ChartAxis::degrees("light theta_i, degrees", [0.0, 90.0]),
+        y: ChartAxis::linear("share of the light, all orders", [0.0, 1.1]),
         series,
     })
 }

@@ -1,65 +1,26 @@
 // A sphere on a plane, lit by one lamp or by a soft sky and shaded with the table; the other half with the model.
 
-const SCENE_VERTEX = "in vec2 corner; out vec2 at; void main() { at = corner; gl_Position = vec4(corner, 0., 1.); }";
 const SCENE_FRAGMENT = `
-precision highp sampler2DArray;
-in vec2 at; out vec4 colour;
-uniform sampler2DArray measured, model;
-uniform int angles, azimuths; uniform bool relative, mirrored, sky, split, two;
-uniform float theta[64], phi[64];
-uniform vec3 right, up, towards, lamp;
-uniform vec2 view, alpha, slopes, size; uniform float exposure, turn;
-const float PI = 3.14159265358979;
+uniform bool sky; uniform vec3 lamp; uniform float exposure;
 
-// A stop's bins in a direction of the sample's frame.
-vec3 bins(bool left, vec3 w, int stop) {
-  vec2 uv = vec2(atan(w.y, w.x) / (2. * PI) + .5 / size.x, (atan(length(w.xy), w.z) / (.5 * PI) * (size.y - 1.) + .5) / size.y);
-  return left ? texture(measured, vec3(uv, float(stop))).rgb : texture(model, vec3(uv, float(stop))).rgb;
-}
-
-// As in table.js.
-float projected(vec3 w) {
-  return .5 * (w.z + length(vec3(w.z, slopes * w.xy)));
-}
+float reflected(vec3 w, vec3 h) { return eta > 0. ? fresnel(abs(dot(w, h))) : 1.; }
 
 // BRDF between measured light directions: the same half vector at each neighbour, as table.js does it.
 vec3 brdf(bool left, vec3 wi, vec3 wo) {
   if (acos(wi.z) > theta[angles - 1] && wo.z > wi.z) { vec3 swapped = wi; wi = wo; wo = swapped; }
-  float turned = relative ? atan(wi.y, wi.x) : turn;
-  mat2 back = mat2(cos(turned), -sin(turned), sin(turned), cos(turned));
-  wi.xy = back * wi.xy; wo.xy = back * wo.xy;
-  if (mirrored) {
-    if (wi.x < 0.) { wi.x = -wi.x; wo.x = -wo.x; }
-    if (wi.y < 0.) { wi.y = -wi.y; wo.y = -wo.y; }
-  }
+  mat3 frame = frame_of(wi);
+  wi = frame * wi; wo = frame * wo;
   vec3 h = normalize(wi + wo);
-  float t = acos(min(wi.z, 1.)), p = mod(atan(wi.y, wi.x), 2. * PI);
-  int low = 0;
-  for (int k = 1; k < 63; k += 1) if (k < angles - 1 && t >= theta[k]) low = k;
-  int high = min(low + 1, angles - 1);
-  float across = high == low ? 0. : clamp((t - theta[low]) / (theta[high] - theta[low]), 0., 1.);
-  int first = 0, second = 0; float around = 0.;
-  if (azimuths > 1) {
-    first = mirrored ? 0 : azimuths - 1;
-    for (int k = 0; k < 64; k += 1) if (k < azimuths && phi[k] <= p) first = k;
-    second = mirrored ? min(first + 1, azimuths - 1) : (first + 1) % azimuths;
-    float width = mod(phi[second] - phi[first], 2. * PI);
-    around = second == first ? 0. : min(mod(p - phi[first], 2. * PI) / width, 1.);
-  }
+  find(wi);
   vec3 sum = vec3(0.); float weights = 0.;
   for (int k = 0; k < 4; k += 1) {
-    bool far = k > 1, next = k % 2 == 1;
-    float weight = (far ? across : 1. - across) * (next ? around : 1. - around);
-    if (weight <= 0.) continue;
-    int row = far ? high : low, column = next ? second : first;
-    float azimuth = relative ? 0. : phi[column];
-    vec3 there = vec3(sin(theta[row]) * cos(azimuth), sin(theta[row]) * sin(azimuth), cos(theta[row]));
-    vec3 w = 2. * dot(h, there) * h - there;
+    if (weight[k] <= 0.) continue;
+    vec3 w = 2. * dot(h, near[k]) * h - near[k];
     if (w.z <= 0.) continue;
-    sum += weight * bins(left, w, row * azimuths + column) * projected(there) * projected(w);
-    weights += weight;
+    sum += weight[k] * bins(left, w, layer[k]) * projected(near[k]) * projected(w);
+    weights += weight[k] * reflected(near[k], h);
   }
-  return weights > 0. ? sum / weights / (projected(wi) * projected(wo)) : vec3(0.);
+  return weights > 0. ? sum / weights / (projected(wi) * projected(wo)) * reflected(wi, h) : vec3(0.);
 }
 
 vec3 radiance(vec3 w) {
@@ -104,7 +65,7 @@ vec3 under_sky(bool left, vec3 place, bool on_plane, mat3 frame, vec3 wo) {
 
 void main() {
   bool left = !split || at.x < 0.;
-  float across = two ? 2. * at.x + (left ? 1. : -1.) : at.x;
+  float across = across_half(left);
   vec3 eye = vec3(0., 0., .75) + 5.2 * towards;
   vec3 ray = normalize(across * view.x * right + at.y * view.y * up - towards);
   vec3 to = eye - vec3(0., 0., 1.);
@@ -135,118 +96,18 @@ void main() {
   if (split && abs(at.x) < .004) colour = vec4(1., 1., 1., 1.);
 }`;
 
-class SceneView {
+class SceneView extends TableView {
   constructor(canvas, table) {
-    this.canvas = canvas;
-    this.table = table;
-    this.gl = canvas.getContext("webgl2", { preserveDrawingBuffer: true });
-    if (!this.gl) return;
-    const gl = this.gl;
-    this.tooMany = table.stops > gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS);
-    if (this.tooMany) this.gl = null;
-    if (this.tooMany) return;
-    this.program = program(gl, SCENE_VERTEX, SCENE_FRAGMENT);
-    this.orbit = new Orbit(canvas, { azimuth: table.phi_i[0] * RAD + 0.9, height: 0.5, zoom: 1 }, () => this.draw());
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), gl.STATIC_DRAW);
-    gl.enableVertexAttribArray(0);
-    gl.bindAttribLocation(this.program, 0, "corner");
-    gl.vertexAttribPointer(gl.getAttribLocation(this.program, "corner"), 2, gl.FLOAT, false, 0, 0);
-    // Many light directions are taken coarser: all of them lie in the memory of the graphics.
-    this.size = table.stops > 300 ? [90, 46] : [180, 91];
-    this.textures = [gl.createTexture(), gl.createTexture()];
-    this.loaded = [null, null];
-  }
-
-  // A layer as textures over (phi, theta) of the sample's frame, one for each stop; folded stops are unfolded here.
-  load(unit, layer) {
-    const { gl, table } = this;
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.textures[unit]);
-    if (this.loaded[unit] === layer) return;
-    this.loaded[unit] = layer;
-    const [wide, high] = this.size;
-    const azimuths = table.relative ? [null] : table.azimuths;
-    const data = new Float32Array(3 * wide * high * table.theta_i.length * azimuths.length);
-    const rows = Array.from({ length: high }, (_, k) => table.rowsAt(90 * k / (high - 1)));
-    let next = 0;
-    for (let angle = 0; angle < table.theta_i.length; angle += 1) {
-      for (const azimuth of azimuths) {
-        const columns = Array.from({ length: wide }, (_, k) => table.columnsAt(this.stored(azimuth, 360 * k / wide)));
-        const stop = angle * table.phi_i.length + (azimuth === null ? 0 : azimuth.index);
-        const starts = [0, 1, 2].map((c) => table.at(Math.min(c, table.colours.length - 1), stop, 0));
-        for (const row of rows) {
-          for (const column of columns) {
-            for (const start of starts) {
-              // Half floats end at 65,504.
-              data[next] = Math.min(table.mixed(layer, start, row, column), 60000);
-              next += 1;
-            }
-          }
-        }
-      }
-    }
-    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
-    const layers = table.theta_i.length * azimuths.length;
-    gl.texImage3D(gl.TEXTURE_2D_ARRAY, 0, gl.RGB16F, wide, high, layers, 0, gl.RGB, gl.FLOAT, data);
-    const set = (name, value) => gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl[name], gl[value]);
-    set("TEXTURE_MIN_FILTER", "LINEAR");
-    set("TEXTURE_MAG_FILTER", "LINEAR");
-    set("TEXTURE_WRAP_S", "REPEAT");
-    set("TEXTURE_WRAP_T", "CLAMP_TO_EDGE");
-  }
-
-  // The azimuth of the table's bins for one of the folded sample's frame.
-  stored(azimuth, phi) {
-    if (azimuth === null) return phi;
-    const fold = this.table.folded(azimuth.raw - this.table.rotation);
-    return Math.atan2(fold.y * Math.sin(phi * RAD), fold.x * Math.cos(phi * RAD)) / RAD + this.table.rotation;
-  }
-
-  // Width of the lobe for the choice of points.
-  alpha() {
-    return this.table.slopes.map((alpha) => Math.min(Math.max(alpha, 0.02), 1));
-  }
-
-  two() {
-    return Boolean(this.state.model) && this.state.two;
-  }
-
-  show(state) {
-    this.state = state;
-    this.draw();
+    super(canvas, table, SCENE_FRAGMENT, { azimuth: table.phi_i[0] * RAD + 0.9, height: 0.5, zoom: 1 });
   }
 
   draw() {
     if (!this.gl || !this.state) return;
-    const { gl, canvas, table, state } = this;
-    const ratio = canvas.clientHeight / canvas.clientWidth;
-    fitted(canvas, canvas.clientWidth, canvas.clientHeight);
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.useProgram(this.program);
-    this.load(0, state.measured);
-    this.load(1, state.model || state.measured);
-    const at = (name) => gl.getUniformLocation(this.program, name);
-    const axes = this.orbit.axes();
-    for (const name of ["right", "up", "towards"]) gl.uniform3fv(at(name), axes[name]);
-    const azimuths = table.relative ? [0] : table.azimuths.map((a) => a.phi * RAD);
-    gl.uniform1i(at("measured"), 0);
-    gl.uniform1i(at("model"), 1);
-    gl.uniform1i(at("angles"), table.theta_i.length);
-    gl.uniform1i(at("azimuths"), azimuths.length);
-    gl.uniform1fv(at("theta"), table.theta_i.map((t) => t * RAD));
-    gl.uniform1fv(at("phi"), azimuths);
-    const flags = { relative: table.relative, mirrored: table.mirrored, sky: state.sky, split: Boolean(state.model), two: this.two() };
-    for (const [name, flag] of Object.entries(flags)) gl.uniform1i(at(name), flag ? 1 : 0);
-    gl.uniform3fv(at("lamp"), direction(Math.max(state.theta, 0.5) * RAD, state.phi * RAD));
-    // The sphere fits the narrower side of what each of them has.
-    const width = (this.two() ? 0.5 : 1) / ratio, half = 0.33 / this.orbit.zoom / Math.min(1, width);
-    gl.uniform2f(at("view"), half * width, half);
-    gl.uniform2fv(at("alpha"), this.alpha());
-    gl.uniform2fv(at("slopes"), this.table.slopes);
-    gl.uniform2fv(at("size"), this.size);
-    gl.uniform1f(at("exposure"), 2 ** state.exposure);
-    gl.uniform1f(at("turn"), table.rotation * RAD);
+    const { gl, state } = this;
+    this.prepare(0.33);
+    this.set("sky", "1i", state.sky ? 1 : 0);
+    this.set("lamp", "3fv", direction(Math.max(state.theta, 0.5) * RAD, state.phi * RAD));
+    this.set("exposure", "1f", 2 ** state.exposure);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 }

@@ -15,8 +15,9 @@ function fromHalf(bits) {
 
 function decoded(base64, scale) {
   const bytes = bytesOf(base64);
-  const halfs = new Uint16Array(bytes.buffer);
-  return Float32Array.from(halfs, (bits) => scale * fromHalf(bits));
+  const halfs = new Uint16Array(bytes.buffer), values = new Float32Array(halfs.length);
+  for (let k = 0; k < halfs.length; k += 1) values[k] = scale * fromHalf(halfs[k]);
+  return values;
 }
 
 function direction(theta, phi) {
@@ -32,14 +33,34 @@ function normalised(a) {
   return a.map((x) => x / length);
 }
 
+// The share of unpolarised light that a facet reflects (Fresnel), the index behind it over that before it being eta:
+// 1 where the reflection is total.
+function fresnel(cosine, eta) {
+  const squared = eta * eta - 1 + cosine * cosine;
+  if (squared <= 0) return 1;
+  const g = Math.sqrt(squared), a = (g - cosine) / (g + cosine), b = (cosine * (g + cosine) - 1) / (cosine * (g - cosine) + 1);
+  return 0.5 * a * a * (1 + b * b);
+}
+
+// Where light of the direction `w` (from the facet to the light) goes at a facet of normal h, by Snell's law; null where
+// all of it is reflected or the facet is seen from behind.
+function refracted(w, h, eta) {
+  const cosine = dot(w, h), squared = 1 - (1 - cosine * cosine) / (eta * eta);
+  if (cosine <= 0 || squared <= 0) return null;
+  const along = cosine / eta - Math.sqrt(squared);
+  return w.map((x, k) => along * h[k] - x / eta);
+}
+
 // x modulo m, in [0, m).
 function wrapped(x, m) {
   return x - m * Math.floor(x / m);
 }
 
+// A half of a table: light that comes back or, `below`, light that has gone through as a mirror in the horizon shows it.
+// `eta` is the index of the far side over that of the light's; null: not known.
 class Table {
-  constructor(data) {
-    Object.assign(this, data);
+  constructor(data, below = false, eta = null) {
+    Object.assign(this, data, { below, eta });
     // Single directions are one row: nothing lies between them.
     this.rows = data.spots ? 1 : data.theta_edges.length - 1;
     this.columns = data.spots ? data.spots.directions.length : data.phi_edges.length - 1;
@@ -65,7 +86,9 @@ class Table {
     let [x, y] = this.alpha || [0, 0];
     if (!this.alpha) {
       const peak = this.layers[0].values.subarray(0, this.bins).reduce((most, value) => Math.max(most, value), 1e-3);
-      x = y = Math.sqrt(1 / (4 * Math.PI * peak));
+      // Of a facet's solid angle in that of the light which it sends on: 1/4, or that of refraction.
+      const part = this.below && this.eta ? (1 - fresnel(1, this.eta)) * (this.eta / (1 - this.eta)) ** 2 : 1 / 4;
+      x = y = Math.sqrt(part / (Math.PI * peak));
     }
     return this.relative ? [Math.sqrt(x * y), Math.sqrt(x * y)] : [x, y];
   }
@@ -197,26 +220,74 @@ class Table {
     return [{ azimuth: all[left], weight: 1 - s }, { azimuth: all[right], weight: s }];
   }
 
-  // BRDF for any two directions (stage's frame, angles of the light in degrees). Neighbouring stops are looked up
-  // at the same half vector, so that the lobe moves instead of doubling; f `projected(wi)` `projected(wo)` is what
-  // changes slowly.
+  // BRDF for any two directions (stage's frame, angles of the light in degrees).
   value(layer, colour, theta_i, phi_i, wo) {
     const turn = this.relative ? phi_i : this.rotation;
     const fold = this.relative ? { phi: 0, x: 1, y: 1 } : this.folded(phi_i - this.rotation);
     const [c, s] = [Math.cos(turn * RAD), Math.sin(turn * RAD)];
     const out = [fold.x * (wo[0] * c + wo[1] * s), fold.y * (wo[1] * c - wo[0] * s), wo[2]];
     const wi = direction(theta_i * RAD, fold.phi * RAD);
+    const near = this.neighbours(theta_i, fold.phi);
+    return this.below ? this.through(layer, colour, wi, out, near) : this.back(layer, colour, wi, out, near);
+  }
+
+  lightThere(near) {
+    return direction(this.theta_i[near.row] * RAD, near.azimuth === null ? 0 : near.azimuth.phi * RAD);
+  }
+
+  // Neighbouring stops are looked up at the same half vector, so that the lobe moves instead of doubling; f
+  // `projected(wi)` `projected(wo)`, over what a clear facet reflects, is what changes slowly.
+  back(layer, colour, wi, out, neighbours) {
     const h = normalised([wi[0] + out[0], wi[1] + out[1], wi[2] + out[2]]);
+    const reflected = (w) => (this.eta ? fresnel(Math.abs(dot(w, h)), this.eta) : 1);
     let sum = 0, weights = 0;
-    for (const near of this.neighbours(theta_i, fold.phi)) {
-      const there = direction(this.theta_i[near.row] * RAD, near.azimuth === null ? 0 : near.azimuth.phi * RAD);
+    for (const near of neighbours) {
+      const there = this.lightThere(near);
       const twice = 2 * dot(h, there);
       const w = [twice * h[0] - there[0], twice * h[1] - there[1], twice * h[2] - there[2]];
       if (w[2] <= 0) continue;
       sum += near.weight * this.lookUp(layer, colour, near, w) * this.projected(there) * this.projected(w);
-      weights += near.weight;
+      weights += near.weight * reflected(there);
     }
-    return weights > 0 ? sum / weights / (this.projected(wi) * this.projected(out)) : 0;
+    return weights > 0 ? sum / weights / (this.projected(wi) * this.projected(out)) * reflected(wi) : 0;
+  }
+
+  // The same of light that goes through, at the half vector of refraction h along -(wi + eta wo). What is slow there is f
+  // over the `share` of facets of one normal, and as that becomes 0 sums are divided, not their parts. Where no facet
+  // refracts wi to wo light has met several, or the index is unknown: neighbours of which the same holds are mixed. Near total
+  // reflection bins are wider than what happens there: nothing is scaled up more than tenfold.
+  through(layer, colour, wi, out, neighbours) {
+    const h = this.refracting(wi, out);
+    let sum = 0, shares = 0;
+    for (const near of neighbours) {
+      const there = this.lightThere(near), to = h && refracted(there, h, this.eta);
+      if (h ? !to || to[2] >= 0 : this.refracting(there, out)) continue;
+      const w = h ? [to[0], to[1], -to[2]] : out;
+      sum += near.weight * this.lookUp(layer, colour, near, w);
+      shares += near.weight * (h ? this.share(there, w, h) : 1);
+    }
+    const own = h ? this.share(wi, out, h) : 1;
+    return shares > 0 ? sum / Math.max(shares, 0.1 * own) * own : 0;
+  }
+
+  // Where the mean plane refracts light from an angle (degrees, stage's frame); null where it does not, or is not known.
+  onwards(theta, phi) {
+    return this.eta ? refracted(direction(theta * RAD, phi * RAD), [0, 0, 1], this.eta) : null;
+  }
+
+  // The normal of the facets that refract wi to `out`, as a mirror in the horizon shows it; null: none do.
+  refracting(wi, out) {
+    if (!this.eta) return null;
+    const sign = this.eta > 1 ? -1 : 1, [x, y, z] = wi.map((a, k) => sign * (a + this.eta * (k < 2 ? out[k] : -out[k])));
+    const h = normalised([x, y, z]);
+    return h[2] > 0 && dot(wi, h) > 0 && h[0] * out[0] + h[1] * out[1] - h[2] * out[2] < 0 ? h : null;
+  }
+
+  // What facets of normal h send from wi to `out`, but for how many of them there are.
+  share(wi, out, h) {
+    const i = dot(wi, h), o = h[0] * out[0] + h[1] * out[1] - h[2] * out[2];
+    const turning = i * -o / (i + this.eta * o) ** 2 * (1 - fresnel(i, this.eta));
+    return turning / (this.projected(wi) * this.projected(out));
   }
 
   // A direction of the sample's frame in the bins of a neighbour.
