@@ -32,7 +32,7 @@ pub struct Arguments {
     /// The file (pabopto: a folder; utia: FILE.exr: the image form)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// MERL: values at the cells' centres (for nearest-cell readers)
+    /// MERL: values at the cells' centres, for nearest-cell readers
     #[arg(long)]
     merl_centre: bool,
     /// RGL: spectral, wavelengths of B, G, R: 465,532,630
