@@ -31,7 +31,7 @@ fn clear_facets_need_an_index_and_nothing_else() {
         ("material = \"glass\"\neta = 1.5", "optics.eta", "ambiguous"),
         ("material = \"glass\"\nwavelength_nm = [100]", "optics.wavelength_nm", "must lie in [310, 2500]"),
         ("eta = 1.5\nfresnel = \"exact\"", "optics.fresnel", "clear facets follow Fresnel's equations"),
-        ("eta = 1.5\npolarisation = \"s\"", "optics.polarisation", "unpolarised"),
+        ("eta = 1.5\npolarisation = \"s\"", "optics.polarisation", "\"none\" or \"mueller\""),
         ("eta = 1.5\nalbedo = 0.5", "optics.albedo", "facet = \"diffuse\""),
         ("materials = [\"glass\", \"glass\"]", "optics.materials", "is there already"),
     ] {
