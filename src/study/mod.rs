@@ -67,11 +67,12 @@ pub struct Study {
 // Tested by `a_brushed_law_returns_its_roughnesses_and_its_turn` (tests/it/study.rs).
 pub fn examine(measured: &Measured) -> Study {
     let mut study = examine_isotropy(measured);
-    let laws = laws(measured, study.dimensions == Some(4));
+    let data = data_of(measured);
+    let laws = laws(measured, &data, study.dimensions == Some(4));
     if laws.is_empty() || study.p_value.is_none() {
         return study;
     }
-    let fit = fit::best(&data_of(measured), &laws);
+    let fit = fit::best(&data, &laws);
     let value = |name: &str, alone: &str| [name, alone].into_iter().find_map(|name| fit.parameters.get(name));
     let error =
         |name: &str, alone: &str| [name, alone].into_iter().find_map(|name| fit.standard_errors.get(name));
@@ -118,13 +119,13 @@ fn joint(harmonics: &[AzimuthHarmonic]) -> Option<f64> {
 
 /// Models of the campaign's law, or of both where it has none; nothing for a mirror. Two roughnesses only where isotropy
 /// does not stand: axes that are chosen to make the most of the noise always lie apart.
-fn laws(measured: &Measured, anisotropic: bool) -> Vec<FitLaw> {
+fn laws(measured: &Measured, data: &FitData, anisotropic: bool) -> Vec<FitLaw> {
     let ndfs = match &measured.campaign.surface.kind {
         SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => vec![Ndf::Ggx, Ndf::Beckmann],
         kind => ndf_of(kind).into_iter().collect(),
     };
     let maskings = if measured.campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] };
-    let clear = data_of(measured).clear.first().copied();
+    let clear = data.clear.first().copied();
     let laws = ndfs.into_iter().flat_map(|ndf| {
         let law = move |&masking| {
             FitLaw::Microfacet(MicrofacetLaw { clear, ..MicrofacetLaw::new(ndf, masking, anisotropic) })

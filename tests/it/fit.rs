@@ -111,7 +111,7 @@ fn fitted(table: &BrdfTable, law: FitLaw) -> Fit {
 }
 
 #[track_caller]
-fn holds(fit: &Fit, name: &str, expected: f64, tolerance: f64) {
+pub fn holds(fit: &Fit, name: &str, expected: f64, tolerance: f64) {
     let found = fit.parameters.get(name).unwrap_or_else(|| panic!("{name} of {fit:?}"));
     assert!(
         (found - expected).abs() <= tolerance,

@@ -2,7 +2,7 @@
 //! from either side; a study of such light finds the sample's axes; Student's gamma is fitted with the roughness.
 
 use gonio::fit::nodes::{Lobe, StopNodes};
-use gonio::fit::{self, Fit, FitData, FitLaw, MicrofacetLaw};
+use gonio::fit::{self, FitData, FitLaw, MicrofacetLaw};
 use gonio::instrument::{Grid, GridKind};
 use gonio::optics::Fresnel;
 use gonio::optics::reflectance::Reflectance;
@@ -11,6 +11,7 @@ use gonio::table::{BrdfTable, ColourChannels, store};
 use gonio::theory::{Masking, Microfacet, Ndf};
 use gonio::validate::BinMeans;
 
+use crate::fit::holds;
 use crate::support::measuring::measured_one;
 use crate::support::program::{gonio, stdout};
 
@@ -64,15 +65,6 @@ fn table(grid: Grid, model: &Microfacet, masking: Masking, eta: f64) -> BrdfTabl
         colours: vec![colour],
         schlick: None,
     }
-}
-
-#[track_caller]
-fn holds(fit: &Fit, name: &str, expected: f64, tolerance: f64) {
-    let found = fit.parameters.get(name).unwrap_or_else(|| panic!("{name} of {fit:?}"));
-    assert!(
-        (found - expected).abs() <= tolerance,
-        "{name} = {found}, expected {expected} within {tolerance}"
-    );
 }
 
 #[test]

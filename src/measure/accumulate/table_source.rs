@@ -68,8 +68,10 @@ impl TableSource<'_> {
         let (ColourSource::Traced { place } | ColourSource::Followed { place }) = colour else {
             return [vec![], vec![]];
         };
-        let elements = if self.plan.sums.mueller_sums() > 0 { ELEMENTS } else { 0 };
-        let [mut values, mut errors] = [vec![Vec::new(); elements], vec![Vec::new(); elements]];
+        if self.plan.sums.mueller_sums() == 0 {
+            return [vec![], vec![]];
+        }
+        let [mut values, mut errors] = [vec![Vec::new(); ELEMENTS], vec![Vec::new(); ELEMENTS]];
         for (stop, sizes) in self.sizes.iter().enumerate() {
             for (bin, size) in sizes.iter().enumerate() {
                 let of = |element: usize| {
@@ -77,7 +79,7 @@ impl TableSource<'_> {
                         |stops: &Vec<TallyFlux>| (stops[stop].mueller(place, element, bin) / size) as f32;
                     stats::mean_and_se(self.flux.iter().map(one).map(f64::from))
                 };
-                let no_light = elements > 0 && of(0).0 == 0.0;
+                let no_light = of(0).0 == 0.0;
                 for (element, (values, errors)) in values.iter_mut().zip(&mut errors).enumerate() {
                     let (mean, se) = of(element);
                     let se = se.map_or(-1.0, |se| se as f32);
