@@ -24,30 +24,78 @@ impl Taps {
     pub fn iter(&self) -> impl Iterator<Item = Tap> + '_ {
         self.taps[..self.count].iter().copied()
     }
+}
 
-    fn of(nodes: &[(f64, usize, bool)], x: f64) -> Self {
-        let mut taps = [Tap { node: 0, weight: 0.0, reflected: false }; 4];
-        for (k, &(xk, node, reflected)) in nodes.iter().enumerate() {
-            // Lagrange's polynomial through up to four nodes. Divisions cost more than all else here: one for each; at
-            // the node itself both products are the same number.
-            let (mut above, mut below) = (1.0, 1.0);
-            for (j, &(xj, ..)) in nodes.iter().enumerate() {
-                if j != k {
-                    above *= x - xj;
-                    below *= xk - xj;
-                }
-            }
-            taps[k] = Tap { node, weight: above / below, reflected };
-        }
-        Taps { taps, count: nodes.len() }
+/// A node's angle, its number, and whether it is seen through the pole.
+type Node = (f64, usize, bool);
+
+/// Increasing nodes, and what Lagrange's polynomials through neighbours need.
+#[derive(Debug, Clone)]
+struct Nodes {
+    all: Vec<Node>,
+    /// By the first of four neighbours, for each of them: 1 over the product of its distances from the others. Exports
+    /// ask for billions of taps, and divisions cost more than all else there.
+    inverse: Vec<[f64; 4]>,
+    /// Nodes per angle: most axes are even.
+    density: f64,
+}
+
+impl Nodes {
+    fn new(all: Vec<Node>) -> Self {
+        let distances = |nodes: &[Node], k: usize| -> f64 {
+            (0..4).filter(|&j| j != k).map(|j| nodes[k].0 - nodes[j].0).product()
+        };
+        let inverse =
+            all.windows(4).map(|nodes| std::array::from_fn(|k| 1.0 / distances(nodes, k))).collect();
+        let density = (all.len() - 1) as f64 / (all[all.len() - 1].0 - all[0].0);
+        Nodes { all, inverse, density }
     }
+
+    /// `count` taps, 4 or fewer, of the nodes about x.
+    fn taps(&self, x: f64, count: usize) -> Taps {
+        let count = count.min(self.all.len());
+        let start = self.at_most(x).saturating_sub(count.div_ceil(2)).min(self.all.len() - count);
+        let nodes = &self.all[start..start + count];
+        let weights = match *nodes {
+            [a, b, c, d] => {
+                let [a, b, c, d] = [a, b, c, d].map(|node| x - node.0);
+                let (ab, cd) = (a * b, c * d);
+                let above = [b * cd, a * cd, ab * d, ab * c];
+                std::array::from_fn(|k| above[k] * self.inverse[start][k])
+            }
+            [a, b, c] => [weight(x, a, [b, c]), weight(x, b, [a, c]), weight(x, c, [a, b]), 0.0],
+            [a, b] => [weight(x, a, [b]), weight(x, b, [a]), 0.0, 0.0],
+            _ => [1.0, 0.0, 0.0, 0.0],
+        };
+        let mut taps = [Tap { node: 0, weight: 0.0, reflected: false }; 4];
+        for ((tap, &(_, node, reflected)), weight) in taps.iter_mut().zip(nodes).zip(weights) {
+            *tap = Tap { node, weight, reflected };
+        }
+        Taps { taps, count }
+    }
+
+    /// How many of the angles are at most `x`. On an even axis it takes no search.
+    fn at_most(&self, x: f64) -> usize {
+        let (nodes, n) = (&self.all, self.all.len());
+        let even = (x - nodes[0].0) * self.density;
+        let count = (even.clamp(0.0, n as f64) as usize + 1).min(n);
+        if nodes[count - 1].0 <= x && nodes.get(count).is_none_or(|next| next.0 > x) {
+            return count;
+        }
+        nodes.partition_point(|node| node.0 <= x)
+    }
+}
+
+/// Lagrange's weight of a node among few.
+fn weight<const N: usize>(x: f64, node: Node, others: [Node; N]) -> f64 {
+    others.iter().map(|other| (x - other.0) / (node.0 - other.0)).product()
 }
 
 /// Increasing angles from the pole, radians; beyond the last the value there holds.
 #[derive(Debug, Clone)]
 pub(crate) struct Polar {
-    /// (angle, node, reflected), those through the pole first.
-    extended: Vec<(f64, usize, bool)>,
+    /// Those through the pole first.
+    nodes: Nodes,
 }
 
 impl Polar {
@@ -55,10 +103,10 @@ impl Polar {
     pub fn new(nodes: &[f64], through_pole: bool) -> Self {
         let first = usize::from(nodes[0] == 0.0);
         let mirrored = nodes.iter().enumerate().skip(first).take(if through_pole { 2 } else { 0 });
-        let mut extended: Vec<_> = mirrored.map(|(k, &t)| (-t, k, true)).collect();
-        extended.reverse();
-        extended.extend(nodes.iter().enumerate().map(|(k, &t)| (t, k, false)));
-        Polar { extended }
+        let mut all: Vec<Node> = mirrored.map(|(k, &t)| (-t, k, true)).collect();
+        all.reverse();
+        all.extend(nodes.iter().enumerate().map(|(k, &t)| (t, k, false)));
+        Polar { nodes: Nodes::new(all) }
     }
 
     /// The cubic's taps at `x` >= 0.
@@ -72,30 +120,31 @@ impl Polar {
     }
 
     fn taps(&self, x: f64, count: usize) -> Taps {
-        let nodes = &self.extended;
-        let count = count.min(nodes.len());
-        let x = x.clamp(nodes[0].0, nodes[nodes.len() - 1].0);
-        let above = at_most(nodes, |node| node.0, x);
-        let start = above.saturating_sub(count / 2 + count % 2).min(nodes.len() - count);
-        Taps::of(&nodes[start..start + count], x)
+        let all = &self.nodes.all;
+        self.nodes.taps(x.clamp(all[0].0, all[all.len() - 1].0), count)
     }
 }
 
 /// Azimuths on the circle, radians.
 #[derive(Debug, Clone)]
 pub(crate) struct AzimuthCircle {
-    /// Increasing, in [0, 2 pi).
-    nodes: Vec<f64>,
+    /// With the last two a turn before and the first two a turn later.
+    nodes: Nodes,
+    count: usize,
 }
 
 impl AzimuthCircle {
-    /// The nodes must increase strictly and lie in [0, 2 pi).
-    pub fn new(nodes: Vec<f64>) -> Self {
-        AzimuthCircle { nodes }
+    /// The azimuths must increase strictly and lie in [0, 2 pi).
+    pub fn new(azimuths: Vec<f64>) -> Self {
+        let count = azimuths.len();
+        let turned = |turn: f64| azimuths.iter().enumerate().map(move |(k, &phi)| (phi + turn, k, false));
+        let more = count.min(2);
+        let all = turned(-TAU).skip(count - more).chain(turned(0.0)).chain(turned(TAU).take(more));
+        AzimuthCircle { nodes: Nodes::new(all.collect()), count }
     }
 
     pub fn cubic(&self, x: f64) -> Taps {
-        self.taps(x, if self.nodes.len() < 4 { 2 } else { 4 })
+        self.taps(x, if self.count < 4 { 2 } else { 4 })
     }
 
     pub fn linear(&self, x: f64) -> Taps {
@@ -104,42 +153,15 @@ impl AzimuthCircle {
 
     /// The widest step between neighbours.
     pub fn widest_gap(&self) -> f64 {
-        let n = self.nodes.len();
-        let step = |k: usize| (self.nodes[(k + 1) % n] - self.nodes[k]).rem_euclid(TAU);
-        if n == 1 { TAU } else { (0..n).map(step).fold(0.0, f64::max) }
+        let step = |pair: &[Node]| pair[1].0 - pair[0].0;
+        self.nodes.all.windows(2).map(step).fold(0.0, f64::max)
     }
 
     fn taps(&self, x: f64, count: usize) -> Taps {
-        let n = self.nodes.len();
-        let count = count.min(n);
-        // No remainders, which are as dear as divisions: most angles are in range, and at most one turn is crossed.
+        // No remainder, which is as dear as a division: most angles are in range.
         let x = if (0.0..TAU).contains(&x) { x } else { x.rem_euclid(TAU) };
-        let above = at_most(&self.nodes, |&node| node, x) as isize;
-        let start = above - (count / 2 + count % 2) as isize;
-        let mut nodes = [(0.0, 0, false); 4];
-        for (k, slot) in nodes.iter_mut().take(count).enumerate() {
-            let (index, n) = (start + k as isize, n as isize);
-            let (wrapped, turn) = match index {
-                below if below < 0 => (below + n, -TAU),
-                beyond if beyond >= n => (beyond - n, TAU),
-                inside => (inside, 0.0),
-            };
-            *slot = (self.nodes[wrapped as usize] + turn, wrapped as usize, false);
-        }
-        Taps::of(&nodes[..count], x)
+        self.nodes.taps(x, count.min(self.count))
     }
-}
-
-/// How many of the increasing angles are at most `x`. Most axes are even: there it takes no search.
-fn at_most<T>(nodes: &[T], angle: impl Fn(&T) -> f64, x: f64) -> usize {
-    let n = nodes.len();
-    let (first, last) = (angle(&nodes[0]), angle(&nodes[n - 1]));
-    let even = (x - first) / (last - first) * (n - 1) as f64;
-    let count = (even.clamp(0.0, n as f64) as usize + 1).min(n);
-    if angle(&nodes[count - 1]) <= x && nodes.get(count).is_none_or(|next| angle(next) > x) {
-        return count;
-    }
-    nodes.partition_point(|node| angle(node) <= x)
 }
 
 #[cfg(test)]

@@ -157,12 +157,12 @@ impl IncidenceValues {
         let size = self.row_count * self.column_count;
         let first = (ti * self.azimuths + fold.place) * size;
         let mut found = [0.0; 3];
-        for row in rows.iter() {
-            for column in far.as_ref().filter(|_| row.reflected).unwrap_or(&near).iter() {
-                let at = first + row.node * self.column_count + column.node;
-                for (value, values) in found.iter_mut().zip(&self.values) {
-                    *value += row.weight * column.weight * f64::from(values[at]);
-                }
+        for (found, values) in found.iter_mut().zip(&self.values) {
+            for row in rows.iter() {
+                let line = &values[first + row.node * self.column_count..][..self.column_count];
+                let columns = far.as_ref().filter(|_| row.reflected).unwrap_or(&near);
+                let along: f64 = columns.iter().map(|tap| tap.weight * f64::from(line[tap.node])).sum();
+                *found += row.weight * along;
             }
         }
         found.map(|value| value.max(0.0))

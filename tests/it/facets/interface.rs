@@ -95,7 +95,7 @@ fn light_goes_straight_through_what_hardly_refracts() {
                 "name = \"clear\"\n[surface]\nrealisations = 8\n{surface}\n[optics]\nfacet = \"dielectric\"\n\
                  eta = 1.000000000000002\n[light]\nside = \"{side}\"\ntheta_i_deg = [4, 42, 73]\nazimuth = \"absolute\"\n\
                  phi_i_deg = [33]\n[sensor.hemisphere]\nside = \"both\"\n[trace]\nbounces = {bounces}\n[stop]\n\
-                 samples = 65536\n"
+                 samples = 16384\n"
             ));
             let table = &tables[0].table;
             let sensor = Sensor::new(&table.grid);

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::DVec3;
-use gonio::instrument::klems::{FULL, middles, patches, patches_of_side};
-use gonio::instrument::{Grid, GridKind};
+use gonio::instrument::klems::{Basis, FULL, middles, patches, patches_of_side};
+use gonio::instrument::{Grid, GridKind, Region};
 use gonio::interchange::radiance::xml::SampleSide;
 use gonio::interchange::radiance::xml_writer::{Block, write};
 use gonio::interchange::radiance::{klems, tensor_tree};
@@ -156,21 +156,29 @@ fn resampled_formats_hold_what_goes_through() {
     for (format, through) in [(Format::Klems, None), (Format::TensorTree, None), (Format::Zemax, Some(true))]
     {
         let path = folder.path().join(format.name());
-        let written = interchange::export(&own, format, &Options { through, ..Options::default() }, &path);
-        let written = written.expect("written");
+        let options = Options { through, klems: Some(Basis::Half), ..Options::default() };
+        let written = interchange::export(&own, format, &options, &path).expect("written");
         let kept = if through.is_some() { own.side(true).expect("there") } else { own.clone() };
         let (found, _) =
             interchange::import(&path, format, &Options::default(), Some(&kept.grid)).expect("read");
         let (a, b) = (&found.colours[0].total, &kept.colours[0].total);
-        let off = a.iter().zip(b).map(|(a, b)| f64::from((a - b).abs() / b)).fold(0.0, f64::max);
-        // Patches are 30 degrees wide at the horizon: half of that, times the slope of ln f, 0.5 along the sensor's azimuth
-        // and 0.3 along the light's at most. Turned azimuths or exchanged sides are up to 100 % off.
+        let off = (0..a.len()).filter(|&entry| within_60_degrees(&kept.grid, entry));
+        let off = off.map(|k| f64::from((a[k] - b[k]).abs() / b[k])).fold(0.0, f64::max);
+        // Patches of the half basis are 30 degrees wide there: half of that, times the slope of ln f, 0.5 along the sensor's
+        // azimuth and 0.3 along the light's at most. Turned azimuths or exchanged sides are up to 100 % off.
         let limit = if format == Format::Zemax { 0.02 } else { 0.8 * 15f64.to_radians() };
         assert!(off < limit, "{}: {off}", format.name());
         let curves = [&written.albedo, &written.transmittance].map(|curve| curve.as_ref().map(|c| c.through));
         assert_eq!(curves, [through.is_none().then_some(false), Some(true)], "{}", format.name());
         assert!(written.transmittance.expect("a curve").worst < 0.01, "{}", format.name());
     }
+}
+
+/// Whether light and sensor are so near to the normal, on either side.
+fn within_60_degrees(grid: &Grid, entry: usize) -> bool {
+    let (stop, bin) = (entry / grid.bins(), entry % grid.bins());
+    let Region::Rectangle { theta: [low, high], .. } = grid.regions(stop)[bin] else { return false };
+    grid.wi(stop).z > 0.499 && (0.5 * (low + high)).cos().abs() > 0.5
 }
 
 /// Radiance's frame, from its source: `Back` is light from +z; x and y of a patch of the light are those of -wi, of the
@@ -371,9 +379,12 @@ fn what_a_format_cannot_hold_is_left_out_where_the_user_says_so() {
             let why = export(table, format, side).expect_err("no place");
             assert!(why.contains("no place for light") && !why.contains("--side reflection"), "{why}");
         }
-        let [asked, only] =
-            [(&both, Some(false)), (&alone, None)].map(|(table, side)| export(table, format, side));
-        assert_eq!(asked.expect("written").read_back, only.expect("written").read_back);
+        // MERL's million cells would show no more.
+        if format != Format::Merl {
+            let [asked, only] =
+                [(&both, Some(false)), (&alone, None)].map(|(table, side)| export(table, format, side));
+            assert_eq!(asked.expect("written").read_back, only.expect("written").read_back);
+        }
     }
     let why = export(&both, Format::Zemax, None).expect_err("one of them");
     assert!(why.contains("--side reflection or --side transmission"), "{why}");
