@@ -1,6 +1,8 @@
 //! Materials by name: reflectance at normal incidence for Schlick's Fresnel, n and k over wavelengths where they are
 //! published.
 
+use serde::Serialize;
+
 use super::parse::faults::nearest;
 use super::parse::index_file::Dispersion;
 use super::schema::Medium;
@@ -23,8 +25,48 @@ pub const MATERIALS: [(&str, [f64; 3]); 13] = [
     ("stone", [0.045; 3]),
 ];
 
+/// What is known of a material, for a list of all.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MaterialEntry {
+    /// Its name.
+    pub name: &'static str,
+    /// F0, linear R, G, B.
+    pub f0: Option<[f64; 3]>,
+    /// Where n and k are known, nm.
+    pub index_nm: Option<[f64; 2]>,
+    /// Where n of a clear facet is known, nm.
+    pub clear_nm: Option<[f64; 2]>,
+    /// n of a clear facet at 550 nm.
+    pub clear_n_550: Option<f64>,
+}
+
+/// Every material that has a name.
+pub fn all() -> Vec<MaterialEntry> {
+    let names = MATERIALS.iter().map(|(name, _)| *name);
+    let others = clear_names().into_iter().filter(|name| f0_of(name).is_none());
+    let range = |rows: Vec<Medium>| Some([rows.first()?.wavelength_nm?, rows.last()?.wavelength_nm?]);
+    let entry = |name| MaterialEntry {
+        name,
+        f0: f0_of(name),
+        index_nm: index_of(name).and_then(range),
+        clear_nm: CLEAR
+            .iter()
+            .find(|(known, ..)| *known == name)
+            .map(|(.., nm)| *nm)
+            .or_else(|| (name == "ice").then(|| range(media(&ICE))).flatten()),
+        clear_n_550: clear(name).and_then(|known| known.at(550.0)).map(|medium| medium.eta),
+    };
+    names.chain(others).map(entry).collect()
+}
+
+/// The name by which a material is known here: British and American spellings are one.
+fn spelled(name: &str) -> &str {
+    if name == "aluminium" { "aluminum" } else { name }
+}
+
 /// F0 of a material by its name.
 pub fn f0_of(name: &str) -> Option<[f64; 3]> {
+    let name = spelled(name);
     MATERIALS.iter().find(|(known, _)| *known == name).map(|(_, f0)| *f0)
 }
 
@@ -61,6 +103,7 @@ pub fn names_with_index() -> [&'static str; 8] {
 
 /// n and k of a material by its name, at increasing wavelengths.
 pub fn index_of(name: &str) -> Option<Vec<Medium>> {
+    let name = spelled(name);
     let (_, rows) = INDICES.iter().find(|(known, _)| *known == name)?;
     Some(media(rows))
 }
@@ -310,6 +353,7 @@ mod tests {
             assert_eq!(f0_of(name), Some(*f0));
         }
         assert_eq!(f0_of("unobtainium"), None);
+        assert_eq!((f0_of("aluminium"), index_of("aluminium")), (f0_of("aluminum"), index_of("aluminum")));
     }
 
     #[test]

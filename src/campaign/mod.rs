@@ -13,7 +13,7 @@ use crate::text_decoding::decode_text;
 mod difference;
 pub mod materials;
 pub mod parse;
-mod presets;
+pub mod presets;
 pub mod schema;
 mod to_toml;
 

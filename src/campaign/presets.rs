@@ -25,7 +25,8 @@ pub struct Preset {
     pub left_out: &'static str,
 }
 
-const PRESETS: [Preset; 7] = [
+/// All of them.
+pub const ALL: [Preset; 7] = [
     Preset {
         name: "utia",
         source: "Filip and Vavra 2014, Template-based sampling of anisotropic BRDFs (UTIA BRDF database)",
@@ -83,7 +84,7 @@ pub(super) fn arms(
     through: bool,
 ) -> Option<(Preset, Option<LightArm>, Option<SensorArm>)> {
     let table = || slot.table();
-    let words = PRESETS.map(|preset| (preset.name, preset));
+    let words = ALL.map(|preset| (preset.name, preset));
     let preset = table()?.slot("name").required("the instrument, such as \"utia\"")?.choice(&words)?;
     let (light, sensor) = match preset.name {
         "utia" => utia(table()?),

@@ -26,9 +26,9 @@ use crate::table::TableRows;
 pub struct Arguments {
     /// The table
     table: PathBuf,
-    /// One of the formats below
+    /// One of the formats below, where the file's name leaves it open
     #[arg(long, value_name = "FORMAT")]
-    to: String,
+    to: Option<String>,
     /// The file (pabopto: a folder; utia: FILE.exr: the image form)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -59,9 +59,12 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let format = format_of("--to", &arguments.to)?;
+    let format = match &arguments.to {
+        Some(name) => format_of("--to", name)?,
+        None => only("--to", &arguments.output, &Format::of_name(&arguments.output))?,
+    };
     if arguments.klems.is_some() && format != Format::Klems {
-        return Err(Error::Usage(format!("--klems chooses a basis of klems, not of --to {}", arguments.to)));
+        return Err(Error::Usage(format!("--klems chooses a basis of klems, not of {}", format.name())));
     }
     let options = options_of(arguments.merl_centre, &arguments.wavelengths_nm);
     let albedo_error = arguments.allow_albedo_error.map(|percent| 0.01 * percent);
@@ -143,6 +146,26 @@ pub fn options_of(merl_centre: bool, wavelengths_nm: &[f64]) -> Options {
 /// A format by its name on the command line.
 pub fn format_of(option: &str, name: &str) -> Result<Format> {
     name.parse().map_err(|why: String| Error::Usage(format!("{option} {name}: {why}")))
+}
+
+/// The one format that a file's name leaves possible.
+pub fn only(option: &str, file: &Path, possible: &[Format]) -> Result<Format> {
+    match possible {
+        [format] => Ok(*format),
+        [] => Err(Error::Usage(format!(
+            "{}: the name does not say which format; {option} {}",
+            file.display(),
+            Format::ALL.map(Format::name).join("|")
+        ))),
+        several => {
+            let names: Vec<&str> = several.iter().map(|format| format.name()).collect();
+            Err(Error::Usage(format!(
+                "{}: {option} {}?",
+                file.display(),
+                names.join(&format!(" or {option} "))
+            )))
+        }
+    }
 }
 
 /// Refuses to write over what is read, and over what is there.

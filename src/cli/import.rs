@@ -1,11 +1,12 @@
 //! `gonio import`: a table from another program's file, or campaigns from maps of GGX parameters.
 
-use std::path::PathBuf;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
 
-use super::export::{check_output, format_of, options_of};
+use super::export::{check_output, format_of, only, options_of};
 use super::text::output::{Output, to_json, warn, wrapped};
 use crate::error::{Error, Result};
 use crate::files;
@@ -28,9 +29,9 @@ const MOST_CAMPAIGNS: usize = 10_000;
 pub struct Arguments {
     /// The file
     file: PathBuf,
-    /// One of the formats below
+    /// One of the formats below, where the file does not say
     #[arg(long, value_name = "FORMAT")]
-    from: String,
+    from: Option<String>,
     /// The table (maps: the folder) to write
     #[arg(short, long, value_name = "TABLE.exr")]
     output: PathBuf,
@@ -61,21 +62,24 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    if arguments.from == "maps" {
+    if arguments.from.as_deref() == Some("maps") {
         return campaigns(arguments);
     }
-    let format = format_of("--from", &arguments.from)?;
+    let format = match &arguments.from {
+        Some(name) => format_of("--from", name)?,
+        None => guessed(&arguments.file)?,
+    };
     if !arguments.texel.is_empty() || arguments.every.is_some() {
         return Err(Error::Usage(format!(
-            "--texel and --every choose texels of maps, not of --from {}",
-            arguments.from
+            "--texel and --every choose texels of maps, not of {}",
+            format.name()
         )));
     }
     check_output(&arguments.file, &arguments.output, arguments.force)?;
     if arguments.side.is_some() && !matches!(format, Format::Klems | Format::TensorTree) {
         return Err(Error::Usage(format!(
-            "--side chooses a block of klems and tensor_tree, not of --from {}",
-            arguments.from
+            "--side chooses a block of klems and tensor_tree, not of {}",
+            format.name()
         )));
     }
     let (side, isotropic) = (arguments.side, arguments.isotropic);
@@ -112,6 +116,21 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         out.lines(wrapped("table  ", &text))?;
     }
     Ok(0)
+}
+
+/// How much of a file is looked at to tell formats whose names end alike: an XML file may begin with a geometry.
+const HEAD: u64 = 1 << 20;
+
+/// The format of a file by its name and its first bytes.
+fn guessed(file: &Path) -> Result<Format> {
+    let mut possible = Format::of_name(file);
+    possible.retain(|format| format.is_read());
+    if possible.len() > 1 {
+        let mut head = Vec::new();
+        files::open(file)?.take(HEAD).read_to_end(&mut head).map_err(|e| Error::io(file, e))?;
+        possible.retain(|format| format.begins(&head));
+    }
+    only("--from", file, &possible)
 }
 
 /// A campaign for each wanted texel, all checked before the first is written. Of a grid, texels that no campaign may

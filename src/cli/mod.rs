@@ -10,20 +10,24 @@ use clap::{ColorChoice, Parser, Subcommand};
 
 use crate::error::{Error, Result};
 use crate::job::threads;
-use text::output::warn;
+use text::output::{Output, warn};
 
 mod albedo;
 mod bench;
 mod check;
+mod cite;
 mod compare;
 mod export;
 mod fit;
 mod import;
+mod init;
+mod lists;
 mod measure;
 mod merge;
 pub mod process;
 mod recolour;
 mod report;
+mod shell;
 mod study;
 mod surface;
 mod table_file;
@@ -57,8 +61,16 @@ enum Verb {
     Import(import::Arguments),
     Bench(bench::Arguments),
     Report(report::Arguments),
+    #[command(visible_alias = "recolor")]
     Recolour(recolour::Arguments),
     Albedo(albedo::Arguments),
+    Init(init::Arguments),
+    Materials(lists::materials::Arguments),
+    Presets(lists::presets::Arguments),
+    Formats(lists::formats::Arguments),
+    Cite(cite::Arguments),
+    Completions(shell::completions::Arguments),
+    Man(shell::man::Arguments),
 }
 
 impl Verb {
@@ -70,8 +82,7 @@ impl Verb {
             Verb::Bench(arguments) => arguments.threads,
             Verb::Study(arguments) => arguments.threads,
             Verb::Albedo(arguments) => arguments.threads,
-            Verb::Check(_) | Verb::Validate(_) | Verb::Compare(_) | Verb::Fit(_) | Verb::Report(_) => 0,
-            Verb::Export(_) | Verb::Import(_) | Verb::Recolour(_) | Verb::Merge(_) => 0,
+            _ => 0,
         }
     }
 
@@ -91,6 +102,13 @@ impl Verb {
             Verb::Report(arguments) => report::run(arguments),
             Verb::Recolour(arguments) => recolour::run(arguments),
             Verb::Albedo(arguments) => albedo::run(arguments),
+            Verb::Init(arguments) => init::run(arguments),
+            Verb::Materials(arguments) => lists::materials::run(arguments),
+            Verb::Presets(arguments) => lists::presets::run(arguments),
+            Verb::Formats(arguments) => lists::formats::run(arguments),
+            Verb::Cite(arguments) => cite::run(arguments),
+            Verb::Completions(arguments) => shell::completions::run(arguments),
+            Verb::Man(arguments) => shell::man::run(arguments),
         }
     }
 }
@@ -102,6 +120,11 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
     panic::set_hook(Box::new(|panic| remember(&panic.to_string())));
     process::ending::survive_limits();
     let ended = guarded(|| {
+        let words: Vec<OsString> = words.into_iter().collect();
+        if shell::version::is_asked(&words) {
+            Output::default().lines(shell::version::lines())?;
+            return Ok(0);
+        }
         let arguments = match Arguments::try_parse_from(words) {
             Ok(arguments) => arguments,
             Err(answer) => {

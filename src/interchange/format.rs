@@ -1,5 +1,6 @@
 //! The one list of formats.
 
+use std::path::Path;
 use std::str::FromStr;
 
 use super::codec::Codec;
@@ -74,6 +75,66 @@ impl Format {
             Format::Astm => &astm::Astm,
             Format::Ssdd => &ssdd::Ssdd,
             Format::Pabopto => &pabopto::Pabopto,
+        }
+    }
+
+    /// What it is, in a line.
+    pub fn about(self) -> &'static str {
+        match self {
+            Format::Npz => "NumPy arrays of all channels, with the axes",
+            Format::Npy => "one NumPy array of the totals",
+            Format::Csv => "a line a bin: angles, values, errors",
+            Format::Merl => "90 x 90 x 180 half and difference angles, isotropic (MERL database)",
+            Format::Rgl => "the adaptive tensor file of Mitsuba's `measured` (EPFL RGL database)",
+            Format::Utia => "288 x 288 directions (UTIA database); FILE.exr: the image form",
+            Format::ExrParts => "one EXR part for each incidence",
+            Format::Klems => "Radiance XML, a matrix of Klems patches (WINDOW, pyradiance)",
+            Format::TensorTree => "Radiance XML, a tree of rank 3 or 4 that divides where it pays",
+            Format::Zemax => "Zemax BSDF text about the mirror direction",
+            Format::Astm => "ASTM E1392 and E2387 text, a line a pair of directions",
+            Format::Ssdd => "SSDD text of libbsdf, lists of angles",
+            Format::Pabopto => "a folder of pab-opto gonio files",
+        }
+    }
+
+    /// How names of its files end.
+    pub fn endings(self) -> &'static [&'static str] {
+        match self {
+            Format::Npz => &["npz"],
+            Format::Npy => &["npy"],
+            Format::Csv => &["csv"],
+            Format::Merl => &["binary"],
+            Format::Rgl => &["bsdf"],
+            Format::Utia => &["bin"],
+            Format::ExrParts => &["exr"],
+            Format::Klems | Format::TensorTree => &["xml"],
+            Format::Zemax => &["bsdf"],
+            Format::Astm => &["astm"],
+            Format::Ssdd => &["ssdd"],
+            Format::Pabopto => &[],
+        }
+    }
+
+    /// Whether its files are read.
+    pub fn is_read(self) -> bool {
+        !matches!(self, Format::Npy | Format::Pabopto)
+    }
+
+    /// The formats whose files have names that end like this one.
+    pub fn of_name(path: &Path) -> Vec<Format> {
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_lowercase();
+        Self::ALL.into_iter().filter(|format| format.endings().contains(&ending.as_str())).collect()
+    }
+
+    /// Whether a file that begins like this may be one, of formats whose names end alike.
+    pub fn begins(self, head: &[u8]) -> bool {
+        let has = |word: &[u8]| head.windows(word.len()).any(|part| part == word);
+        match self {
+            Format::Rgl => head.starts_with(b"tensor_file"),
+            Format::Zemax => !head.starts_with(b"tensor_file"),
+            Format::TensorTree => has(b"TensorTree"),
+            Format::Klems => !has(b"TensorTree"),
+            _ => true,
         }
     }
 

@@ -8,6 +8,7 @@ mod support;
 
 mod bench;
 mod cli;
+mod companions;
 mod diffuse_values;
 mod examples;
 mod fit;

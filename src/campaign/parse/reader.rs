@@ -237,6 +237,16 @@ impl<'a> GivenValue<'a> {
         Some(array.iter().map(element).collect())
     }
 
+    /// The elements of a list; a number stands for a list of one.
+    pub fn one_or_list(&self) -> Option<Vec<GivenValue<'a>>> {
+        let value = self.value.get_ref();
+        if value.is_integer() || value.is_float() {
+            Some(vec![GivenValue { place: self.place.clone(), value: self.value }])
+        } else {
+            self.list()
+        }
+    }
+
     /// What `read` makes of the elements of a list. All are read, so that the faults of all are told.
     pub fn each<T>(&self, read: impl Fn(&GivenValue<'a>) -> Option<T>) -> Option<Vec<T>> {
         let read: Vec<Option<T>> = self.list()?.iter().map(read).collect();

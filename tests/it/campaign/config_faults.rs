@@ -528,7 +528,7 @@ fn indices_outside_physics_are_refused() {
     one(&lists.replace("[450, 550]", "[0.45, 550]"), nm, "must lie in [1, 1e6]");
     let unnamed = with(gold, "eta = [1.5, 1.6]");
     one_fault(&unnamed, "[optics]", nm, "a wavelength for each entry of eta");
-    one("eta = 1.5\nwavelength_nm = [550]", nm, "belongs to lists of eta and k");
+    one("eta = 1.5\nwavelength_nm = [550, 600]", nm, "has 2 entries, eta has 1");
     one("material = \"gold\"\nwavelength_nm = [550]", nm, "belongs to eta, file or fresnel");
     let exact = |what: &str| format!("{what}\nfresnel = \"exact\"");
     one(&exact("material = \"skin\""), "optics.material", "has no n and k here");

@@ -108,7 +108,7 @@ impl MaterialKeys<'_> {
             return default.iter().map(|&nm| known.at(nm)).collect();
         };
         let nm = increasing(item)?;
-        let found = item.list()?.into_iter().zip(nm).map(|(element, nm)| {
+        let found = item.one_or_list()?.into_iter().zip(nm).map(|(element, nm)| {
             known.at(nm).or_else(|| {
                 let [low, high] = known.ends().map(plain);
                 element.refuse(format!("must lie in [{low}, {high}]: n and k are not known elsewhere"))
@@ -132,17 +132,16 @@ impl MaterialKeys<'_> {
     /// `eta` and `k`: one index, or one for each wavelength.
     pub fn listed(&self, eta: &GivenValue<'_>) -> Option<Vec<Medium>> {
         let medium = |wavelength_nm, eta, k| Medium { wavelength_nm, eta, k };
-        if eta.list_length().is_none() {
-            let clean = self.wavelength.absent("belongs to lists of eta and k");
+        if eta.list_length().is_none() && self.wavelength.given().is_none() {
             let (n, k) = (eta.float(&ETA), self.k.or(0.0, |i| i.float(&K)));
-            let (n, k, ()) = (n?, k?, clean?);
+            let (n, k) = (n?, k?);
             return if n == 1.0 && k == 0.0 {
                 eta.refuse(NO_SURFACE)
             } else {
                 Some(vec![medium(None, n, k)])
             };
         }
-        let count = eta.list_length().unwrap_or_default();
+        let count = eta.list_length().unwrap_or(1);
         let n = numbers(eta, &ETA);
         let k = self.k.or(vec![0.0; count], |i| numbers(i, &K));
         let nm = self.wavelength.required("a wavelength for each entry of eta").and_then(increasing);
@@ -154,7 +153,7 @@ impl MaterialKeys<'_> {
             }
         }
         if let Some(at) = (0..count).find(|&at| n[at] == 1.0 && k[at] == 0.0) {
-            return eta.list()?[at].refuse(NO_SURFACE);
+            return eta.one_or_list()?[at].refuse(NO_SURFACE);
         }
         Some((0..count).map(|at| medium(Some(nm[at]), n[at], k[at])).collect())
     }
@@ -185,11 +184,13 @@ fn index(material: Option<String>, media: Vec<Medium>, law: FresnelLaw) -> Optic
 
 /// A list of at least one number and at most as many as a table has colours.
 fn numbers(item: &GivenValue<'_>, bounds: &Bounds) -> Option<Vec<f64>> {
-    let count = item.list()?.len();
+    let elements = item.one_or_list()?;
+    let count = elements.len();
     if !(1..=MOST_COLOURS).contains(&count) {
         return item.refuse(format!("has {count} entries; 1 to {MOST_COLOURS} are allowed"));
     }
-    item.each(|i| i.float(bounds))
+    let read: Vec<Option<f64>> = elements.iter().map(|element| element.float(bounds)).collect();
+    read.into_iter().collect()
 }
 
 /// Wavelengths, which increase.

@@ -1,0 +1,27 @@
+//! `gonio completions`: the words of the command line for a shell.
+
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+
+use crate::error::{Error, Result};
+
+/// Print the completions of a shell: bash, elvish, fish, powershell, zsh
+#[derive(Args)]
+#[command(after_help = "Example: gonio completions bash > ~/.local/share/bash-completion/completions/gonio")]
+pub struct Arguments {
+    /// The shell
+    #[arg(value_enum)]
+    shell: Shell,
+}
+
+pub fn run(arguments: &Arguments) -> Result<u8> {
+    let mut script = Vec::new();
+    clap_complete::generate(arguments.shell, &mut crate::cli::Arguments::command(), "gonio", &mut script);
+    match io::stdout().lock().write_all(&script) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io(Path::new("stdout"), e)),
+        _ => Ok(0),
+    }
+}
