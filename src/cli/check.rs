@@ -20,6 +20,9 @@ use crate::validate::prediction::aperture::worst;
 pub struct Arguments {
     /// The campaign, a TOML file
     campaign: PathBuf,
+    /// Say of all that is skipped why, and what that saves
+    #[arg(short, long)]
+    verbose: bool,
     /// Print one JSON document: faults, plan, notes
     #[arg(long)]
     json: bool,
@@ -57,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     out.lines(preset.iter().flat_map(plan::preset))?;
     out.lines(plan::facts(&campaign, &plan, Disk::of(&campaign, &plan, SIZE_LIMIT)))?;
     out.lines(worst(&campaign).iter().flat_map(plan::aperture))?;
-    out.lines(plan::skipped(&plan))?;
+    out.lines(if arguments.verbose { plan::reasons(&plan) } else { plan::skipped(&plan) })?;
     Ok(0)
 }
 

@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 
 use super::table_file::{self, Opened};
 use super::text::output::{Output, to_json, warn, wrapped};
+use super::text::progress::Stage;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
@@ -78,6 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     };
     let (klems, through) = (arguments.klems, arguments.side);
     let options = Options { klems, through, back, albedo_error, ..options };
+    let stage = Stage::begin("writing the file, and reading it back");
     let export = match table_file::open_as_stored(&arguments.table, TableRows::row_bytes)? {
         Opened::Whole(table) => {
             let alone = !format.codec().traits().more_than_totals && table.gaps() == 0;
@@ -93,6 +95,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         }
         Opened::Rows(rows) => return Err(table_file::too_large(&rows)),
     };
+    drop(stage);
     for note in &export.notes {
         warn(format_args!("{}: {note}", arguments.output.display()));
     }

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::table_file;
 use super::text::output::{Output, columns, or_na, to_json, wrapped};
+use super::text::progress::Stage;
 use crate::error::{Error, Result};
 use crate::fit::{self, Fit, FitData, FitLaw, Fits, NAMES};
 use crate::stats;
@@ -64,7 +65,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
             return Err(Error::Usage(format!("{}: {why}", path.display())));
         }
     }
+    let stage = Stage::begin("fitting");
     let fits = fit::fit(&data, &laws);
+    drop(stage);
     let mut out = Output::default();
     if arguments.json {
         out.json(&to_json(&fits)?)?;

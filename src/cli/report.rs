@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::table_file::{self, Opened};
 use super::text::output;
 use super::text::output::{Output, bytes, say, warn};
+use super::text::progress::Stage;
 use crate::bench::{BenchAnswer, answer};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -152,6 +153,7 @@ fn page_of(
     summary: &Summary,
     benches: &[BenchAnswer],
 ) -> Result<String> {
+    let _shown = Stage::begin("making the page");
     let specimen = campaign.map_or(Ok(Err(NO_CAMPAIGN.into())), specimen::remade)?;
     Ok(report::page(&Page { benches, ..Page::of(table, campaign, prediction, summary, specimen) }))
 }

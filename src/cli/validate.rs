@@ -7,6 +7,7 @@ use clap::Args;
 use super::table_file::{self, Opened};
 use super::text;
 use super::text::output::{Output, say, to_json};
+use super::text::progress::Stage;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::table::BrdfTable;
@@ -24,16 +25,21 @@ pub struct Arguments {
     json: bool,
 }
 
+const COMPARING: &str = "comparing the table with the formula";
+
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let path = &arguments.table;
     let verdict = match table_file::open(path, verdict::row_bytes)? {
         Opened::Whole(table) => {
             let parts = table_file::realisations_beside(path, &table)?;
-            validate::examine(&table, campaign_of(path, &table)?.as_ref(), parts.as_ref())
+            let campaign = campaign_of(path, &table)?;
+            let _shown = Stage::begin(COMPARING);
+            validate::examine(&table, campaign.as_ref(), parts.as_ref())
         }
         Opened::Rows(mut rows) => {
             let parts = table_file::realisations_beside_rows(&rows)?;
             let campaign = campaign_of(path, rows.header())?;
+            let _shown = Stage::begin(COMPARING);
             validate::examine_rows(&mut rows, campaign.as_ref(), parts.as_ref(), table_file::band_bytes())?
         }
     };

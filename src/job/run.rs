@@ -42,6 +42,7 @@ impl Run<'_> {
         watcher.measuring(run.starts(), plan.total_samples);
         let session = Session {
             progress: &|samples| watcher.samples(samples),
+            stage: &|text| watcher.stage(text),
             note: &|text| watcher.warn(&text),
             interrupted: watcher.interrupted().unwrap_or(&NEVER),
             checkpoint: Some((&files.checkpoint, number)),

@@ -60,8 +60,10 @@ impl TableWriting<'_> {
                     Some(output) => output,
                     None => TableOutput::new(self.open[at], &measured, self.plan, self.realisations_limit)?,
                 };
+                self.watcher.stage("comparing the table with the formula");
                 output.take(measured, first)?;
                 if is_last {
+                    self.watcher.stage("writing table, page and summary");
                     self.watcher.written(&output.finish(self.memory, &cost, &specimen)?)?;
                 } else {
                     outputs[at] = Some(output);

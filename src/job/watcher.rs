@@ -38,6 +38,9 @@ pub trait Watcher: Sync {
     /// So many more samples are measured; from any thread.
     fn samples(&self, _more: u64) {}
 
+    /// What is done now besides tracing, as `making patches 3 to 4 of 16`; empty: nothing.
+    fn stage(&self, _text: &str) {}
+
     /// No more samples follow.
     fn measured(&self) {}
 

@@ -148,6 +148,15 @@ impl RunRounds<'_> {
 
     /// Makes patches and lays them out.
     fn mount(&mut self, realisations: &[u64]) -> Result<()> {
+        if let (Some(first), Some(last)) = (realisations.first(), realisations.last()) {
+            let all = self.context.plan.realisations;
+            let which = if first == last {
+                format!("patch {}", first + 1)
+            } else {
+                format!("patches {} to {}", first + 1, last + 1)
+            };
+            (self.context.session.stage)(&format!("making {which} of {all}"));
+        }
         let clock = Instant::now();
         let made = realisations.par_iter().map(|&k| self.patches.realisation(k));
         let made = made.collect::<Result<Vec<Specimen>>>()?;
@@ -161,6 +170,7 @@ impl RunRounds<'_> {
         self.mounted.extend(realisations.iter().copied().zip(mounted));
         let (wall_s, cpu_s) = (clock.elapsed().as_secs_f64(), cpu_seconds() - cpu);
         locked(&self.context.clocks).made_patches(wall_s, cpu_s);
+        (self.context.session.stage)("");
         Ok(())
     }
 

@@ -67,6 +67,8 @@ pub trait ProcessEnd: Sync {
 pub struct Session<'a> {
     /// Called with the samples of every finished block.
     pub progress: &'a (dyn Fn(u64) + Sync),
+    /// Called with what is done now besides tracing, as `making patches 3 to 4 of 16`; empty: nothing.
+    pub stage: &'a (dyn Fn(&str) + Sync),
     /// Called with what the user should know.
     pub note: &'a (dyn Fn(String) + Sync),
     /// Once this is set, no further blocks are begun, and running ones finished if they are short.
@@ -87,6 +89,7 @@ impl<'a> Session<'a> {
     pub fn plain(progress: &'a (dyn Fn(u64) + Sync)) -> Self {
         Session {
             progress,
+            stage: &|_| (),
             note: &|_| (),
             interrupted: &NEVER,
             checkpoint: None,

@@ -42,6 +42,10 @@ fn check_shows_the_plan_and_writes_nothing() {
     }
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
     assert!(stderr(&output).is_empty());
+    // What is skipped in a line; why, and what it saves, where that is asked for.
+    let reasons = stdout(&gonio(folder.path(), &["check", "small.toml", "-v"]));
+    let count = |text: &str| text.lines().filter(|line| line.starts_with("skipped ")).count();
+    assert!(count(&text) == 1 && count(&reasons) > 3 && reasons.contains("saves"), "{reasons}");
     let answer = json(&gonio(folder.path(), &["check", "small.toml", "--json"]));
     assert_eq!((&answer["faults"], &answer["plan"]["samples"]), (&Value::Array(vec![]), &65_536.into()));
     assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);

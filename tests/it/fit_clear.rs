@@ -15,15 +15,16 @@ use crate::fit::holds;
 use crate::support::measuring::measured_one;
 use crate::support::program::{gonio, stdout};
 
-/// 6 x 12 bins on each side that is asked for.
-fn grid(theta_i_deg: &[f64], phi_i_deg: &[f64], edges: std::ops::RangeInclusive<u32>) -> Grid {
+/// Bins of `step` degrees, in azimuth twice as wide, between these multiples of it.
+fn grid(theta_i_deg: &[f64], phi_i_deg: &[f64], step: f64, edges: std::ops::RangeInclusive<u32>) -> Grid {
+    let azimuths = (0..=(180.0 / step) as u32).map(|k| 2.0 * step * f64::from(k));
     Grid {
         kind: GridKind::Hemisphere,
         theta_i_deg: theta_i_deg.to_vec(),
         phi_i_deg: phi_i_deg.to_vec(),
         phi_r_relative: phi_i_deg.len() == 1,
-        theta_r_edges_deg: edges.map(|k| 15.0 * f64::from(k)).collect(),
-        phi_r_edges_deg: (0..=12).map(|k| 30.0 * f64::from(k) - 15.0).collect(),
+        theta_r_edges_deg: edges.map(|k| step * f64::from(k)).collect(),
+        phi_r_edges_deg: azimuths.map(|phi| phi - step).collect(),
         ..Grid::default()
     }
 }
@@ -73,7 +74,7 @@ fn nodes_below_the_horizon_agree_with_the_adaptive_cubature() {
     // of a bin's side has it to (1/16)^1.5 = 0.016 of what it holds, which is a sixteenth of the bin, and the edge takes a
     // fifth of the light at most: 2e-4.
     for (alpha, eta) in [(0.1, 1.5), (0.5, 1.5), (0.3, 1.1), (0.1, 1.0 / 1.5), (0.5, 1.0 / 1.5)] {
-        let grid = grid(&[10.0, 60.0], &[0.0], 6..=12);
+        let grid = grid(&[10.0, 60.0], &[0.0], 7.5, 12..=24);
         let model = Microfacet::isotropic(Ndf::Ggx, alpha);
         let masking = Masking::HeightCorrelated;
         let (n, side) = if eta > 1.0 {
@@ -99,7 +100,7 @@ fn an_analytic_interface_returns_its_roughness_and_its_index() {
     {
         let masking = Masking::HeightCorrelated;
         let table =
-            table(grid(&[10.0, 45.0], &[0.0], edges), &Microfacet::isotropic(ndf, alpha), masking, eta);
+            table(grid(&[10.0, 45.0], &[0.0], 15.0, edges), &Microfacet::isotropic(ndf, alpha), masking, eta);
         let data = FitData::new(&table, None, None);
         // A table of nobody knows which side its light came from.
         let fits = fit::fit(&data, &FitLaw::all(&data));
@@ -161,7 +162,7 @@ fn the_command_says_the_index_and_refuses_models_that_know_no_refraction() {
 #[test]
 fn students_gamma_is_fitted_with_the_roughness() {
     for gamma in [2.5, 6.0] {
-        let grid = grid(&[10.0, 50.0], &[0.0], 0..=6);
+        let grid = grid(&[10.0, 50.0], &[0.0], 15.0, 0..=6);
         let model = Microfacet::isotropic(Ndf::StudentT { gamma }, 0.3);
         let masking = Masking::HeightCorrelated;
         let mut table = table(grid.clone(), &model, masking, 1.5);

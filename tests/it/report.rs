@@ -466,7 +466,7 @@ fn the_ladders_of_a_bench_are_plotted() {
         bench_of(json!([row(100, 0.2), row(10_000, 0.022)]), json!([{ "varies": "samples", "fit": fit }]));
     let page = page_of(&made(1, 2, 1, [6, 12]), "bench", std::slice::from_ref(&bench));
     assert!(page.contains("Error: more samples in each, slope -0.470"));
-    // The proof is the first picture; several benches share a plot.
+    // The figures stand last; several benches share a plot.
     assert!(page.find("slope -0.470") < page.find("id=\"comparisons\""));
     assert!(!page.contains("Distance from the formula"));
     let two = page_of(&made(1, 2, 1, [6, 12]), "bench", &[bench.clone(), bench]);

@@ -78,10 +78,10 @@ pub fn campaign(
 fn of_surface(surface: Surface, purpose: Purpose, map: &Path) -> String {
     let (realisations, cells) = if purpose == Purpose::Look { (8, 256) } else { (16, 1024) };
     let patches = format!(
-        "[surface]\nrealisations = {realisations:<11} # independent patches: error bars come from their spread\n"
+        "[surface]\nrealisations = {realisations:<12} # independent patches: error bars come from their spread\n"
     );
     let heights = format!(
-        "{patches}cells = {cells:<18} # per side of a patch\ncorrelation_cells = 8.0     # how wide the bumps are, in cells\n\n"
+        "{patches}cells = {cells:<19} # per side of a patch\ncorrelation_cells = 8.0     # how wide the bumps are, in cells\n\n"
     );
     match surface {
         Surface::Ggx => {

@@ -86,8 +86,18 @@ pub fn aperture(bias: &ApertureBias) -> Vec<String> {
     line("apertures", &text)
 }
 
-/// What is skipped, why, and what that saves.
+/// What is skipped, in a few words each.
 pub fn skipped(plan: &Plan) -> Vec<String> {
+    let what: Vec<&str> = plan.skipped.iter().map(|skip| skip.what.as_str()).collect();
+    if what.is_empty() {
+        vec![]
+    } else {
+        line("skipped", &format!("{} (why, and what it saves: -v)", what.join("; ")))
+    }
+}
+
+/// What is skipped, why, and what that saves.
+pub fn reasons(plan: &Plan) -> Vec<String> {
     let text = |skip: &Saving| format!("{}: {}; saves {}", skip.what, skip.why, skip.saves);
     plan.skipped.iter().flat_map(|skip| line("skipped", &text(skip))).collect()
 }

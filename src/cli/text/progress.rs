@@ -60,6 +60,17 @@ impl RunProgress {
         }
     }
 
+    /// Says what is done besides, behind the bar; empty: nothing.
+    pub fn say(&self, stage: &str) {
+        let text = if stage.is_empty() { String::new() } else { format!("; {stage}") };
+        self.bar.iter().for_each(|bar| bar.set_message(text.clone()));
+    }
+
+    /// Whether the bar was taken away.
+    pub fn is_finished(&self) -> bool {
+        self.bar.as_ref().is_some_and(ProgressBar::is_finished)
+    }
+
     /// Takes the bar away.
     pub fn finish(&self) {
         if let Some(bar) = &self.bar {
@@ -74,8 +85,37 @@ impl Drop for RunProgress {
     }
 }
 
+/// What a command does that may take seconds, shown on a terminal until it is dropped.
+pub struct Stage(Option<ProgressBar>);
+
+impl Stage {
+    /// Begins with a text such as `validating`.
+    pub fn begin(text: &str) -> Self {
+        Stage((stderr().is_terminal() && can_tick()).then(|| {
+            let line = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+            line.set_message(text.to_string());
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
+                line.set_style(style);
+            }
+            line.enable_steady_tick(Duration::from_millis(250));
+            line
+        }))
+    }
+}
+
+impl Drop for Stage {
+    fn drop(&mut self) {
+        self.0.iter().for_each(ProgressBar::finish_and_clear);
+    }
+}
+
+/// Whether the thread that ticks can be started: a bar panics where it cannot.
+fn can_tick() -> bool {
+    std::thread::Builder::new().spawn(|| ()).is_ok()
+}
+
 fn bar(before: u64, total: u64, unit: &'static str) -> ProgressBar {
-    const TEMPLATE: &str = "{percent:>3} % [{wide_bar}] {rate}, {eta} left";
+    const TEMPLATE: &str = "{percent:>3} % [{wide_bar}] {rate}, {eta} left{msg}";
     let rate = move |state: &ProgressState, out: &mut dyn std::fmt::Write| {
         // A line that cannot be formatted is a line less.
         write!(out, "{} {unit}/s", HumanCount(state.per_sec() as u64)).ok();
@@ -87,8 +127,8 @@ fn bar(before: u64, total: u64, unit: &'static str) -> ProgressBar {
     bar.set_position(before);
     // What was there before says nothing of this run's rate.
     bar.reset_eta();
-    // The bar panics where the thread that ticks cannot be started; without one it moves as work is done.
-    if std::thread::Builder::new().spawn(|| ()).is_ok() {
+    // Without a thread that ticks it moves as work is done.
+    if can_tick() {
         bar.enable_steady_tick(Duration::from_secs(1));
     }
     bar

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::output::{Output, bytes, grouped, say, warn};
-use super::progress::RunProgress;
+use super::progress::{RunProgress, Stage};
 use super::{measured, plan};
 use crate::campaign::Campaign;
 use crate::cli::process::ending;
@@ -24,13 +24,21 @@ pub struct Terminal<'a> {
     json: bool,
     out: Mutex<Output>,
     progress: OnceLock<RunProgress>,
+    /// What is done where no bar is shown.
+    stage: Mutex<Option<Stage>>,
     leaving: Leaving<Advised<'a>>,
 }
 
 impl<'a> Terminal<'a> {
     /// Everything on stdout, or nothing but what the caller prints as JSON.
     pub fn new(json: bool, advised: Advised<'a>) -> Self {
-        Terminal { json, out: Mutex::default(), progress: OnceLock::new(), leaving: Leaving(advised) }
+        Terminal {
+            json,
+            out: Mutex::default(),
+            progress: OnceLock::new(),
+            stage: Mutex::default(),
+            leaving: Leaving(advised),
+        }
     }
 
     /// stdout, for what follows.
@@ -38,7 +46,13 @@ impl<'a> Terminal<'a> {
         self.out.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Shows a line of its own, or none.
+    fn show(&self, stage: Option<Stage>) {
+        *self.stage.lock().unwrap_or_else(PoisonError::into_inner) = stage;
+    }
+
     fn print(&self, print: impl FnOnce(&mut Output) -> Result<()>) -> Result<()> {
+        self.show(None);
         if self.json { Ok(()) } else { print(&mut self.out.lock().unwrap_or_else(PoisonError::into_inner)) }
     }
 }
@@ -88,8 +102,16 @@ impl Watcher for Terminal<'_> {
         self.progress.get().into_iter().for_each(|progress| progress.add(more));
     }
 
+    fn stage(&self, text: &str) {
+        match self.progress.get() {
+            Some(progress) if !progress.is_finished() => progress.say(text),
+            _ => self.show((!text.is_empty()).then(|| Stage::begin(text))),
+        }
+    }
+
     fn measured(&self) {
         self.progress.get().into_iter().for_each(RunProgress::finish);
+        self.stage("adding up the realisations");
     }
 
     fn written(&self, table: &WrittenTable) -> Result<()> {

@@ -116,14 +116,28 @@ fn verdict(page: &Page) -> String {
     let (Some(_), Some(laws)) = (page.summary.ok, &page.summary.verdict) else {
         return "Nothing is known that this table should agree with.".into();
     };
-    let Some(comparison) = page.summary.nearest() else { return format!("Verdict: {laws}.") };
+    let plain = in_words(page.summary.ok, laws);
+    let Some(comparison) = page.summary.nearest() else { return format!("Verdict: {laws}. {plain}") };
     let figures = &comparison.figures;
     let number = |value: Option<f64>| value.map_or("n/a".into(), |value| format!("{value:.4}"));
     let (key, distance) = figures.distance();
     format!(
-        "Verdict: {laws}. Of the maskings, {} is nearest, {} of the flux away ({key}; noise {}).",
+        "Verdict: {laws}. {plain} Of the maskings, {} is nearest, {} of the flux away ({key}; noise {}).",
         comparison.masking.replace('_', "-"),
         number(distance),
         number(figures.l1_noise)
     )
+}
+
+/// The verdict for a reader who meets the word for the first time.
+fn in_words(ok: Option<bool>, laws: &str) -> &'static str {
+    match ok {
+        Some(false) => {
+            "The table breaks a law, or is farther from the formula than such a surface is: the list says which."
+        }
+        _ if laws.starts_with("passed") => {
+            "The light adds up, arms may be exchanged, and the table is no farther from the formula than such a surface is."
+        }
+        _ => "Nothing speaks against the table, but not everything could be tested: the list says what.",
+    }
 }

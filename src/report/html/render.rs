@@ -19,7 +19,7 @@ pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
 const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLE: &str = include_str!("assets/page.css");
 /// In the order in which they build upon each other.
-const SCRIPTS: [&str; 9] = [
+const SCRIPTS: [&str; 10] = [
     include_str!("assets/table.js"),
     include_str!("assets/colours.js"),
     include_str!("assets/discs.js"),
@@ -28,6 +28,7 @@ const SCRIPTS: [&str; 9] = [
     include_str!("assets/lobe.js"),
     include_str!("assets/shading.js"),
     include_str!("assets/scene.js"),
+    include_str!("assets/save.js"),
     include_str!("assets/main.js"),
 ];
 

@@ -25,7 +25,7 @@ pub fn picture(specimen: &PatchPicture) -> Value {
     })
 }
 
-/// The first pictures of a page that has them: error against samples.
+/// Error against samples, of a page that has it.
 pub fn proof(page: &Page) -> String {
     let charts = convergence_charts(page);
     if charts.is_empty() {

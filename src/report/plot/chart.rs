@@ -3,7 +3,7 @@
 //! Input: series of numbers. Output: text that reads the same in grey: every series has a dash or a marker of its own.
 
 use super::axis::ChartAxis;
-use super::drawing::{Drawing, escaped, path, picture};
+use super::drawing::{Drawing, escaped, metadata, path, picture, quoted};
 use super::style::SeriesStyle;
 
 /// Size of the frame, and the room to its left, right, top and bottom (without the legend).
@@ -65,7 +65,26 @@ pub struct Chart {
 impl Chart {
     /// The chart as an `<svg>` element.
     pub fn svg(&self) -> String {
-        picture(&self.title, self.size(), &self.content())
+        picture(&self.title, self.size(), &(self.data() + &self.content()))
+    }
+
+    /// The numbers behind the chart, which the page offers as CSV: a line a point, with the half-width of its error.
+    fn data(&self) -> String {
+        let mut lines = vec![format!(
+            "series,{},{},half-width of the error",
+            quoted(&self.x.label),
+            quoted(&self.y.label)
+        )];
+        for (k, series) in self.series.iter().enumerate() {
+            let name =
+                if series.label.is_empty() { format!("series {}", k + 1) } else { series.label.clone() };
+            for (place, [x, y]) in series.points.iter().enumerate() {
+                let error =
+                    series.error.get(place).map_or(String::new(), |error| (*error as f32).to_string());
+                lines.push(format!("{},{},{},{error}", quoted(&name), *x as f32, *y as f32));
+            }
+        }
+        metadata(&lines)
     }
 
     /// Width and height.

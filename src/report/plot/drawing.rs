@@ -31,6 +31,16 @@ pub(super) fn picture(title: &str, [width, height]: [f64; 2], content: &str) -> 
     )
 }
 
+/// Lines of CSV inside a picture, which show nowhere.
+pub(super) fn metadata(lines: &[String]) -> String {
+    format!("<metadata>\n{}\n</metadata>\n", escaped(&lines.join("\n")))
+}
+
+/// A text as a field of CSV.
+pub(super) fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into() }
+}
+
 /// The title of a picture, escaped already.
 pub(super) fn heading(title: &str) -> String {
     format!("<text x=\"8\" y=\"20\" font-weight=\"bold\">{title}</text>")

@@ -1,6 +1,6 @@
 //! The polar plot: every lobe of one azimuth of the light over a half circle, each to its own peak.
 
-use super::drawing::{Drawing, escaped, path, picture};
+use super::drawing::{Drawing, escaped, metadata, path, picture};
 use super::style::{MEASURED, model_style};
 use crate::report::slices::Scene;
 
@@ -26,7 +26,9 @@ pub fn polar(scene: &Scene, stops: &[usize], masking: usize) -> Option<String> {
     out.add("</g>");
     let model = scene.maskings().get(masking).cloned();
     legend(&mut out, model.as_deref());
-    Some(picture(&title, [480.0, HEIGHT], &out.text()))
+    let data: Vec<String> = lobes.iter().flat_map(PolarLobe::data).collect();
+    let data = metadata(&[vec!["theta_i_deg,series,theta_r_deg,share of the peak".into()], data].concat());
+    Some(picture(&title, [480.0, HEIGHT], &(data + &out.text())))
 }
 
 /// A place from signed polar angle and radius.
@@ -56,6 +58,7 @@ fn rings(out: &mut Drawing) {
 
 struct PolarLobe {
     theta_i_deg: f64,
+    /// (theta_r, share of the peak).
     measured: Vec<[f64; 2]>,
     model: Vec<[f64; 2]>,
     peak_deg: f64,
@@ -71,8 +74,7 @@ impl PolarLobe {
             return None;
         }
         let curve = |value: &dyn Fn(usize) -> Option<f64>| {
-            let point = |theta: f64, value: f64| place(theta, RADIUS * (value / highest).min(1.2));
-            cuts.iter().filter_map(|cut| Some(point(cut.theta_deg, value(cut.bin)?))).collect::<Vec<_>>()
+            cuts.iter().filter_map(|cut| Some([cut.theta_deg, value(cut.bin)? / highest])).collect::<Vec<_>>()
         };
         Some(PolarLobe {
             theta_i_deg: scene.table.grid.stop_deg(stop).0,
@@ -82,8 +84,23 @@ impl PolarLobe {
         })
     }
 
+    /// Lines of CSV.
+    fn data(&self) -> Vec<String> {
+        let of = |name: &'static str, points: &[[f64; 2]]| {
+            let line = |&[theta, share]: &[f64; 2]| {
+                format!("{},{name},{},{}", self.theta_i_deg, theta as f32, share as f32)
+            };
+            points.iter().map(line).collect::<Vec<_>>()
+        };
+        [of("measured", &self.measured), of("model", &self.model)].concat()
+    }
+
     fn draw(&self, out: &mut Drawing) {
-        let (measured, model) = (path(&self.measured), path(&self.model));
+        let curve = |points: &[[f64; 2]]| {
+            let point = |&[theta, share]: &[f64; 2]| place(theta, RADIUS * share.min(1.2));
+            path(&points.iter().map(point).collect::<Vec<_>>())
+        };
+        let (measured, model) = (curve(&self.measured), curve(&self.model));
         let style = model_style(1);
         out.add(format_args!(
             "<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" points=\"{measured}\"/>",

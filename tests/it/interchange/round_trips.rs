@@ -57,7 +57,7 @@ fn fates(format: Format) -> [Fate; 7] {
         Format::Rgl => [linear(5.0), linear(10.0), ARM, WAVELENGTHS, GAPS, BOTH, THROUGH],
         Format::Utia => [linear(15.0), linear(15.0), ARM, WAVELENGTHS, GAPS, BOTH, THROUGH],
         Format::Klems => {
-            [constant(24.0), constant(24.0), ARM, WAVELENGTHS, GAPS, constant(24.0), constant(24.0)]
+            [constant(15.0), constant(15.0), ARM, WAVELENGTHS, GAPS, constant(15.0), constant(15.0)]
         }
         // Divided until the cells' steps make one to two per cent of the sum.
         Format::TensorTree => {
@@ -113,9 +113,9 @@ fn content(table: &BrdfTable) -> (Vec<&[f32]>, usize) {
 #[test]
 fn every_kind_of_table_in_every_format() {
     let folder = tempfile::tempdir().expect("folder");
-    // Klems patches are wider than these lobes, and four dimensions of cells many: what they lose is in their L1. The full
-    // basis has its tests in `interchange_radiance`.
-    let options = Options { albedo_error: Some(0.05), klems: Some(Basis::Quarter), ..Options::default() };
+    // Klems patches are wider than these lobes, and four dimensions of cells many: what they lose is in their L1. Half as
+    // many patches along each side are as wide up to 60 degrees; the full basis has its tests in `interchange_radiance`.
+    let options = Options { albedo_error: Some(0.05), klems: Some(Basis::Half), ..Options::default() };
     for (index, (kind, table)) in kinds().into_iter().enumerate() {
         for (name, format) in Format::ALL.map(|format| (format.name(), format)) {
             let path = folder.path().join(format!("{kind}.{name}"));

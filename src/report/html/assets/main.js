@@ -136,9 +136,13 @@ function start() {
   if (data.specimen) drawPatch(element("patch"), data.specimen);
   const { eta = null, inside = false } = data.interface || {};
   const halves = [data.table && new Table(data.table, false, eta), data.through && new Table(data.through, true, eta)].filter(Boolean);
-  if (halves.length === 0) return;
-  startViewer(halves, inside);
-  startPictures(halves);
+  if (halves.length > 0) {
+    startViewer(halves, inside);
+    startPictures(halves);
+  }
+  offerDownloads();
+  fillContents();
+  unfoldForPrint();
 }
 
 start();
