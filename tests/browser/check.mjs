@@ -14,6 +14,7 @@ import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
 import { Browser, WITH_GL, WITHOUT_GL } from "./browser.mjs";
+import { comfort } from "./comfort.mjs";
 
 const [page, summaryFile, folder] = process.argv.slice(2);
 const url = pathToFileURL(resolve(page)).href;
@@ -315,6 +316,7 @@ async function withViewer() {
   } else {
     await otherGrid(browser);
   }
+  await comfort(browser, hold);
   quiet(browser, "with WebGL");
   await browser.close();
 }

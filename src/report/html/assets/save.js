@@ -59,13 +59,14 @@ function offer(figure, ways) {
 
 function offerDownloads() {
   for (const svg of document.querySelectorAll("figure > svg.chart")) {
-    const title = svg.getAttribute("aria-label"), data = svg.querySelector("metadata");
+    // Both halves have plots of the same names.
+    const title = svg.getAttribute("aria-label") + (svg.closest("#through") ? ", through" : ""), data = svg.querySelector("metadata");
     const text = (ending, type, content) => [ending.toUpperCase(), title, () => download(fileName(title, ending), new Blob([content()], { type }))];
     const ways = [text("svg", "image/svg+xml", () => standalone(svg)), ["PNG", title, () => saveSvgAsPng(svg, title)]];
     if (data) ways.push(text("csv", "text/csv", () => data.textContent.trimStart()));
     offer(svg.parentElement, ways);
   }
-  for (const id of ["patch", "lobe", "scene", "through-view", "slices", "slices-1"]) {
+  for (const id of ["patch", "lobe", "scene", "refraction", "slices", "slices-1"]) {
     const canvas = element(id);
     if (!canvas || !canvas.closest("figure")) continue;
     const title = (canvas.getAttribute("aria-label") || id).split(".")[0];
