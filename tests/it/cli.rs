@@ -403,11 +403,7 @@ fn klems_matrices_go_out_in_the_basis_that_is_asked_for() {
     let wrong =
         gonio(here.path(), &["export", "out/small.exr", "--to", "merl", "--klems", "half", "-o", "m"]);
     exits(&wrong, 2);
-    assert!(
-        stderr(&wrong).contains("--klems chooses a basis of klems, not of --to merl"),
-        "{}",
-        stderr(&wrong)
-    );
+    assert!(stderr(&wrong).contains("--klems chooses a basis of klems, not of merl"), "{}", stderr(&wrong));
 }
 
 #[test]
