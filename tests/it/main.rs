@@ -69,8 +69,11 @@ mod measure {
 mod facets {
     mod critical_means;
     mod faults;
+    mod furnace;
     mod interface;
     mod lanes;
+    mod layered;
+    mod layered_values;
     mod mueller;
     mod patches;
     mod reciprocity;
