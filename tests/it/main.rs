@@ -84,6 +84,7 @@ mod table {
     mod large_tables;
 }
 mod interchange {
+    mod between_through;
     mod interchange_albedo;
     mod interchange_angles;
     mod interchange_arrays;
