@@ -78,9 +78,9 @@ fn formula(model: &str) -> String {
         matt if matt.starts_with(DIFFUSE) => {
             format!("{matt} facets, the integral of D G2 <l.m><v.m>/(pi |n.l||n.v|)")
         }
-        layered if layered.starts_with(LAYERED) => format!(
-            "{layered} facets, D F G2/(4 |n.l||n.v|) and the integral of D G2 <l.m><v.m> T_l T_v rho/(pi (1 - F_de) |n.l||n.v|)"
-        ),
+        layered if layered.starts_with(LAYERED) => {
+            format!("{layered} facets, D F G2/(4 |n.l||n.v|) and the integral over those of their bases")
+        }
         ndf => format!("{ndf} D F G2/(4 |n.l||n.v|)"),
     }
 }
