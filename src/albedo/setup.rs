@@ -51,9 +51,10 @@ pub fn campaign_of(base: &Campaign, chosen: Chosen) -> Result<Setup> {
         Optics::Dielectric(_) => {
             (base.optics.light_sides(), chosen.eta.unwrap_or_else(|| etas(&base.optics)))
         }
-        Optics::Diffuse { .. } => {
+        facet @ (Optics::Diffuse { .. } | Optics::Layered { .. }) => {
+            let word = if matches!(facet, Optics::Diffuse { .. }) { "diffuse" } else { "layered" };
             return Err(Error::Usage(format!(
-                "{}: optics.facet = \"diffuse\": albedo tables are of mirror and of clear facets",
+                "{}: optics.facet = \"{word}\": albedo tables are of mirror and of clear facets",
                 base.name
             )));
         }

@@ -235,13 +235,18 @@ fn optics_table(text: &mut Text, optics: &Optics) {
             text.line("facet", quoted("diffuse"));
             return text.floats("albedo", albedo);
         }
+        Optics::Layered { albedo, eta } => {
+            text.line("facet", quoted("layered"));
+            text.floats("eta", eta);
+            return text.floats("albedo", albedo);
+        }
         _ => {}
     }
     match optics {
         Optics::Schlick { material: Some(name), .. } => text.line("material", quoted(name)),
         Optics::Schlick { material: None, f0 } => text.floats("f0", f0),
         Optics::Index(index) => index_lines(text, index),
-        Optics::PerfectMirror | Optics::Dielectric(_) | Optics::Diffuse { .. } => {}
+        Optics::PerfectMirror | Optics::Dielectric(_) | Optics::Diffuse { .. } | Optics::Layered { .. } => {}
         Optics::Several(all) => several_lines(text, all),
     }
     let (law, polarisations) = optics::law_of(optics);

@@ -7,6 +7,7 @@ use clap::Args;
 use super::table_file;
 use super::text::output::{Output, columns, or_na, to_json, wrapped};
 use super::text::progress::Stage;
+use crate::campaign::Optics;
 use crate::error::{Error, Result};
 use crate::fit::{self, Fit, FitData, FitLaw, Fits, NAMES};
 use crate::stats;
@@ -47,6 +48,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let path = &arguments.table;
     let table = table_file::load(path)?;
     let campaign = table_file::campaign_if_any(path, &table)?;
+    if campaign.as_ref().is_some_and(|campaign| matches!(campaign.optics, Optics::Layered { .. })) {
+        let why = "optics.facet = \"layered\": no model that is fitted has a base under an interface; gonio validate compares";
+        return Err(Error::Usage(format!("{}: {why}", path.display())));
+    }
     let parts = table_file::realisations_beside(path, &table)?;
     let data = FitData::new(&table, campaign.as_ref(), parts.as_ref());
     if data.value.iter().flatten().all(|&value| value == 0.0) {

@@ -215,7 +215,7 @@ fn curves_of(
     let mut curves = vec![];
     for (through, half) in codec::halves(table) {
         // Half/difference cells and patches kept as they are have no incidences to look between.
-        let Ok(lookup) = Lookup::new(&half) else { continue };
+        let Ok(lookup) = Lookup::of_side(&half, through) else { continue };
         let file = match &mut file {
             Some(file) => file,
             empty => empty.insert(codec.decode(bytes, options)?.0.into_function()?),

@@ -6,6 +6,7 @@ use smallvec::SmallVec;
 use crate::campaign::{FresnelLaw, LightSide, Medium, Optics, Polarisation, RefractiveIndex};
 use crate::optics::facet;
 use crate::optics::fresnel::Fresnel;
+use crate::optics::layered;
 use crate::optics::reflectance::{Field, Reflectance};
 use crate::optics::{FacetAngle, FacetKind};
 use crate::rng::PathDraws;
@@ -31,6 +32,11 @@ pub fn reflectances_of(optics: &Optics) -> Vec<Reflectance> {
         }
         Optics::Diffuse { albedo } => {
             albedo.iter().map(|&albedo| Reflectance::unpolarised(Fresnel::Diffuse { albedo })).collect()
+        }
+        // What of the light that goes in leaves again; what is mirrored weighs 1 in every colour.
+        Optics::Layered { albedo, eta } => {
+            let base = albedo.map(|albedo| layered::base_reflectance(albedo, *eta));
+            base.map(|albedo| Reflectance::unpolarised(Fresnel::Diffuse { albedo })).to_vec()
         }
         Optics::Several(all) => all.iter().flat_map(reflectances_of).collect(),
     }
@@ -81,6 +87,7 @@ pub fn ways_of(optics: &Optics) -> Vec<FacetWay> {
                 }
             }
             Optics::Diffuse { .. } => return vec![FacetWay::alike(FacetKind::Diffuse)],
+            Optics::Layered { eta, .. } => return vec![FacetWay::alike(FacetKind::Layered { eta: *eta })],
             _ => return vec![FacetWay::alike(FacetKind::Mirror)],
         }
     }
@@ -143,7 +150,7 @@ impl PathLight {
         self.way
     }
 
-    /// The angles at the facets of its bounces.
+    /// The angles at the facets of its bounces; of layered facets at those where it met the base, which may be none.
     pub fn angles(&self) -> &[FacetAngle] {
         &self.angles
     }
@@ -165,6 +172,9 @@ impl Scatter for PathLight {
     }
 }
 
+/// A matt facet, or a base, reflects the same at every angle: any will do.
+const ANY_ANGLE: FacetAngle = FacetAngle { cos: 1.0, sin2: 0.0 };
+
 impl PathLight {
     fn onward(&mut self, back: DVec3, normal: DVec3, below: bool) -> Onward {
         match self.way.kind {
@@ -183,10 +193,17 @@ impl PathLight {
                 }
             }
             FacetKind::Diffuse => {
-                // A matt facet reflects the same at every angle: any will do.
-                self.angles.push(FacetAngle { cos: 1.0, sin2: 0.0 });
+                self.angles.push(ANY_ANGLE);
                 let (u, v) = (self.draws.uniform(), self.draws.uniform());
                 Onward { to: facet::lambert_direction(normal, u, v), through: false }
+            }
+            FacetKind::Layered { eta } => {
+                if self.draws.uniform() < facet::split(back, normal, eta).reflectance {
+                    return Onward { to: facet::mirrored(back, normal), through: false };
+                }
+                self.angles.push(ANY_ANGLE);
+                let to = layered::leaving_direction(normal, eta, || self.draws.uniform());
+                Onward { to, through: false }
             }
         }
     }

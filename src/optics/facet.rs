@@ -1,4 +1,5 @@
-//! What a facet does to light that meets it: it mirrors it, splits it between both sides, or scatters it evenly.
+//! What a facet does to light that meets it: it mirrors it, splits it between both sides, scatters it
+//! evenly, or does so below an interface.
 //!
 //! Input: the direction back to where the light comes from, the facet's normal on that side, uniform numbers where chance
 //! decides. Output: where the light goes. Both directions point away from the facet.
@@ -21,6 +22,11 @@ pub enum FacetKind {
     },
     /// Lambert's law: in proportion to the cosine, whatever comes.
     Diffuse,
+    /// A clear interface over a matt base: what it does not mirror comes back from the base (`optics::layered`).
+    Layered {
+        /// Index of the inside over the outside, (1, 4].
+        eta: f64,
+    },
 }
 
 /// The mirror direction: 2 (w.N) N/(N.N) - w. `normal` may have any length.

@@ -3,6 +3,7 @@
 
 pub mod facet;
 pub mod fresnel;
+pub mod layered;
 pub mod mueller;
 pub mod parts;
 pub mod reflectance;

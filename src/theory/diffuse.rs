@@ -1,4 +1,4 @@
-//! The BRDF of a rough surface of matt facets, order 1, 1/sr, without cosine.
+//! The BRDF of a rough surface of matt facets, bare or under an interface, order 1, 1/sr, without cosine.
 //!
 //! Input: a roughness and a pair of directions in the stage's frame. Output: the value for facets of albedo 1: each scatters
 //! by Lambert's law. Papers: Oren and Nayar 1994 (matt facets); Heitz and Dupuy 2015, "Implementing a simple anisotropic
@@ -12,6 +12,7 @@ use glam::DVec3;
 use super::gauss_legendre::gauss_legendre;
 use super::microfacet::Microfacet;
 use super::smith::{Masking, visibility};
+use crate::optics::layered::Interface;
 
 /// Rules on [0, 1]: over the normal's polar angle, and two over an arc of azimuth that must agree.
 static RULES: LazyLock<[Vec<(f64, f64)>; 3]> = LazyLock::new(|| [24, 4, 6].map(gauss_legendre));
@@ -52,9 +53,23 @@ impl Microfacet {
     /// - Cost: about 170 azimuths, 30 us for GGX.
     // Tested by `matt_facets_meet_mpmath` (tests/it/diffuse_values.rs).
     pub fn facet_overlap(&self, i: DVec3, o: DVec3) -> f64 {
+        self.weighed_overlap(i, o, |_, _| 1.0)
+    }
+
+    /// The same of matt facets under an interface: what of the light of each its base sends on, for a base that loses none.
+    ///
+    /// - Numerics: relative error below 1e-5, measured for indices from 1.5 to 4 and up to 89 degrees; at 1.01, where F falls
+    ///   within the last degrees, 2e-4 at 89 degrees and 2e-6 at 85.
+    // Tested by `reference_values_of_layered_facets_are_met` (tests/it/facets/layered_values.rs).
+    pub fn layered_overlap(&self, i: DVec3, o: DVec3, interface: &Interface) -> f64 {
+        self.weighed_overlap(i, o, |cos_i, cos_o| interface.weight(cos_i, cos_o))
+    }
+
+    /// `weight`: of the cosines of both arms at a facet.
+    fn weighed_overlap(&self, i: DVec3, o: DVec3, weight: impl Fn(f64, f64) -> f64) -> f64 {
         let [_, coarse, fine] = &*RULES;
         let over = |[from, to]: [f64; 2], rule: &[(f64, f64)]| -> f64 {
-            let at = |&(x, weight): &(f64, f64)| weight * self.over_polar(i, o, from + (to - from) * x);
+            let at = |&(x, part): &(f64, f64)| part * self.over_polar(i, o, from + (to - from) * x, &weight);
             (to - from) * rule.iter().map(at).sum::<f64>()
         };
         let marks = self.azimuths_of_kinks(i, o);
@@ -87,22 +102,22 @@ impl Microfacet {
     }
 
     /// The integral over b for one azimuth, in t = tan(b/2): sin b = 2t/(1 + t^2), db = 2 dt/(1 + t^2); t = end u (2 - u).
-    fn over_polar(&self, i: DVec3, o: DVec3, azimuth: f64) -> f64 {
+    fn over_polar(&self, i: DVec3, o: DVec3, azimuth: f64, weight: impl Fn(f64, f64) -> f64) -> f64 {
         let (sin, cos) = azimuth.sin_cos();
         let (x, y) = (self.alpha_x * cos, self.alpha_y * sin);
         let (k_i, k_o) = (x * i.x + y * i.y, x * o.x + y * o.y);
         let end_of = |z: f64, k: f64| if k < 0.0 { z.atan2(-k) } else { 0.5 * PI };
         let end = (0.5 * end_of(i.z, k_i).min(end_of(o.z, k_o))).tan();
-        let at = |&(u, weight): &(f64, f64)| {
+        let at = |&(u, part): &(f64, f64)| {
             let t = end * u * (2.0 - u);
             let scale = 1.0 / (1.0 + t * t);
             let (sin_b, cos_b) = (2.0 * t * scale, (1.0 - t) * (1.0 + t) * scale);
             let h = DVec3::new(x * sin_b, y * sin_b, cos_b);
             let length2 = h.length_squared();
             let (towards_i, towards_o) = (i.z * cos_b + k_i * sin_b, o.z * cos_b + k_o * sin_b);
-            let d = self.ndf.d_of_sum(h, self.alpha_x, self.alpha_y);
-            weight * (1.0 - u) * scale * d * sin_b * towards_i * towards_o
-                / (length2 * length2 * length2.sqrt())
+            let (d, length) = (self.ndf.d_of_sum(h, self.alpha_x, self.alpha_y), length2.sqrt());
+            part * (1.0 - u) * scale * d * sin_b * towards_i * towards_o / (length2 * length2 * length)
+                * weight(towards_i / length, towards_o / length)
         };
         4.0 * end * self.alpha_x * self.alpha_y * RULES[0].iter().map(at).sum::<f64>()
     }

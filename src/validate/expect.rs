@@ -72,7 +72,7 @@ pub fn masking(campaign: &Campaign) -> &'static str {
 // Tested by `without_visibility_the_patches_own_slopes_are_allowed_for`,
 // `exact_surfaces_are_held_to_nothing_but_noise`.
 pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
-    let matt = matches!(campaign.optics, Optics::Diffuse { .. });
+    let matt = matches!(campaign.optics, Optics::Diffuse { .. } | Optics::Layered { .. });
     let left_out = match campaign.surface.kind {
         SurfaceKind::File(_) => return None,
         // What is known of heights is known of mirrors.

@@ -111,7 +111,7 @@ fn matt_bins_are_means_over_the_bin() {
             ([1.1, 1.2], [0.7, 0.9], Masking::DirectionCorrelated),
         ] {
             let region = Region::Rectangle { theta, phi };
-            let found = diffuse_means(&model, &[masking], &[(wi, 1.0)], &[region])[0][0];
+            let found = diffuse_means(&model, &[masking], &[(wi, 1.0)], &[region], None)[0][0];
             let expected = midpoint_mean(&model, wi, masking, [theta, phi]);
             // The mean angle of 80 midpoints is off by 4e-5 of the first bin's 0.07, of which f varies by a tenth;
             // next to the horizon by its own size over 0.1. The bin's own precision is 1e-5; the kinks of
@@ -132,7 +132,7 @@ fn matt_surfaces_reflect_no_more_than_they_get() {
             let model = Microfacet::isotropic(Ndf::Ggx, alpha);
             let source = [(direction_deg(theta_i, 0.0), 1.0)];
             let albedos =
-                diffuse_means(&model, &Masking::ALL[1..], &source, &[whole])[0].map(|mean| PI * mean);
+                diffuse_means(&model, &Masking::ALL[1..], &source, &[whole], None)[0].map(|mean| PI * mean);
             assert!(albedos[0] <= albedos[1] && albedos[1] <= albedos[2] && albedos[2] < 1.0, "{albedos:?}");
             // A nearly smooth surface is Lambert's, all but facets of slope 1 and more: alpha.
             assert!(alpha > 0.1 || albedos[1] > 0.99, "{albedos:?}");

@@ -70,8 +70,11 @@ mod measure {
 mod facets {
     mod critical_means;
     mod faults;
+    mod furnace;
     mod interface;
     mod lanes;
+    mod layered;
+    mod layered_values;
     mod mueller;
     mod patches;
     mod reciprocity;
@@ -82,6 +85,7 @@ mod table {
     mod large_tables;
 }
 mod interchange {
+    mod between_through;
     mod interchange_albedo;
     mod interchange_angles;
     mod interchange_arrays;

@@ -59,6 +59,13 @@ fn a_killed_run_ends_with_the_bytes_of_one_that_was_not() {
 }
 
 #[test]
+fn a_killed_run_of_layered_facets_ends_with_the_same_bytes() {
+    let layered = "facet = \"layered\"\neta = 1.5\nalbedo = [0.9, 0.5, 0.0]";
+    let text = small(LONG, 3, "").replace("material = \"gold\"", layered);
+    ended::killed(&Whole { text: &text, words: &[], files: &uninterrupted(&text, &[]) }, 2, 2);
+}
+
+#[test]
 #[ignore = "takes minutes: cargo test --release --test process kills_and_resume -- --ignored fifty"]
 fn fifty_killed_runs_end_with_the_bytes_of_one_that_was_not() {
     killed(50, 1);

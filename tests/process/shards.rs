@@ -44,8 +44,13 @@ relative_error = 0.07
 
 /// A folder with the campaign, and its shards of so many in `shards`.
 fn dealt(of: u32) -> TempDir {
+    dealt_as(CAMPAIGN, of)
+}
+
+/// The same of another text.
+fn dealt_as(text: &str, of: u32) -> TempDir {
     let folder = tempfile::tempdir().expect("temporary folder");
-    fs::write(folder.path().join("dealt.toml"), CAMPAIGN).expect("campaign");
+    fs::write(folder.path().join("dealt.toml"), text).expect("campaign");
     for number in (1..=of).rev() {
         // The order, and the threads, are anything.
         let (shard, threads) = (format!("{number}/{of}"), (1 + number % 3).to_string());
@@ -92,6 +97,18 @@ fn seven_shards_in_any_order_make_the_bytes_of_one_run() {
     exits(&again, 0);
     assert!(String::from_utf8_lossy(&again.stdout).contains("is finished: nothing to do"));
     assert!(exits(&gonio(folder.path(), &["merge", "shards", "-o", "merged"]), 0).contains("nothing to do"));
+}
+
+/// Chance decides at every facet what a path does, by its number and not by its shard.
+#[test]
+fn shards_of_layered_facets_make_the_bytes_of_one_run() {
+    let text = CAMPAIGN
+        .replace("material = \"gold\"", "facet = \"layered\"\neta = 1.5\nalbedo = [0.9, 0.5, 0.0]")
+        .replace("[0.3, 0.5]", "0.5");
+    let folder = dealt_as(&text, 3);
+    exits(&gonio(folder.path(), &["measure", "dealt.toml", "-o", "whole"]), 0);
+    exits(&gonio(folder.path(), &["merge", "shards", "-o", "merged"]), 0);
+    assert_eq!(digests(&folder.path().join("merged")), digests(&folder.path().join("whole")));
 }
 
 #[test]

@@ -229,6 +229,8 @@ fn optics() -> impl Strategy<Value = Optics> {
         indices(),
         clear(),
         [0.0..=1.0, 0.0..=1.0, 0.0..=1.0].prop_map(|albedo| Optics::Diffuse { albedo }),
+        ([0.0..=1.0, 0.0..=1.0, 0.0..=1.0], 1.000_001..=4.0)
+            .prop_map(|(albedo, eta)| Optics::Layered { albedo, eta }),
     ]
 }
 

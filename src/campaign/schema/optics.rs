@@ -24,6 +24,13 @@ pub enum Optics {
         /// Reflectance of a facet for R, G, B, each in [0, 1].
         albedo: [f64; 3],
     },
+    /// Facets of a matt base under a smooth clear interface.
+    Layered {
+        /// Reflectance of the base for R, G, B, each in [0, 1].
+        albedo: [f64; 3],
+        /// Index of the interface's inside over the outside, (1, 4].
+        eta: f64,
+    },
     /// Several materials, each with a table of its own, from the same paths. Never one of these inside; all with the
     /// same law.
     Several(Vec<Optics>),
@@ -134,7 +141,10 @@ impl Optics {
 
     /// Whether facets send light into the mirror direction alone.
     pub fn mirrors(&self) -> bool {
-        !self.each().iter().any(|one| matches!(one, Optics::Dielectric(_) | Optics::Diffuse { .. }))
+        let scatters = |one: &&Optics| {
+            matches!(one, Optics::Dielectric(_) | Optics::Diffuse { .. } | Optics::Layered { .. })
+        };
+        !self.each().iter().any(scatters)
     }
 
     /// Whether light goes through the facets.
@@ -157,7 +167,9 @@ impl Optics {
             Optics::Schlick { material, .. } => material.as_deref(),
             Optics::Index(index) => index.material.as_deref(),
             Optics::Dielectric(clear) => clear.material.as_deref(),
-            Optics::PerfectMirror | Optics::Diffuse { .. } | Optics::Several(_) => None,
+            Optics::PerfectMirror | Optics::Diffuse { .. } | Optics::Layered { .. } | Optics::Several(_) => {
+                None
+            }
         }
     }
 
@@ -165,7 +177,7 @@ impl Optics {
     pub fn colours(&self) -> usize {
         match self {
             Optics::PerfectMirror => 1,
-            Optics::Schlick { .. } | Optics::Diffuse { .. } => 3,
+            Optics::Schlick { .. } | Optics::Diffuse { .. } | Optics::Layered { .. } => 3,
             Optics::Index(index) => index.media.len(),
             Optics::Dielectric(clear) => clear.media.len(),
             Optics::Several(all) => all.iter().map(Optics::colours).sum(),
@@ -204,6 +216,9 @@ impl Optics {
             Optics::Index(index) => index.described(),
             Optics::Dielectric(clear) => clear.described(),
             Optics::Diffuse { albedo } => format!("facets scatter evenly, albedo {albedo:?}"),
+            Optics::Layered { albedo, eta } => {
+                format!("a matt base of albedo {albedo:?} under an interface of n = {eta}")
+            }
             Optics::Several(all) => {
                 let each: Vec<String> = all.iter().map(Optics::described).collect();
                 format!("a table each for {}", each.join("; "))

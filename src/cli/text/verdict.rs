@@ -2,7 +2,7 @@
 
 use super::output::{columns, or_na, wrapped};
 use crate::validate::compare::{self, Comparison, Figures};
-use crate::validate::prediction::model::DIFFUSE;
+use crate::validate::prediction::model::{DIFFUSE, LAYERED};
 use crate::validate::verdict::{SCOPES, Verdict};
 
 /// A verdict: its comparisons, each law, and all of them in one line.
@@ -74,9 +74,12 @@ fn nearest_at(all: &[&Comparison], stop: usize) -> String {
 /// The model as a formula where it has one for every pair of directions.
 fn formula(model: &str) -> String {
     match model {
-        "mirror" | "torrance_sparrow" | "lambert" => format!("the {model} model"),
+        "mirror" | "torrance_sparrow" | "lambert" | "layered" => format!("the {model} model"),
         matt if matt.starts_with(DIFFUSE) => {
             format!("{matt} facets, the integral of D G2 <l.m><v.m>/(pi |n.l||n.v|)")
+        }
+        layered if layered.starts_with(LAYERED) => {
+            format!("{layered} facets, D F G2/(4 |n.l||n.v|) and the integral over those of their bases")
         }
         ndf => format!("{ndf} D F G2/(4 |n.l||n.v|)"),
     }

@@ -48,12 +48,17 @@ impl Imported {
 /// A table of at most three colours as a function.
 pub(crate) fn function_of(table: BrdfTable) -> Checked<Box<dyn Brdf>> {
     if table.grid.looks_below() {
-        let [above, below] = [false, true].map(|below| table.half(below).map(function_of).transpose());
-        return Ok(Box::new(TwoSided([above?, below?])));
+        let of = |below| table.half(below).map(|half| one_sided(half, below)).transpose();
+        return Ok(Box::new(TwoSided([of(false)?, of(true)?])));
     }
+    one_sided(table, false)
+}
+
+/// The same of one side.
+fn one_sided(table: BrdfTable, through: bool) -> Checked<Box<dyn Brdf>> {
     Ok(match table.grid.kind {
         GridKind::HalfDifference => Box::new(HalfDifference::new(&table)?),
         GridKind::Patches => Box::new(Patchwise::new(table)?),
-        _ => Box::new(Lookup::new(&table)?),
+        _ => Box::new(Lookup::of_side(&table, through)?),
     })
 }

@@ -17,6 +17,13 @@ pub fn media_differ(table: &BrdfTable) -> Option<bool> {
     optics_of(table).map(|optics| optics.lets_through())
 }
 
+/// The index beyond over the index here of a table of clear facets, of its middle colour; `None`: not known, or none.
+pub fn index_of(table: &BrdfTable) -> Option<f64> {
+    let Optics::Dielectric(clear) = optics_of(table)? else { return None };
+    let eta = clear.media.get(clear.media.len() / 2)?.eta;
+    Some(if clear.light == LightSide::Back { 1.0 / eta } else { eta }).filter(|&eta| eta != 1.0)
+}
+
 fn optics_of(table: &BrdfTable) -> Option<Optics> {
     let parsed =
         (!table.campaign.is_empty()).then(|| campaign::parse(&table.campaign, "campaign", Path::new("")))?;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::direction_map::{Map, phi_of, theta_of, u_of_phi, u_of_theta};
 use super::tensor_file::{TensorData, TensorField, encode};
 use super::warp::{Slices, Warp};
-use crate::interchange::resample::lobe::GuideLobe;
+use crate::interchange::resample::lobe::{Facets, GuideLobe};
 use crate::interchange::{Brdf, Checked, Colour, Lookup};
 use crate::sphere;
 
@@ -64,7 +64,7 @@ fn phi_nodes(lookup: &Lookup) -> Vec<f64> {
 pub fn write(lookup: &Lookup, wavelengths_nm: Option<&[f64]>, description: &str) -> Checked<Vec<u8>> {
     let isotropic = lookup.is_isotropic();
     let (vndf_side, side) = if isotropic { (128, 64) } else { (64, 32) };
-    let auxiliary = GuideLobe::of(lookup.values());
+    let auxiliary = GuideLobe::of(lookup.values(), Facets::Mirror);
     let rows = if isotropic { 2 } else { NDF_NODES / 2 };
     let ndf = Map::of(rows, NDF_NODES, |m| auxiliary.d(m));
     let sigma = Map::of(rows, NDF_NODES, |w| auxiliary.sigma(w));

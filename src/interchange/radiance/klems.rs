@@ -61,7 +61,7 @@ pub fn write(table: &BrdfTable, options: &Options) -> Checked<(String, Vec<Strin
     let (all, mut notes) = sides::of(table, options)?;
     let (mut bases, mut blocks) = (Bases::default(), vec![]);
     for side in &all {
-        let (rings, matrix, note) = matrix_of(&side.half, options.klems)?;
+        let (rings, matrix, note) = matrix_of(side, options.klems)?;
         notes.extend(Some(note).filter(|note| !notes.contains(note)));
         let light = bases.name(&rings[0], "patches of the light");
         let sensor = bases.name(&rings[1], "patches of the sensor");
@@ -86,7 +86,8 @@ pub fn write(table: &BrdfTable, options: &Options) -> Checked<(String, Vec<Strin
 /// Bases of light and sensor, the values between them, and what is to say of those.
 type Values = ([Vec<Ring>; 2], Vec<Colour>, String);
 
-fn matrix_of(table: &BrdfTable, wanted: Option<Basis>) -> Checked<Values> {
+fn matrix_of(side: &sides::Side<'_>, wanted: Option<Basis>) -> Checked<Values> {
+    let table: &BrdfTable = &side.half;
     let own = bases_of(&table.grid);
     let kept = own.filter(|own| wanted.is_none_or(|basis| own.iter().all(|rings| rings == basis.rings())));
     if let Some(bases) = kept {
@@ -98,7 +99,7 @@ fn matrix_of(table: &BrdfTable, wanted: Option<Basis>) -> Checked<Values> {
     }
     let basis = wanted.unwrap_or(Basis::Full);
     let patches = patches(basis.rings());
-    let matrix = means(as_function(table)?.as_ref(), &patches);
+    let matrix = means(as_function(table, side.through)?.as_ref(), &patches);
     let note = format!("resampled to {} patches: lobes narrower than those are not held", patches.len());
     Ok(([basis.rings().to_vec(), basis.rings().to_vec()], matrix, note))
 }
@@ -128,12 +129,12 @@ impl Bases {
     }
 }
 
-/// The table as a function of two directions.
-fn as_function(table: &BrdfTable) -> Checked<Box<dyn Brdf>> {
+/// The table, one side of it, as a function of two directions.
+fn as_function(table: &BrdfTable, through: bool) -> Checked<Box<dyn Brdf>> {
     if table.grid.kind == GridKind::Patches && bases_of(&table.grid).is_some() {
         return Ok(Box::new(Patchwise::new(table.clone())?));
     }
-    Ok(Box::new(Lookup::new(table)?))
+    Ok(Box::new(Lookup::of_side(table, through)?))
 }
 
 /// Means over pairs of patches, light major.

@@ -125,7 +125,7 @@ pub fn write(table: &BrdfTable, options: &Options) -> Checked<(String, Vec<Strin
     let rank = if table.grid.is_isotropic() { 3 } else { 4 };
     let mut blocks = vec![];
     for side in &all {
-        let lookup = Lookup::new(&side.half)?;
+        let lookup = Lookup::of_side(&side.half, side.through)?;
         if lookup.is_isotropic() != (rank == 3) {
             return Err("--back: one of the tables is isotropic, the other is not".into());
         }

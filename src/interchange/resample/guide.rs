@@ -1,6 +1,7 @@
 //! A law that a table nearly follows, so that what is left, table over law, changes slowly from incidence to incidence.
 //!
-//! The law is an even part and a GGX lobe with separable masking: diffuse + gloss D(h)/(4 sigma(wi) sigma(wo)). It only
+//! The law is an even part and a GGX lobe with separable masking: diffuse + gloss D(h)/(4 sigma(wi) sigma(wo)), of light that has
+//! gone through with the half vector of refraction and what facets let through in place of the fourth. It only
 //! guides: at the incidences the table is what it is, and every law gives the same values there.
 
 use std::f64::consts::PI;
@@ -8,7 +9,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::incidence_values::IncidenceValues;
-use super::lobe::GuideLobe;
+use super::lobe::{Facets, GuideLobe};
 use super::sampling::{Sampled, samples};
 use crate::interchange::Colour;
 use crate::sphere;
@@ -44,8 +45,8 @@ struct Known {
 
 impl Guide {
     /// The law nearest to a table.
-    pub fn of(values: &IncidenceValues) -> Self {
-        let widest = GuideLobe::of(values);
+    pub fn of(values: &IncidenceValues, facets: Facets) -> Self {
+        let widest = GuideLobe::of(values, facets);
         let rows = values.theta_i().partition_point(|&theta| theta <= LAST_FITTED).max(1);
         let stops = rows * values.phi_i().len();
         let mut known = Vec::new();
@@ -62,7 +63,13 @@ impl Guide {
         let lobe = widest.scaled(if off(&best) < BETTER * off(&1.0) { best } else { 1.0 });
         let parts: [[f64; 2]; 3] =
             std::array::from_fn(|c| fitted(&known, lobe, c.min(values.last_colour())).0);
-        Guide { lobe, diffuse: parts.map(|part| part[0]), gloss: parts.map(|part| part[1]) }
+        // Where no facet refracts light to is nothing but the even part: it is there.
+        let least = |c: usize| match facets {
+            Facets::Mirror => 0.0,
+            Facets::Refract { .. } => DARK * mean(&known, c.min(values.last_colour())),
+        };
+        let diffuse = std::array::from_fn(|c| parts[c][0].max(least(c)));
+        Guide { lobe, diffuse, gloss: parts.map(|part| part[1]) }
     }
 
     /// f of the law, positive.
@@ -78,19 +85,25 @@ impl Guide {
 }
 
 fn lobe_brdf(lobe: GuideLobe, wi: DVec3, wo: DVec3) -> f64 {
-    lobe.d((wi + wo).normalize()) / (4.0 * lobe.sigma(wi) * lobe.sigma(wo))
+    let of = |h| lobe.d(h) * lobe.facets.share(wi, wo, h) / (lobe.sigma(wi) * lobe.sigma(wo));
+    lobe.facets.normal(wi, wo).map_or(0.0, of)
+}
+
+/// The mean of a colour over all incidences, 1 where none is positive.
+fn mean(known: &[Known], colour: usize) -> f64 {
+    let (sum, cosines) = known
+        .iter()
+        .fold((0.0, 0.0), |(sum, cosines), k| (sum + k.to.weight * k.value[colour], cosines + k.to.weight));
+    if sum > 0.0 { sum / cosines } else { 1.0 }
 }
 
 /// Even part and lobe, neither negative and not both 0, that are nearest to one colour; and the squares that are left.
 /// Squares weigh with 1/value, so that lobe and floor count by their light.
 fn fitted(known: &[Known], lobe: GuideLobe, colour: usize) -> ([f64; 2], f64) {
-    let (sum, cosines) = known
-        .iter()
-        .fold((0.0, 0.0), |(sum, cosines), k| (sum + k.to.weight * k.value[colour], cosines + k.to.weight));
-    if sum <= 0.0 {
+    if known.iter().all(|k| k.to.weight * k.value[colour] <= 0.0) {
         return ([1.0, 0.0], 0.0);
     }
-    let least = DARK * sum / cosines;
+    let least = DARK * mean(known, colour);
     let mut m = [[0.0; 3]; 3];
     for k in known {
         let terms = [1.0, lobe_brdf(lobe, k.wi, k.to.wo), k.value[colour]];

@@ -1,6 +1,6 @@
 //! A table between its incidences: the ratio to a law that it nearly follows ([`Guide`]), cubic at equal half vector.
 //!
-//! There the mirrored light is alike (f(wi, wo) = D(h) times what varies slowly), where at equal `wo` two lobes would
+//! There the mirrored light (that which has gone through: the refracted one) is alike (f(wi, wo) = D(h) times what varies slowly), where at equal `wo` two lobes would
 //! show; and masking and the two cosines, by which the values at one half vector grow many times over towards grazing
 //! light, are the law's. Beyond the incidences the ratio of the nearest holds.
 
@@ -37,7 +37,8 @@ impl Guided {
         (polar, circle): (Taps, Taps),
         all: bool,
     ) -> Option<Colour> {
-        let h = (wi + wo).normalize();
+        let facets = self.guide.lobe().facets;
+        let h = facets.normal(wi, wo);
         let colours = 0..=self.values.last_colour();
         // Where every azimuth of the light is alike, the incidences have that of `wi`.
         let turn = self.values.is_isotropic().then(|| phi.sin_cos());
@@ -53,13 +54,17 @@ impl Guided {
                     Some(turn) => (phi, sphere::turned(at, turn)),
                     None => (self.values.phi_i()[p.node], at),
                 };
-                let to = 2.0 * from.dot(h) * h - from;
-                if to.z <= 0.0 {
+                let to = match h {
+                    Some(h) => facets.onward(from, h),
+                    // Light that met several facets, at equal `wo` of incidences where it did.
+                    None => Some(wo).filter(|&wo| facets.normal(from, wo).is_none()),
+                };
+                let Some(to) = to else {
                     if all {
                         return None;
                     }
                     continue;
-                }
+                };
                 let (value, law) =
                     (self.values.at_stop((t.node, p.node), phi_i, to), self.guide.brdf(from, to));
                 colours.clone().for_each(|c| sum[c] += weight * value[c] / law[c]);

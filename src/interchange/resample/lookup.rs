@@ -10,7 +10,9 @@ use super::guide::Guide;
 use super::guided::Guided;
 use super::incidence_values::IncidenceValues;
 use super::levels::Levels;
+use super::lobe::Facets;
 use crate::instrument::GridKind;
+use crate::interchange::content::light::index_of;
 use crate::interchange::{Brdf, Checked, Colour};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -26,8 +28,20 @@ impl Lookup {
     /// The interpolant of the totals of a table whose incidences and bins are products of polar angles and azimuths
     /// that go all the way round, or do with the mirror images that the law of the campaign's surface has.
     pub fn new(table: &BrdfTable) -> Checked<Self> {
+        Self::of(table, Facets::Mirror)
+    }
+
+    /// The same of one side of a table: where light has gone `through` (as a mirror in the horizon shows it) and the table's
+    /// index is known, its facets refract.
+    // Tested by `light_through_follows_refraction_between_incidences` (tests/it/interchange/between_through.rs).
+    pub fn of_side(half: &BrdfTable, through: bool) -> Checked<Self> {
+        let eta = if through { index_of(half) } else { None };
+        Self::of(half, eta.map_or(Facets::Mirror, |eta| Facets::Refract { eta }))
+    }
+
+    fn of(table: &BrdfTable, facets: Facets) -> Checked<Self> {
         let values = IncidenceValues::new(table)?;
-        let guided = Guided { guide: Guide::of(&values), values };
+        let guided = Guided { guide: Guide::of(&values, facets), values };
         // Single directions do not say how much light goes elsewhere.
         let sized = matches!(table.grid.kind, GridKind::Hemisphere | GridKind::Patches);
         let levels = sized.then(|| Levels::of(&guided));

@@ -20,16 +20,13 @@ pub(crate) struct Sampled {
 pub(crate) fn samples(wi: DVec3, lobe: GuideLobe, count: usize) -> Vec<Sampled> {
     let lobes = [lobe, lobe.scaled(0.25)];
     let density = |wo: DVec3| {
-        let h = (wi + wo).normalize();
-        let facets: f64 = lobes.iter().map(|lobe| lobe.d(h) * h.z / (4.0 * wi.dot(h))).sum();
-        count as f64 * (facets + wo.z / PI)
+        let of_facets = |h: DVec3| -> f64 {
+            lobes.iter().map(|lobe| lobe.d(h) * h.z * lobe.facets.normals_of(wi, wo, h)).sum()
+        };
+        count as f64 * (lobe.facets.normal(wi, wo).map_or(0.0, of_facets) + wo.z / PI)
     };
     let mut found = Vec::with_capacity(3 * count);
-    let mut add = |wo: DVec3| {
-        if wo.z > 0.0 {
-            found.push(Sampled { wo, weight: wo.z / density(wo) });
-        }
-    };
+    let mut add = |wo: DVec3| found.push(Sampled { wo, weight: wo.z / density(wo) });
     for k in 0..count {
         let (u, v) = ((k as f64 + 0.5) / count as f64, radical_inverse(k));
         for lobe in lobes {
@@ -37,10 +34,11 @@ pub(crate) fn samples(wi: DVec3, lobe: GuideLobe, count: usize) -> Vec<Sampled> 
             let (slope, (sin, cos)) = ((u / (1.0 - u)).sqrt(), (TAU * v).sin_cos());
             let h = DVec3::new(lobe.alpha_x * slope * cos, lobe.alpha_y * slope * sin, 1.0).normalize();
             if wi.dot(h) > 0.0 {
-                add(2.0 * wi.dot(h) * h - wi);
+                lobe.facets.onward(wi, h).into_iter().for_each(&mut add);
             }
         }
-        add(sphere::direction(u.sqrt().asin(), TAU * v));
+        let even = sphere::direction(u.sqrt().asin(), TAU * v);
+        Some(even).filter(|wo| wo.z > 0.0).into_iter().for_each(&mut add);
     }
     found
 }

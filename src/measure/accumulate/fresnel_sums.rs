@@ -86,9 +86,11 @@ impl FresnelSums {
         let schlick = |optics: &&Optics| match optics {
             Optics::Schlick { .. } => true,
             Optics::Index(index) => index.law == FresnelLaw::Schlick,
-            Optics::PerfectMirror | Optics::Dielectric(_) | Optics::Diffuse { .. } | Optics::Several(_) => {
-                false
-            }
+            Optics::PerfectMirror
+            | Optics::Dielectric(_)
+            | Optics::Diffuse { .. }
+            | Optics::Layered { .. }
+            | Optics::Several(_) => false,
         };
         let sums = match campaign.optics {
             Optics::PerfectMirror => SumKind::Counts,
@@ -277,7 +279,8 @@ impl FresnelSums {
                 let product = |r: &Reflectance| angles.iter().map(|&angle| r.at(angle)).product::<f64>();
                 of_order.extend(self.reflectances.iter().map(product));
                 if order == 1 {
-                    bins.push(angles[0].schlick_weight());
+                    // What layered facets mirror met no base; no F0 is worked out from their sums.
+                    bins.push(angles.first().map_or(0.0, |angle| angle.schlick_weight()));
                 }
                 bins.extend_from_slice(of_order);
             }

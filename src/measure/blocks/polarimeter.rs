@@ -70,7 +70,7 @@ impl<'a> Polarimeter<'a> {
                 let met = if light.facets().is_empty() { &single } else { light.facets() };
                 (met, std::iter::once((way.place, Fresnel::Dielectric { eta })).collect())
             }
-            FacetKind::Mirror | FacetKind::Diffuse => {
+            FacetKind::Mirror | FacetKind::Diffuse | FacetKind::Layered { .. } => {
                 let fresnels = self.sums.reflectances().iter().map(|one| one.fresnel);
                 (light.facets(), fresnels.enumerate().collect::<SmallVec<[_; 3]>>())
             }

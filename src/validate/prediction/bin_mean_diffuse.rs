@@ -1,7 +1,7 @@
-//! Means over sensor bins of the BRDF of matt facets.
+//! Means over sensor bins of the BRDF of matt facets, bare or under an interface.
 //!
 //! Input: a microfacet model, the light and regions above the horizon. Output: per region and masking the mean for facets of
-//! albedo 1, weighted with cos(theta_r).
+//! albedo 1 (under an interface: without what that mirrors), weighted with cos(theta_r).
 
 use std::f64::consts::FRAC_1_PI;
 use std::sync::LazyLock;
@@ -13,6 +13,7 @@ use super::bin_mean::MASKINGS;
 use super::chart::DirectionChart;
 use super::quadrature::Rect;
 use crate::instrument::Region;
+use crate::optics::layered::Interface;
 use crate::sphere;
 use crate::theory::gauss_legendre::gauss_legendre;
 use crate::theory::smith::visibility;
@@ -32,7 +33,7 @@ type Values = [f64; MASKINGS];
 
 /// The means over `regions` (stage's frame, above the horizon) under light from `source`, in the order of `maskings`, 1/sr.
 ///
-/// - `maskings`: Smith's, at most `MASKINGS` of them.
+/// - `maskings`: Smith's, at most `MASKINGS` of them. `interface`: what lies over each facet, if anything does.
 /// - Numerics: the integrand is smooth (each facet shines everywhere): 2 x 2 and 3 x 3 points agree to 1e-5 of the bin, or
 ///   it is halved. Precision 1e-5 of the bin, most of it that of `facet_overlap`; a few times as
 ///   much where the direction-correlated masking has kinks.
@@ -43,12 +44,13 @@ pub fn diffuse_means(
     maskings: &[Masking],
     source: &[(DVec3, f64)],
     regions: &[Region],
+    interface: Option<Interface>,
 ) -> Vec<Values> {
     let mean = |region: &Region| {
         let mut mean = [0.0; MASKINGS];
         for &(wi, weight) in source {
             let wi = model.to_sample(wi);
-            let lit = LitDiffuse { model, maskings, wi, side: model.side(wi) };
+            let lit = LitDiffuse { model, maskings, wi, side: model.side(wi), interface };
             let (flux, size) = match *region {
                 Region::Cap { axis, half_angle: 0.0 } => (lit.densities(model.to_sample(axis)), axis.z),
                 _ => (lit.flux(region), region.projected_solid_angle()),
@@ -66,12 +68,17 @@ struct LitDiffuse<'a> {
     maskings: &'a [Masking],
     wi: DVec3,
     side: ArmSide,
+    interface: Option<Interface>,
 }
 
 impl LitDiffuse<'_> {
     /// f cos(theta_r), 1/sr.
     fn densities(&self, wo: DVec3) -> Values {
-        let (o, overlap) = (self.model.side(wo), self.model.facet_overlap(self.wi, wo));
+        let o = self.model.side(wo);
+        let overlap = match &self.interface {
+            None => self.model.facet_overlap(self.wi, wo),
+            Some(interface) => self.model.layered_overlap(self.wi, wo, interface),
+        };
         let mut values = [0.0; MASKINGS];
         for (value, &masking) in values.iter_mut().zip(self.maskings) {
             *value = 4.0 * FRAC_1_PI * overlap * visibility(masking, &self.side, &o) * wo.z;

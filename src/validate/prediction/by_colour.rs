@@ -7,6 +7,7 @@ use super::bin_mean_diffuse::diffuse_means;
 use super::formulas::{DiffuseModel, formula_means};
 use crate::instrument::Region;
 use crate::optics::Fresnel;
+use crate::optics::layered::Interface;
 use crate::optics::reflectance::Reflectance;
 use crate::theory::{Masking, Microfacet};
 
@@ -62,15 +63,15 @@ fn reflected_means(
     }
 }
 
-/// The means of matt facets: \[masking\]\[colour\]\[bin\].
+/// The means of matt facets, under an interface where there is one (without its mirror term): \[masking\]\[colour\]\[bin\].
 pub(super) fn diffuse_means_by_colour(
     surface: &Microfacet,
     maskings: &[Masking],
     source: &[(DVec3, f64)],
     regions: &[Region],
-    colours: &[Reflectance],
+    (colours, interface): (&[Reflectance], Option<Interface>),
 ) -> Vec<Vec<Vec<f64>>> {
-    let unit = diffuse_means(surface, maskings, source, regions);
+    let unit = diffuse_means(surface, maskings, source, regions, interface);
     coloured(&unit, maskings.len(), colours)
 }
 
@@ -91,7 +92,7 @@ fn coloured<const N: usize>(unit: &[[f64; N]], models: usize, colours: &[Reflect
     (0..models).map(of_model).collect()
 }
 
-/// What a matt facet reflects, whatever the angle.
+/// What a matt facet reflects, or leaves one under an interface again, whatever the angle.
 pub(super) fn albedo_of(colour: &Reflectance) -> f64 {
     match colour.fresnel {
         Fresnel::Diffuse { albedo } => albedo,

@@ -8,6 +8,7 @@ mod by_colour;
 mod chart;
 mod critical;
 pub mod formulas;
+mod layered;
 mod lobes;
 pub mod model;
 pub mod quadrature;

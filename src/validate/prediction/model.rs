@@ -7,10 +7,12 @@ use glam::DVec3;
 use super::bin_mean::{MASKINGS, source_nodes};
 use super::by_colour::{albedo_of, diffuse_means_by_colour, formula_means_by_colour, microfacet_means};
 use super::formulas::DiffuseModel;
+use super::layered;
 use super::lobes::{bare_flux, lobe_means, mirrored, reflected, refracted};
 use crate::campaign::{Azimuth, Campaign, Optics, SmithNdf, SurfaceKind};
 use crate::instrument::{Grid, grid_of};
 use crate::measure::optics::reflectances_of;
+use crate::optics::layered::Interface;
 use crate::optics::reflectance::Reflectance;
 use crate::theory::empirical::LAMBERT;
 use crate::theory::v_cavity::v_groove_lobes;
@@ -44,9 +46,13 @@ pub enum Model {
         maskings: Vec<Masking>,
         /// Further models, of isotropic Gaussian slopes, after those.
         formulas: Vec<DiffuseModel>,
+        /// What lies over each facet, and mirrors D F G2/(4 cos cos) besides.
+        interface: Option<Interface>,
     },
     /// A flat matt surface: the same in every bin.
     Lambert,
+    /// A flat layered surface.
+    Flat(Interface),
     /// Mirror directions that carry all the flux.
     Lobes {
         /// The model's name.
@@ -62,6 +68,8 @@ pub enum Model {
 
 /// Begins the names of models of matt facets.
 pub const DIFFUSE: &str = "matt ";
+/// Begins those of layered facets.
+pub const LAYERED: &str = "layered ";
 
 /// The law of a surface's normals; `None` of a mirror, of grooves, and of a measured map.
 pub fn ndf_of(kind: &SurfaceKind) -> Option<Ndf> {
@@ -85,11 +93,16 @@ pub struct StopMeans {
 
 impl Model {
     /// The models of a campaign; `None` where theory has nothing to say: of a measured map, of what goes through grooves or
-    /// grains, which are seen from inside, and of matt ones.
+    /// grains, which are seen from inside, and of matt and layered ones.
     // Tested by `what_goes_through_grooves_and_grains_is_not_predicted` (tests/it/validate/transmittance.rs).
     pub fn of(campaign: &Campaign) -> Option<Self> {
         let kind = &campaign.surface.kind;
-        let matt = campaign.optics.each().iter().any(|one| matches!(one, Optics::Diffuse { .. }));
+        // Both have tables of their own: no other material beside them.
+        let interface = match campaign.optics {
+            Optics::Layered { eta, .. } => Some(Interface::new(eta)),
+            _ => None,
+        };
+        let matt = interface.is_some() || matches!(campaign.optics, Optics::Diffuse { .. });
         let special = matches!(kind, SurfaceKind::VGroove { .. } | SurfaceKind::Grains(_));
         if special && (matt || grid_of(campaign).looks_below()) {
             return None;
@@ -97,7 +110,7 @@ impl Model {
         let rotation = campaign.surface.rotation_deg.to_radians();
         let lobes = |name, masking, slope| Some(Model::Lobes { name, masking, slope, rotation });
         match kind {
-            SurfaceKind::Mirror if matt => Some(Model::Lambert),
+            SurfaceKind::Mirror if matt => Some(interface.map_or(Model::Lambert, Model::Flat)),
             SurfaceKind::Mirror => lobes("mirror", "none", None),
             SurfaceKind::VGroove { slope } => lobes("torrance_sparrow", "v_cavity", Some(*slope)),
             kind => {
@@ -106,9 +119,9 @@ impl Model {
                 let mut maskings =
                     if campaign.trace.visibility { &Masking::ALL[1..] } else { &Masking::ALL[..1] }.to_vec();
                 if matt {
-                    let gaussian = ndf == Ndf::Beckmann && surface.is_isotropic();
-                    let formulas = if gaussian { DiffuseModel::ALL.to_vec() } else { vec![] };
-                    return Some(Model::Diffuse { surface, maskings, formulas });
+                    let bare_gaussian = ndf == Ndf::Beckmann && surface.is_isotropic() && interface.is_none();
+                    let formulas = if bare_gaussian { DiffuseModel::ALL.to_vec() } else { vec![] };
+                    return Some(Model::Diffuse { surface, maskings, formulas, interface });
                 }
                 let grains = matches!(kind, SurfaceKind::Grains(_));
                 if grains && campaign.trace.visibility {
@@ -125,8 +138,10 @@ impl Model {
     pub fn name(&self) -> String {
         match self {
             Model::Microfacet { surface, .. } => surface.ndf.name().into(),
-            Model::Diffuse { surface, .. } => format!("{DIFFUSE}{}", surface.ndf.name()),
+            Model::Diffuse { surface, interface: None, .. } => format!("{DIFFUSE}{}", surface.ndf.name()),
+            Model::Diffuse { surface, .. } => format!("{LAYERED}{}", surface.ndf.name()),
             Model::Lambert => "lambert".into(),
+            Model::Flat(_) => "layered".into(),
             Model::Lobes { name, .. } => (*name).into(),
         }
     }
@@ -139,7 +154,7 @@ impl Model {
                 let further = formulas.iter().map(|formula| formula.name());
                 maskings.iter().map(|masking| masking.name()).chain(further).collect()
             }
-            Model::Lambert => vec![Masking::None.name()],
+            Model::Lambert | Model::Flat(_) => vec![Masking::None.name()],
             Model::Lobes { masking, .. } => vec![masking],
         }
     }
@@ -173,25 +188,26 @@ impl Model {
     /// The means over the bins of one stop, over the same bins and light aperture as the measurement.
     pub fn means(&self, campaign: &Campaign, grid: &Grid, stop: usize) -> StopMeans {
         let half_angle = campaign.light.aperture_deg.to_radians();
-        let smooth = matches!(self, Model::Diffuse { .. } | Model::Lambert);
-        let order = if smooth { SMOOTH_APERTURE_ORDER } else { APERTURE_ORDER };
-        let source = source_nodes(grid.wi(stop), half_angle, order);
+        let [sharp, smooth] = [APERTURE_ORDER, SMOOTH_APERTURE_ORDER]
+            .map(|order| source_nodes(grid.wi(stop), half_angle, order));
         let colours = reflectances_of(&campaign.optics);
         let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
         let turns = if averaged { AZIMUTHS } else { 1 };
         let rotations = (0..turns).map(|k| PI * k as f64 / turns as f64);
-        let parts = rotations.map(|rotation| self.turned_means(rotation, grid, stop, &source, &colours));
+        let parts =
+            rotations.map(|rotation| self.turned_means(rotation, grid, stop, [&sharp, &smooth], &colours));
         let mut values = parts.reduce(added).unwrap_or_default();
         values.iter_mut().flatten().flatten().for_each(|value| *value /= turns as f64);
         StopMeans { values }
     }
 
+    /// `smooth`: the light for what varies with cosines alone.
     fn turned_means(
         &self,
         turn: f64,
         grid: &Grid,
         stop: usize,
-        source: &[(DVec3, f64)],
+        [source, smooth]: [&[(DVec3, f64)]; 2],
         colours: &[Reflectance],
     ) -> Vec<Vec<Vec<f64>>> {
         match self {
@@ -213,14 +229,21 @@ impl Model {
                 }
                 means
             }
-            Model::Diffuse { surface, maskings, formulas } => {
+            Model::Diffuse { surface, maskings, formulas, interface } => {
                 let (surface, regions) =
                     (Microfacet { rotation: surface.rotation + turn, ..*surface }, grid.regions(stop));
-                let mut means = diffuse_means_by_colour(&surface, maskings, source, &regions, colours);
+                let by_colour = (colours, *interface);
+                let mut means = diffuse_means_by_colour(&surface, maskings, smooth, &regions, by_colour);
+                if let Some(interface) = *interface {
+                    layered::add_mirrored(&mut means, (&surface, maskings), source, &regions, interface);
+                }
                 if !formulas.is_empty() {
-                    means.extend(formula_means_by_colour(&surface, source, &regions, colours));
+                    means.extend(formula_means_by_colour(&surface, smooth, &regions, colours));
                 }
                 means
+            }
+            Model::Flat(interface) => {
+                vec![layered::flat_means(grid, stop, source, colours, *interface)]
             }
             Model::Lambert => {
                 let bins = |colour: &Reflectance| vec![albedo_of(colour) * LAMBERT; grid.bins()];

@@ -88,6 +88,49 @@ fn matt_facets_have_an_albedo_alone() {
 }
 
 #[test]
+fn layered_facets_have_one_interface_and_a_base() {
+    let layered = |text: &str| optics(&format!("facet = \"layered\"\n{text}"));
+    for (text, key, phrase) in [
+        ("eta = 1.5", "optics.albedo", "required; what the base reflects"),
+        ("albedo = 0.5", "optics.eta", "required; the index of the interface"),
+        ("eta = 1.5\nalbedo = 1.1", "optics.albedo", "must lie in [0, 1]"),
+        ("eta = 1\nalbedo = 0.5", "optics.eta", "must lie in (1, 4]; the interface is denser"),
+        ("eta = 0.9\nalbedo = 0.5", "optics.eta", "must lie in (1, 4]"),
+        ("eta = 4.01\nalbedo = 0.5", "optics.eta", "must lie in (1, 4]"),
+        ("eta = [1.5, 1.6]\nalbedo = 0.5", "optics.eta", "number"),
+        ("eta = 1.5\nmaterial = \"glass\"\nalbedo = 0.5", "optics.eta", "ambiguous"),
+        ("eta = 1.5\nwavelength_nm = [550]\nalbedo = 0.5", "optics.wavelength_nm", "one index"),
+        ("material = \"gold\"\nalbedo = 0.5", "optics.material", "glass, plastic, diamond, water, ice"),
+        (
+            "material = \"glass\"\nwavelength_nm = [450, 550]\nalbedo = 0.5",
+            "optics.wavelength_nm",
+            "must hold one wavelength",
+        ),
+        ("eta = 1.5\nk = 0.1\nalbedo = 0.5", "optics.k", "has no meaning with facet = \"layered\""),
+        ("eta = 1.5\nf0 = 0.1\nalbedo = 0.5", "optics.f0", "has no meaning"),
+        ("eta = 1.5\nmaterials = [\"glass\"]\nalbedo = 0.5", "optics.materials", "has no meaning"),
+        ("eta = 1.5\nfresnel = \"exact\"\nalbedo = 0.5", "optics.fresnel", "has no meaning"),
+        ("eta = 1.5\npolarisation = \"mueller\"\nalbedo = 0.5", "optics.polarisation", "has no meaning"),
+    ] {
+        one_fault(&layered(text), key, phrase);
+    }
+    let good = layered("eta = 1.5\nalbedo = [0.1, 0.2, 0.3]");
+    let back = good.replace("aperture_deg = 0.0", "aperture_deg = 0.0\nside = \"back\"");
+    one_fault(&back, "light.side", "optics.facet = \"dielectric\" lets it through");
+    let below = good.replace("bins = \"centred\"", "bins = \"centred\"\nside = \"transmission\"");
+    one_fault(&below, "sensor.hemisphere.side", "must be \"reflection\"");
+    assert_eq!(accepted(&good).campaign.optics, Optics::Layered { albedo: [0.1, 0.2, 0.3], eta: 1.5 });
+    // PMMA, green unless another wavelength is given: n^2 - 1 = 1.1819 l^2/(l^2 - 0.011313) at l = 0.55 um; 1.4906 at
+    // 587.56 nm (Sultanova 2009).
+    for (more, eta) in [("", 1.49259), ("\nwavelength_nm = [587.56]", 1.4906)] {
+        let text = layered(&format!("material = \"plastic\"{more}\nalbedo = 0.5"));
+        let Optics::Layered { eta: found, .. } = accepted(&text).campaign.optics else { panic!() };
+        // Four digits.
+        assert!((found - eta).abs() < 6e-5, "{found}");
+    }
+}
+
+#[test]
 fn both_sides_of_the_light_are_tables_of_their_own() {
     let text = optics("facet = \"dielectric\"\nmaterials = [\"water\", \"ice\"]")
         .replace("aperture_deg = 0.0", "side = \"both\"")

@@ -127,13 +127,14 @@ fn words() -> Vec<Row> {
 
 fn albedos() -> Vec<Row> {
     let matt = format!("{SMALL}[optics]\nfacet = \"diffuse\"\nalbedo = 0.5\n");
+    let layered = format!("{SMALL}[optics]\nfacet = \"layered\"\neta = 1.5\nalbedo = 0.5\n");
     let flat =
         SMALL.replace("cells = 32\ncorrelation_cells = 4.0\n[surface.ggx]\nalpha = 0.3", "[surface.mirror]");
     let wrong = |words: &str, exit: i32, says: &[&'static str]| {
         let row = command("axis of an albedo table", &format!("albedo {words}"));
         let row =
             row.file("small.toml", SMALL).file("matt.toml", matt.clone()).file("flat.toml", flat.clone());
-        row.file("t.csv", "of somebody").exits(exit, says)
+        row.file("layered.toml", layered.clone()).file("t.csv", "of somebody").exits(exit, says)
     };
     vec![
         wrong("--grid --alpha 0", 2, &["error: invalid value '0' for '--alpha <AXIS>'", "[1e-4, 10]"]),
@@ -159,6 +160,7 @@ fn albedos() -> Vec<Row> {
         ),
         wrong("flat.toml --alpha 0.5", 2, &["error: --alpha: [surface.mirror] of small has no roughness"]),
         wrong("matt.toml", 2, &["error: small: optics.facet = \"diffuse\"", "mirror and of clear facets"]),
+        wrong("layered.toml", 2, &["error: small: optics.facet = \"layered\"", "mirror and of clear facets"]),
         wrong("small.toml --law ggx", 2, &["error: the argument", "cannot be used with", "--law <NAME>"]),
     ]
 }

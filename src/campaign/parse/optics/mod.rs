@@ -31,11 +31,19 @@ enum Facet {
     Mirror,
     Dielectric,
     Diffuse,
+    Layered,
 }
 
 /// Words for it.
-const FACETS: [(&str, Facet); 3] =
-    [("mirror", Facet::Mirror), ("dielectric", Facet::Dielectric), ("diffuse", Facet::Diffuse)];
+const FACETS: [(&str, Facet); 4] = [
+    ("mirror", Facet::Mirror),
+    ("dielectric", Facet::Dielectric),
+    ("diffuse", Facet::Diffuse),
+    ("layered", Facet::Layered),
+];
+
+/// Where `albedo` belongs.
+const SCATTERING: &str = "belongs to facet = \"diffuse\" or \"layered\"";
 
 /// Whether `[optics]` asks for facets that let light through. A word that cannot be read may have meant them: no fault
 /// follows from another one.
@@ -76,17 +84,18 @@ fn given(table: TableReader<'_>, around: &Around<'_>) -> Option<Optics> {
         ]);
     let source = MaterialKeys { material, materials, f0, eta, k, file, wavelength };
     match facet.or(Facet::Mirror, |i| i.choice(&FACETS))? {
-        Facet::Mirror => albedo.absent("belongs to facet = \"diffuse\"")?,
+        Facet::Mirror => albedo.absent(SCATTERING)?,
         Facet::Dielectric => {
             let absent = [
                 fresnel.absent("belongs to facet = \"mirror\": clear facets follow Fresnel's equations"),
-                albedo.absent("belongs to facet = \"diffuse\""),
+                albedo.absent(SCATTERING),
             ];
             let polarisation = polarisation.or(Polarisation::None, |i| i.choice(&CLEAR_POLARISATIONS));
             let clear = source.clear(around, polarisation.unwrap_or(Polarisation::None));
             return clear.filter(|_| absent.iter().all(Option::is_some) && polarisation.is_some());
         }
         Facet::Diffuse => return source.diffuse(&albedo, &[&fresnel, &polarisation]),
+        Facet::Layered => return source.layered(&albedo, &[&fresnel, &polarisation]),
     }
     let law = fresnel.or(FresnelLaw::Schlick, |i| i.choice(&LAWS));
     let polarisations = polarisation.or(vec![Polarisation::None], polarisations);

@@ -59,7 +59,7 @@ impl Codec for ZemaxFile {
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
         let (through, half) = codec::halves(table).pop().ok_or("the sensor has no bins")?;
-        let lookup = Lookup::new(&half)?;
+        let lookup = Lookup::of_side(&half, through)?;
         let (text, mut notes) = write(&half, through, &lookup)?;
         notes.splice(..0, resampling_notes(&lookup));
         let refracted = through && media_differ(table).unwrap_or(false);
