@@ -11,7 +11,7 @@ use super::text::terminal::Terminal;
 use crate::campaign;
 use crate::error::{Error, Result};
 use crate::files::lock::Lock;
-use crate::job::{self, TablePaths, TableWriting, paths};
+use crate::job::{self, SweepPaths, TablePaths, TableWriting, Watcher, paths};
 use crate::measure::persist::shards;
 use crate::measure::{self, Disk, Merge, Part, Shards};
 use crate::report::html::specimen;
@@ -82,6 +82,13 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let writing =
         TableWriting { plan: merge.plan(), open: &open, memory, realisations_limit, watcher: &terminal };
     writing.write(|stops| merge.tables(&campaign, stops), |table| specimen::remade(&table.campaign))?;
+    if let Some(sweep) = SweepPaths::of(&campaign, &folder, &all) {
+        if !arguments.force {
+            sweep.spare_foreign()?;
+        }
+        sweep.write(&campaign, &all)?;
+        terminal.swept(&sweep)?;
+    }
     let mut out = terminal.into_output();
     if arguments.json {
         let numbers: Vec<String> = missing.iter().map(Part::to_string).collect();

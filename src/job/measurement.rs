@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::paths::{self, TablePaths};
 use super::run::Run;
+use super::sweep::SweepPaths;
 use super::watcher::{Silent, Watcher};
 use super::{resume, threads};
 use crate::campaign::{self, Campaign};
@@ -210,6 +211,13 @@ impl<'a> Measurement<'a> {
         for paths in &all {
             paths::spare_inputs(&paths.paths(), &self.source, &self.campaign)?;
         }
+        let sweep = SweepPaths::of(&self.campaign, &kept.folder, &all);
+        if let Some(sweep) = &sweep {
+            paths::spare_inputs(&[&sweep.csv, &sweep.page], &self.source, &self.campaign)?;
+            if !self.force {
+                sweep.spare_foreign()?;
+            }
+        }
         for paths in &all {
             if self.force || !paths.is_finished(self.watcher)? {
                 open.push(paths)
@@ -233,6 +241,10 @@ impl<'a> Measurement<'a> {
             self.plan(&campaign)?
         };
         self.of(&campaign, &plan, kept).measure_and_write(found, &open)?;
+        if let Some(sweep) = &sweep {
+            sweep.write(&self.campaign, &all)?;
+            self.watcher.swept(sweep)?;
+        }
         kept.remove()?;
         Ok(Written::Tables(all))
     }

@@ -5,6 +5,7 @@ mod measurement;
 pub mod paths;
 mod resume;
 mod run;
+mod sweep;
 mod table_output;
 mod tables;
 pub mod threads;
@@ -12,6 +13,7 @@ mod watcher;
 
 pub use measurement::{Measurement, Written};
 pub use paths::TablePaths;
+pub use sweep::SweepPaths;
 pub use table_output::WrittenTable;
 pub use tables::{TableWriting, realisations_fit};
 pub use watcher::{Silent, Watcher};

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use super::sweep::SweepPaths;
 use super::table_output::WrittenTable;
 use crate::campaign::Campaign;
 use crate::error::Result;
@@ -46,6 +47,11 @@ pub trait Watcher: Sync {
 
     /// A table is written.
     fn written(&self, _table: &WrittenTable) -> Result<()> {
+        Ok(())
+    }
+
+    /// The figures of all tables of a campaign together are written.
+    fn swept(&self, _files: &SweepPaths) -> Result<()> {
         Ok(())
     }
 

@@ -7,6 +7,7 @@ pub mod plot;
 mod quality;
 pub mod slices;
 pub mod summary;
+pub mod sweep;
 
 pub use card::card;
 pub use html::page::Page;

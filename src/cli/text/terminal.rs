@@ -11,7 +11,7 @@ use crate::campaign::Campaign;
 use crate::cli::process::ending;
 use crate::cli::process::ending::Leaving;
 use crate::error::{Error, Result};
-use crate::job::{Watcher, WrittenTable};
+use crate::job::{SweepPaths, Watcher, WrittenTable};
 use crate::measure::{Cost, Disk, Plan, ProcessEnd};
 use crate::validate::prediction::aperture::worst;
 
@@ -117,6 +117,13 @@ impl Watcher for Terminal<'_> {
     fn written(&self, table: &WrittenTable) -> Result<()> {
         table.verdict.failures.iter().for_each(warn);
         self.print(|out| measured::print(table, out))
+    }
+
+    fn swept(&self, files: &SweepPaths) -> Result<()> {
+        self.print(|out| {
+            out.line(format_args!("sweep         {}: a line a table and incidence", files.csv.display()))?;
+            out.line(format_args!("              {}: joint plots", files.page.display()))
+        })
     }
 
     fn cost(&self, cost: &Cost) -> Result<()> {

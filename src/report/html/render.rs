@@ -17,7 +17,10 @@ use crate::report::slices::Scene;
 pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
 
 const TEMPLATE: &str = include_str!("assets/page.html");
-const STYLE: &str = include_str!("assets/page.css");
+/// The style of all pages.
+pub(crate) const STYLE: &str = include_str!("assets/page.css");
+/// What offers plots as files.
+pub(crate) const SAVE_SCRIPT: &str = include_str!("assets/save.js");
 /// In the order in which they build upon each other.
 const SCRIPTS: [&str; 10] = [
     include_str!("assets/table.js"),
@@ -28,7 +31,7 @@ const SCRIPTS: [&str; 10] = [
     include_str!("assets/lobe.js"),
     include_str!("assets/shading.js"),
     include_str!("assets/scene.js"),
-    include_str!("assets/save.js"),
+    SAVE_SCRIPT,
     include_str!("assets/main.js"),
 ];
 

@@ -1,9 +1,5 @@
 // Puts the page together: what is there is drawn, what is not stays hidden.
 
-function element(id) {
-  return document.getElementById(id);
-}
-
 function fill(select, options) {
   for (const [value, text] of options) select.append(new Option(text, value));
   select.parentElement.hidden = options.length < 2;

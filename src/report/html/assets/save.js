@@ -1,5 +1,9 @@
 // What a reader takes along: each plot as SVG, PNG and the numbers behind it, each picture as PNG; and the contents bar.
 
+function element(id) {
+  return document.getElementById(id);
+}
+
 // Pixels of a saved picture for each of the plot's.
 const SAVED_SCALE = 3;
 

@@ -1,0 +1,60 @@
+//! What all tables of a campaign have to say together.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::paths::{TablePaths, spare_foreign};
+use crate::campaign::Campaign;
+use crate::error::{Error, Result};
+use crate::files::{self, memory};
+use crate::report::Summary;
+use crate::report::html::render;
+use crate::report::sweep::{CSV_MARK, ParameterSweep, SweptTable};
+
+/// Bytes of memory for each of a summary's.
+const MEMORY: u64 = 64;
+
+/// The files of a campaign with several tables.
+pub struct SweepPaths {
+    /// A line a table and incidence.
+    pub csv: PathBuf,
+    /// Joint plots.
+    pub page: PathBuf,
+}
+
+impl SweepPaths {
+    /// `None` where the campaign makes one table.
+    pub fn of(campaign: &Campaign, folder: &Path, all: &[TablePaths]) -> Option<Self> {
+        let path = |ending: &str| folder.join(format!("{}.sweep.{ending}", campaign.name));
+        (all.len() > 1).then(|| SweepPaths { csv: path("csv"), page: path("html") })
+    }
+
+    /// Refuses to replace what this program did not write.
+    pub fn spare_foreign(&self) -> Result<()> {
+        spare_foreign(&self.csv, CSV_MARK, "sweep")?;
+        spare_foreign(&self.page, render::MARK, "page")
+    }
+
+    /// Writes both from the summaries of all tables.
+    pub fn write(&self, campaign: &Campaign, all: &[TablePaths]) -> Result<()> {
+        let table = |paths: &TablePaths| {
+            let one = paths.alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
+            let stem = paths.table.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let one = one.with_optics(&paths.optics);
+            Ok(SweptTable::new(stem, Some(&one), summary(&paths.summary)?))
+        };
+        let tables = all.iter().map(table).collect::<Result<Vec<_>>>()?;
+        let sweep = ParameterSweep { name: campaign.name.clone(), tables };
+        files::write_atomically(&self.csv, sweep.csv().as_bytes())?;
+        files::write_atomically(&self.page, sweep.page(true).as_bytes())
+    }
+}
+
+fn summary(path: &Path) -> Result<Summary> {
+    let bytes = files::read(path)?;
+    memory::check_file(path, MEMORY * bytes.len() as u64)?;
+    let value: serde_json::Value =
+        serde_json::from_slice(&bytes).map_err(|e| Error::format(path, format!("is no JSON: {e}")))?;
+    Summary::deserialize(value).map_err(|e| Error::format(path, format!("is no summary: {e}")))
+}

@@ -1,0 +1,180 @@
+//! The page of a sweep: what differs from table to table, in joint plots, and every table in a line.
+
+use super::{ParameterSweep, SweptTable};
+use crate::report::StopSummary;
+use crate::report::html::render::{MARK, SAVE_SCRIPT, STYLE};
+use crate::report::plot::plots::spread;
+use crate::report::plot::{Chart, ChartAxis, Series, escaped, series_style};
+use crate::validate::compare::{Comparison, Figures};
+
+/// Curves of one chart at most: more cannot be told apart.
+const MOST_CURVES: usize = 8;
+
+/// A value of a stop, and half of its 95 % interval.
+type Value<'a> = &'a dyn Fn(&SweptTable, usize) -> Option<(f64, Option<f64>)>;
+
+impl ParameterSweep {
+    /// One self-contained page. `link`: whether the pages of the tables lie next to it, by their stems.
+    // Tested by `a_sweep_has_its_figures_in_one_file` (tests/it/sweeps.rs).
+    pub fn page(&self, link: bool) -> String {
+        let charts: String =
+            self.charts().iter().map(|chart| format!("<figure>{}</figure>\n", chart.svg())).collect();
+        let name = escaped(&self.name);
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n{MARK}\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
+             script-src 'unsafe-inline'; img-src data:\">\n<title>{name}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+             <header>\n<h1>{name}</h1>\n<p id=\"what\">{} tables side by side.</p>\n</header>\n<main>\n\
+             <section id=\"plots\" aria-label=\"Plots\">\n<h2>Side by side</h2>\n<p>Bars are 95 % intervals of the \
+             measurement.</p>\n<div class=\"charts\">\n{charts}</div>\n</section>\n\
+             <section id=\"tables\" aria-label=\"Tables\">\n<h2>Tables</h2>\n{}</section>\n</main>\n\
+             <script>\n\"use strict\";\n{SAVE_SCRIPT}\nofferDownloads();\n</script>\n</body>\n</html>\n",
+            self.tables.len(),
+            self.listed(link)
+        )
+    }
+
+    fn charts(&self) -> Vec<Chart> {
+        let albedo = |table: &SweptTable, stop: usize| {
+            let stop = table.summary.stops.get(stop)?;
+            Some((stop.albedo_total?, half_of(table, stop.albedo_total_se)))
+        };
+        let through = |table: &SweptTable, stop: usize| {
+            let stop = table.summary.stops.get(stop)?;
+            Some((stop.transmittance_total?, half_of(table, stop.transmittance_total_se)))
+        };
+        let distance = |table: &SweptTable, stop: usize| {
+            let figures = compared(table)?.stops.get(stop)?.figures;
+            Some((figures.l1_model?, half_of(table, figures.l1_model_se)))
+        };
+        let against = self.tables.iter().find_map(compared);
+        let title = against.map_or(String::new(), |comparison| {
+            format!("Distance from {} {}", comparison.model, comparison.masking).replace('_', "-")
+        });
+        let parts: [(&str, &str, Value); 3] = [
+            ("Albedo", "share of the light", &albedo),
+            ("Transmittance", "share of the light", &through),
+            (&title, "l1_model", &distance),
+        ];
+        let both = |(title, label, value): (&str, &str, Value)| {
+            [self.against_alpha((title, label), value), self.against_theta((title, label), value)]
+        };
+        parts.into_iter().flat_map(both).flatten().collect()
+    }
+
+    /// Against the roughness, a curve for each angle of the light; `None` where less than three roughnesses or more than one
+    /// material make a curve.
+    fn against_alpha(&self, (title, label): (&str, &str), value: Value) -> Option<Chart> {
+        let first = self.tables.first()?;
+        let alphas: Vec<f64> = self.tables.iter().filter_map(|table| Some(table.alpha?.x)).collect();
+        let one = self.tables.iter().all(|table| {
+            table.optics == first.optics
+                && table.alpha.and_then(|alpha| alpha.coverage)
+                    == first.alpha.and_then(|alpha| alpha.coverage)
+        });
+        if alphas.len() != self.tables.len() || alphas.len() < 3 || !one || !alphas.is_sorted_by(|a, b| a < b)
+        {
+            return None;
+        }
+        let stops = spread(first.summary.stops.len(), MOST_CURVES);
+        let curves = stops.iter().enumerate().map(|(k, &stop)| {
+            let points = self.tables.iter().zip(&alphas);
+            let points = points.filter_map(|(table, &alpha)| Some((alpha, value(table, stop)?)));
+            curve(angles(&first.summary.stops[stop], &first.summary.stops), points.collect(), k)
+        });
+        let range = [alphas[0], alphas[alphas.len() - 1]];
+        chart(
+            format!("{title} against the roughness"),
+            ChartAxis::linear("alpha (along x)", range),
+            label,
+            curves.collect(),
+        )
+    }
+
+    /// Against the light's polar angle at its first azimuth, a curve for each table.
+    fn against_theta(&self, (title, label): (&str, &str), value: Value) -> Option<Chart> {
+        let shown = spread(self.tables.len(), MOST_CURVES);
+        let curves = shown.iter().enumerate().map(|(k, &at)| {
+            let table = &self.tables[at];
+            let stops = &table.summary.stops;
+            let along = (0..stops.len()).filter(|&stop| stops[stop].phi_i_deg == stops[0].phi_i_deg);
+            let points = along.filter_map(|stop| Some((stops[stop].theta_i_deg, value(table, stop)?)));
+            curve(self.short(&table.stem), points.collect(), k)
+        });
+        let several = self.tables.iter().any(|table| table.summary.stops.len() > 1);
+        let axis = ChartAxis::degrees("light theta_i, degrees", [0.0, 90.0]);
+        if several {
+            chart(format!("{title} against the light's angle"), axis, label, curves.collect())
+        } else {
+            None
+        }
+    }
+
+    /// A table's name without what all have in common.
+    fn short(&self, stem: &str) -> String {
+        stem.strip_prefix(&self.name).map_or(stem, |rest| rest.trim_start_matches('_')).into()
+    }
+
+    /// Every table in a line.
+    fn listed(&self, link: bool) -> String {
+        let row = |table: &SweptTable| {
+            let stem = escaped(&table.stem);
+            let name = if link { format!("<a href=\"{stem}.html\">{stem}</a>") } else { stem };
+            let number = |value: Option<f64>, decimals: usize| {
+                value.map_or("–".to_string(), |value| format!("{value:.decimals$}"))
+            };
+            let figures = compared(table).map_or(Figures::default(), |comparison| comparison.figures);
+            let albedo = table.summary.stops.first().and_then(|stop| stop.albedo_total);
+            format!(
+                "<tr><th>{name}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                number(albedo, 5),
+                number(figures.l1_noise, 4),
+                number(figures.l1_model, 4),
+                escaped(table.summary.verdict.as_deref().unwrap_or("–"))
+            )
+        };
+        let rows: String = self.tables.iter().map(row).collect();
+        format!(
+            "<div class=\"scroll\"><table class=\"facts\"><thead><tr><th>table</th><th>albedo, first light</th><th>noise</th>\
+             <th>from the formula</th><th>verdict</th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n"
+        )
+    }
+}
+
+/// Half of the 95 % interval by a standard error.
+fn half_of(table: &SweptTable, se: Option<f64>) -> Option<f64> {
+    Some(se? * table.interval()?)
+}
+
+/// The comparison that is shown: with height-correlated masking where there is one, else the first.
+fn compared(table: &SweptTable) -> Option<&Comparison> {
+    let all = &table.summary.comparisons;
+    all.iter().find(|comparison| comparison.masking == "height_correlated").or(all.first())
+}
+
+/// The light's angles; the azimuth where there are several.
+fn angles(stop: &StopSummary, all: &[StopSummary]) -> String {
+    let theta = format!("theta_i {}°", stop.theta_i_deg);
+    let several = all.iter().any(|other| other.phi_i_deg != all[0].phi_i_deg);
+    if several { format!("{theta}, phi_i {}°", stop.phi_i_deg) } else { theta }
+}
+
+fn curve(label: String, points: Vec<(f64, (f64, Option<f64>))>, index: usize) -> Series {
+    let error: Vec<f64> = points.iter().filter_map(|(_, (_, half))| *half).collect();
+    let series = Series::new(label, points.iter().map(|&(x, (y, _))| [x, y]).collect(), series_style(index));
+    // A band without a half-width somewhere would be invented there.
+    if error.len() == points.len() { Series { error, ..series } } else { series }
+}
+
+/// `None` where nothing is known.
+fn chart(title: String, x: ChartAxis, label: &str, series: Vec<Series>) -> Option<Chart> {
+    let series: Vec<Series> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
+    let highest = series.iter().flat_map(|series| &series.points).map(|point| point[1]).fold(0.0, f64::max);
+    (!series.is_empty()).then(|| Chart {
+        title,
+        x,
+        y: ChartAxis::linear(label, [0.0, (1.1 * highest).max(1e-6)]),
+        series,
+    })
+}
