@@ -2,14 +2,6 @@
 
 use std::process::ExitCode;
 
-use gonio::cli;
-
 fn main() -> ExitCode {
-    match cli::run(std::env::args_os()) {
-        Ok(code) => ExitCode::from(code),
-        Err(error) => {
-            cli::print_error(&error);
-            ExitCode::from(error.exit_code())
-        }
-    }
+    ExitCode::from(gonio::cli::exit_code(std::env::args_os()))
 }

@@ -34,7 +34,7 @@ mod table_file;
 pub mod text;
 mod validate;
 
-pub use text::output::print_error;
+pub use text::output::{Printed, print_error};
 
 /// A virtual gonioreflectometer: measures the BRDF of explicit random microsurfaces, with error bars.
 #[derive(Parser)]
@@ -113,11 +113,19 @@ impl Verb {
     }
 }
 
+/// The program: runs the command line `words`, prints the error if there is one, and returns the exit code.
+pub fn exit_code(words: impl IntoIterator<Item = OsString>) -> u8 {
+    run(words).unwrap_or_else(|error| {
+        print_error(&error);
+        error.exit_code()
+    })
+}
+
 /// Runs the command line `words`, the program's name first, and returns the exit code.
 ///
 /// A panic, also one inside a worker, is returned as [`Error::Internal`]; the process's panic hook is replaced.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
-    panic::set_hook(Box::new(|panic| remember(&panic.to_string())));
+    remember_panics();
     process::ending::survive_limits();
     let ended = guarded(|| {
         let words: Vec<OsString> = words.into_iter().collect();
@@ -140,6 +148,27 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
     ended
 }
 
+/// Runs a command line for a caller that lives on: nothing is printed, and signals are the caller's, as is the panic hook.
+// Tested by `a_command_answers_without_printing`.
+pub fn answer(words: impl IntoIterator<Item = OsString>) -> (Result<u8>, Printed) {
+    let mut printed = Printed::default();
+    let ended = guarded(|| {
+        let arguments =
+            Arguments::try_parse_from(words).map_err(|answer| Error::Usage(first_line(&answer)))?;
+        let (ended, kept) =
+            pool(arguments.verb.threads())?.install(|| text::output::kept(|| arguments.verb.run()));
+        printed = kept;
+        ended
+    });
+    (ended, printed)
+}
+
+/// What is wrong with a command line, without the usage.
+fn first_line(answer: &clap::Error) -> String {
+    let text = answer.to_string();
+    text.lines().next().unwrap_or_default().trim_start_matches("error: ").into()
+}
+
 /// The wanted number of worker threads, or as many as are allowed.
 fn pool(wanted: usize) -> Result<rayon::ThreadPool> {
     let pool = threads::pool(wanted)?;
@@ -160,8 +189,13 @@ fn remember(panic: &str) {
     }
 }
 
+/// From now on a panic is remembered instead of printed: it is an error of what was [`guarded`].
+pub fn remember_panics() {
+    panic::set_hook(Box::new(|panic| remember(&panic.to_string())));
+}
+
 /// Turns a panic into an error.
-fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+pub fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|payload| {
         let said = payload.downcast_ref::<String>().map(String::as_str);
         let said = said.or(payload.downcast_ref::<&str>().copied()).unwrap_or("panic").to_string();
@@ -180,6 +214,18 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_command_answers_without_printing() {
+        let words = |words: &[&str]| words.iter().map(OsString::from).collect::<Vec<_>>();
+        let (ended, printed) = answer(words(&["gonio", "check", "configs/quickstart.toml", "--json"]));
+        assert_eq!(ended.expect("runs"), 0);
+        assert!(serde_json::from_str::<serde_json::Value>(&printed.out).is_ok(), "{}", printed.out);
+        let (ended, _) = answer(words(&["gonio", "fit"]));
+        let error = ended.expect_err("no table");
+        assert_eq!(error.exit_code(), 2);
+        assert_eq!(error.to_string().lines().count(), 1, "{error}");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What the program prints: stdout that may go away, warnings, aligned columns, numbers with their units.
 
+use std::cell::RefCell;
 use std::fmt::Display;
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
@@ -16,6 +17,33 @@ use crate::text_decoding::decode_text;
 /// Columns of the terminal that every text fits.
 pub const WIDTH: usize = 100;
 
+/// What a command would have printed, for a caller who has no terminal.
+#[derive(Default)]
+pub struct Printed {
+    /// Of stdout.
+    pub out: String,
+    /// Lines of stderr.
+    pub said: Vec<String>,
+}
+
+thread_local! {
+    /// Where this thread's words go instead of stdout and stderr.
+    static KEPT: RefCell<Option<Printed>> = const { RefCell::new(None) };
+}
+
+/// Does `work`, and keeps what this thread prints meanwhile.
+// Tested by `what_a_thread_prints_is_kept_for_its_caller`.
+pub fn kept<T>(work: impl FnOnce() -> T) -> (T, Printed) {
+    KEPT.set(Some(Printed::default()));
+    let done = work();
+    (done, KEPT.take().unwrap_or_default())
+}
+
+/// Whether the words are kept, which `keep` then does.
+fn is_kept(keep: impl FnOnce(&mut Printed)) -> bool {
+    KEPT.with_borrow_mut(|kept| kept.as_mut().map(keep)).is_some()
+}
+
 /// stdout. A reader that closes it ends the printing, not the run.
 #[derive(Default)]
 pub struct Output {
@@ -29,7 +57,7 @@ impl Output {
     }
 
     fn print(&mut self, text: &str) -> Result<()> {
-        if self.closed {
+        if self.closed || is_kept(|kept| kept.out.extend([text, "\n"])) {
             return Ok(());
         }
         match writeln!(io::stdout().lock(), "{text}") {
@@ -97,7 +125,10 @@ pub fn to_json(data: &impl Serialize) -> Result<Value> {
 
 /// Prints a line on stderr; whether anybody reads it does not matter.
 pub fn say(text: impl Display) {
-    writeln!(io::stderr().lock(), "{}", seen(text)).ok();
+    let text = seen(text);
+    if !is_kept(|kept| kept.said.push(text.clone())) {
+        writeln!(io::stderr().lock(), "{text}").ok();
+    }
 }
 
 /// Prints a warning on stderr, one line.
@@ -201,6 +232,17 @@ pub fn or_na(value: Option<f64>, decimals: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_thread_prints_is_kept_for_its_caller() {
+        let (done, printed) = kept(|| {
+            warn("a\nb");
+            Output::default().line("one").and_then(|()| Output::default().line("two"))
+        });
+        assert!(done.is_ok());
+        assert_eq!((printed.out.as_str(), printed.said), ("one\ntwo\n", vec!["warning: a b".to_string()]));
+        assert!(!is_kept(|_| ()), "afterwards it prints again");
+    }
 
     #[test]
     fn json_is_read_with_a_mark() {
