@@ -17,6 +17,7 @@ use crate::job::paths;
 use crate::report;
 use crate::report::html::specimen;
 use crate::report::summary::SCHEMA;
+use crate::report::sweep::{CSV_MARK, ParameterSweep, SweptTable};
 use crate::report::{Facts, Page, StopSummary, Summary};
 use crate::table::{BrdfTable, TableRows, store};
 use crate::validate::{self, Prediction, Verdict, verdict};
@@ -29,9 +30,10 @@ use crate::validate::{self, Prediction, Verdict, verdict};
     table are used where they are there.\n\nExample: gonio report out/quickstart/quickstart.exr -o quickstart.html"
 )]
 pub struct Arguments {
-    /// The table
-    table: PathBuf,
-    /// The page; a name that ends in .md: the provenance card [default: <stem>.html]
+    /// The table; several: a page of them side by side
+    #[arg(required = true, value_name = "TABLE.exr")]
+    tables: Vec<PathBuf>,
+    /// The page; ends in .md: the provenance card; in .csv: figures of several [default: <stem>.html]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Answers of `gonio bench`, for the plot of error against samples, all in one
@@ -43,7 +45,7 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let path = &arguments.table;
+    let [path] = &arguments.tables[..] else { return side_by_side(arguments) };
     let opened = table_file::open(path, verdict::row_bytes)?;
     let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));
     paths::spare(&output, [path].into_iter().chain(&arguments.bench), "command")?;
@@ -67,29 +69,81 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     Ok(0)
 }
 
+/// A page of several tables, or the CSV of their figures.
+fn side_by_side(arguments: &Arguments) -> Result<u8> {
+    let tables = &arguments.tables;
+    let Some(output) = &arguments.output else {
+        return Err(Error::Usage(
+            "several tables need a name for their page: -o FILE.html, or FILE.csv".into(),
+        ));
+    };
+    if !arguments.bench.is_empty() {
+        return Err(Error::Usage("--bench belongs to the page of one table".into()));
+    }
+    paths::spare(output, tables, "command")?;
+    let is_csv = output.extension().is_some_and(|end| end == "csv");
+    if !arguments.force {
+        let (mark, what) =
+            if is_csv { (CSV_MARK, "CSV of tables") } else { (report::html::render::MARK, "page") };
+        paths::spare_foreign(output, mark, what)?;
+    }
+    let name = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let tables = tables.iter().map(|path| swept(path)).collect::<Result<Vec<_>>>()?;
+    let sweep = ParameterSweep { name, tables };
+    let text = if is_csv { sweep.csv() } else { sweep.page(false) };
+    files::write_atomically(output, text.as_bytes())?;
+    Output::default().line(format_args!(
+        "report        {} ({})",
+        output.display(),
+        bytes(text.len() as u64)
+    ))?;
+    Ok(0)
+}
+
+/// A table with its summary, that next to it or one from the table alone.
+fn swept(path: &Path) -> Result<SweptTable> {
+    let table = match table_file::open(path, verdict::row_bytes)? {
+        Opened::Whole(table) => table,
+        Opened::Rows(rows) => return Err(table_file::too_large(&rows)),
+    };
+    let campaign = table_file::campaign_if_any(path, &table)?;
+    let summary = summary_known(path, &table, campaign.as_ref(), None)?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(SweptTable::new(stem, campaign.as_ref(), summary))
+}
+
 const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";
 
 /// The card or the page of a table in memory.
 fn whole(path: &Path, table: &BrdfTable, is_card: bool, benches: &[BenchAnswer]) -> Result<String> {
     let campaign = table_file::campaign_if_any(path, table)?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
-    let summary = match summary_beside(path, table, || store::digest(table))? {
-        Some(summary) => summary,
-        None => {
-            let verdict = match &campaign {
-                Some(campaign) => {
-                    let parts = table_file::realisations_beside(path, table)?;
-                    Some(validate::examine_against(table, campaign, parts.as_ref(), prediction.as_ref()))
-                }
-                None => None,
-            };
-            summary_of(path, table, campaign.as_ref(), verdict.as_ref(), StopSummary::of_bins(table))?
-        }
-    };
+    let summary = summary_known(path, table, campaign.as_ref(), prediction.as_ref())?;
     if is_card {
         return Ok(report::card(table, &store::digest(table)?, Facts::of(table), &summary));
     }
     page_of(table, (campaign.as_ref(), prediction.as_ref()), &summary, benches)
+}
+
+/// The summary next to a table, else one from the table alone; `prediction` is made where there is none yet.
+fn summary_known(
+    path: &Path,
+    table: &BrdfTable,
+    campaign: Option<&Campaign>,
+    prediction: Option<&Prediction>,
+) -> Result<Summary> {
+    if let Some(summary) = summary_beside(path, table, || store::digest(table))? {
+        return Ok(summary);
+    }
+    let verdict = match campaign {
+        Some(campaign) => {
+            let parts = table_file::realisations_beside(path, table)?;
+            let made = if prediction.is_none() { Prediction::of(campaign, &table.grid) } else { None };
+            Some(validate::examine_against(table, campaign, parts.as_ref(), prediction.or(made.as_ref())))
+        }
+        None => None,
+    };
+    summary_of(path, table, campaign, verdict.as_ref(), StopSummary::of_bins(table))
 }
 
 /// The card or the page of a table that does not fit the memory.

@@ -25,6 +25,7 @@ mod properties;
 mod report;
 mod report_through;
 mod study;
+mod sweeps;
 mod transmission_values;
 
 mod albedo {

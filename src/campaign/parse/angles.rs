@@ -6,6 +6,9 @@ use crate::sphere::reduced_deg;
 /// Most points of one axis.
 pub(crate) const MOST_POINTS: usize = 100_000;
 
+/// Where a range may be said to end; its last point has bounds of its own.
+const END: Bounds = Bounds::closed(-3600.0, 3600.0);
+
 /// How near, in steps, the last point of a range must come to `to` to be it.
 const END_TOLERANCE: f64 = 1e-9;
 
@@ -65,7 +68,7 @@ pub(crate) const PHI: AxisRules = AxisRules { bounds: AZIMUTH, wraps: true };
 
 /// The angles of an axis, strictly increasing, in degrees.
 pub(crate) fn axis(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
-    let given = if item.is_table() { range(item, rules)? } else { list(item, rules)? };
+    let given = if item.is_table() { range(item, &rules.bounds, MOST_POINTS)? } else { list(item, rules)? };
     let mut angles: Vec<f64> =
         if rules.wraps { given.iter().map(|a| reduced_deg(*a)).collect() } else { given.clone() };
     check_order(item, &given, &angles)?;
@@ -92,19 +95,19 @@ fn list(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
 }
 
 /// The points `from + k step` up to `to`, each from its own whole number k, so that no rounding adds up.
-fn range(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
+pub(super) fn range(item: &GivenValue<'_>, bounds: &Bounds, most: usize) -> Option<Vec<f64>> {
     let [from, to, step] = item.table()?.keys(["from", "to", "step"]);
     let what = "a range is { from = 0, to = 75, step = 15 }";
-    let first = from.required(what).and_then(|i| i.float(&rules.bounds));
-    let end = to.required(what).and_then(|i| i.float(&AZIMUTH));
+    let first = from.required(what).and_then(|i| i.float(bounds));
+    let end = to.required(what).and_then(|i| i.float(&END));
     let width = step.required(what).and_then(|i| i.float(&Bounds::closed(0.0, 3600.0).low_open()));
     let (first, end, width) = (first?, end?, width?);
     if end < first {
         return to.refuse(format!("must not lie below from = {}", plain(first)));
     }
     let steps = ((end - first) / width + END_TOLERANCE).floor();
-    if steps >= MOST_POINTS as f64 {
-        return item.refuse(format!("gives more than {MOST_POINTS} points; widen the step"));
+    if steps >= most as f64 {
+        return item.refuse(format!("gives more than {most} points; widen the step"));
     }
     let mut points: Vec<f64> = (0..=steps as u32).map(|k| first + f64::from(k) * width).collect();
     let last = points.last_mut()?;
@@ -112,7 +115,7 @@ fn range(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
         *last = end;
     }
     let last = *last;
-    if let Some(fault) = rules.bounds.fault(last) {
+    if let Some(fault) = bounds.fault(last) {
         return to.refuse(format!("the range reaches {}: {fault}", plain(last)));
     }
     if last != end {

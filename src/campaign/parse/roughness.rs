@@ -1,5 +1,6 @@
 //! Roughnesses: the keys that every surface with a law has.
 
+use super::angles::range;
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use crate::campaign::schema::Alpha;
 
@@ -30,14 +31,29 @@ fn isotropic_alphas(item: &GivenValue<'_>) -> Option<Vec<Alpha>> {
     Some(one_or_more(item, &ALPHA, "roughness")?.into_iter().map(Alpha::isotropic).collect())
 }
 
-/// A number, or a list of them that increase: one table is made for each.
+/// A value in twelve decimals, as it stands in names of files: 0.3, where three steps of 0.1 are 0.30000000000000004.
+fn rounded(value: f64) -> f64 {
+    (value * 1e12).round() / 1e12
+}
+
+/// Most entries of a list that makes a table each.
+const MOST: usize = 1000;
+
+/// A number, a list of them that increase, or `{ from, to, step }`: one table is made for each.
 pub(super) fn one_or_more(item: &GivenValue<'_>, bounds: &Bounds, what: &str) -> Option<Vec<f64>> {
+    if item.is_table() {
+        let points = range(item, bounds, MOST)?.into_iter().map(rounded).collect::<Vec<_>>();
+        if !points.is_sorted_by(|a, b| a < b) {
+            return item.refuse(format!("gives a {what} twice; widen the step"));
+        }
+        return Some(points);
+    }
     let Some(length) = item.list_length() else { return Some(vec![item.float(bounds)?]) };
     if length == 0 {
         return item.refuse(format!("must not be empty; one table is made for each {what}"));
     }
-    if length > 1000 {
-        return item.refuse(format!("has {length} entries; at most 1000 are allowed"));
+    if length > MOST {
+        return item.refuse(format!("has {length} entries; at most {MOST} are allowed"));
     }
     let values = item.each(|i| i.float(bounds))?;
     if let Some(before) = values.windows(2).position(|pair| !matches!(pair, [a, b] if a < b)) {
