@@ -27,7 +27,7 @@ use crate::table::TableRows;
 pub struct Arguments {
     /// The table
     table: PathBuf,
-    /// One of the formats below, where the file's name leaves it open
+    /// One of the formats below; left out: by FILE's name
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
     /// The file (pabopto: a folder; utia: FILE.exr: the image form)

@@ -29,7 +29,7 @@ const MOST_CAMPAIGNS: usize = 10_000;
 pub struct Arguments {
     /// The file
     file: PathBuf,
-    /// One of the formats below, where the file does not say
+    /// One of the formats below; left out: by the file
     #[arg(long, value_name = "FORMAT")]
     from: Option<String>,
     /// The table (maps: the folder) to write

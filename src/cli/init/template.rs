@@ -199,7 +199,7 @@ mod tests {
         for &surface in Surface::value_variants() {
             for &instrument in Instrument::value_variants() {
                 for &purpose in Purpose::value_variants() {
-                    let text = campaign("a name", surface, instrument, purpose, Path::new("a.npy"));
+                    let text = campaign("a_name", surface, instrument, purpose, Path::new("a.npy"));
                     let parsed = campaign::parse(&text, "campaign", Path::new(""));
                     let case = format!("{surface:?} {instrument:?} {purpose:?}");
                     assert_eq!(

@@ -118,6 +118,10 @@ fn every_kind_of_table_in_every_format() {
     let options = Options { albedo_error: Some(0.05), klems: Some(Basis::Half), ..Options::default() };
     for (index, (kind, table)) in kinds().into_iter().enumerate() {
         for (name, format) in Format::ALL.map(|format| (format.name(), format)) {
+            // Trees of rank 4 have their test in `interchange_radiance`, both halves in one file theirs in `through`.
+            if matches!((kind, format), ("brushed" | "both", Format::TensorTree) | ("both", Format::Klems)) {
+                continue;
+            }
             let path = folder.path().join(format!("{kind}.{name}"));
             let written = interchange::export(&table, format, &options, &path);
             let case = format!("{kind} as {name}");

@@ -323,7 +323,7 @@ fn damaged_tables_are_errors_and_never_panic() {
     alone(module_path!(), "damaged_tables_are_errors_and_never_panic", || {
         let table = table(1);
         let bytes = store::encode(&table).expect("encodes");
-        damage(&bytes, 10_000, 11, |bytes, cut| {
+        damage(&bytes, 4_000, 11, |bytes, cut| {
             let Some(loaded) = format_error(store::decode(here(), bytes)) else { return };
             assert!(!cut, "a file cut at {} bytes was read", bytes.len());
             let checked = !loaded.warnings.iter().any(|warning| warning.contains("gonio.digest"));
