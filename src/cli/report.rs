@@ -33,7 +33,7 @@ pub struct Arguments {
     /// The table; several: a page of them side by side
     #[arg(required = true, value_name = "TABLE.exr")]
     tables: Vec<PathBuf>,
-    /// The page; ends in .md: the provenance card; in .csv: figures of several [default: <stem>.html]
+    /// The page [default: <stem>.html]; .md: the card; .csv: figures of several
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Answers of `gonio bench`, for the plot of error against samples, all in one
@@ -51,21 +51,26 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     paths::spare(&output, [path].into_iter().chain(&arguments.bench), "command")?;
     let benches = arguments.bench.iter().map(|path| bench_in(path)).collect::<Result<Vec<_>>>()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
-    if !arguments.force {
-        let (mark, what) =
-            if is_card { (report::card::MARK, "card") } else { (report::html::render::MARK, "page") };
-        paths::spare_foreign(&output, mark, what)?;
-    }
+    let own = if is_card { (report::card::MARK, "card") } else { (report::html::render::MARK, "page") };
+    arguments.spare(&output, own)?;
     let text = match opened {
         Opened::Whole(table) => whole(path, &table, is_card, &benches)?,
         Opened::Rows(mut rows) => by_rows(&mut rows, is_card, &benches)?,
     };
-    files::write_atomically(&output, text.as_bytes())?;
-    Output::default().line(format_args!(
-        "report        {} ({})",
-        output.display(),
-        bytes(text.len() as u64)
-    ))?;
+    write(&output, &text)
+}
+
+impl Arguments {
+    /// Refuses to replace what does not say by its mark that it is one of ours.
+    fn spare(&self, output: &Path, (mark, what): (&str, &str)) -> Result<()> {
+        if self.force { Ok(()) } else { paths::spare_foreign(output, mark, what) }
+    }
+}
+
+fn write(output: &Path, text: &str) -> Result<u8> {
+    files::write_atomically(output, text.as_bytes())?;
+    let size = bytes(text.len() as u64);
+    Output::default().line(format_args!("report        {} ({size})", output.display()))?;
     Ok(0)
 }
 
@@ -82,22 +87,12 @@ fn side_by_side(arguments: &Arguments) -> Result<u8> {
     }
     paths::spare(output, tables, "command")?;
     let is_csv = output.extension().is_some_and(|end| end == "csv");
-    if !arguments.force {
-        let (mark, what) =
-            if is_csv { (CSV_MARK, "CSV of tables") } else { (report::html::render::MARK, "page") };
-        paths::spare_foreign(output, mark, what)?;
-    }
+    let own = if is_csv { (CSV_MARK, "CSV of tables") } else { (report::html::render::MARK, "page") };
+    arguments.spare(output, own)?;
     let name = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let tables = tables.iter().map(|path| swept(path)).collect::<Result<Vec<_>>>()?;
     let sweep = ParameterSweep { name, tables };
-    let text = if is_csv { sweep.csv() } else { sweep.page(false) };
-    files::write_atomically(output, text.as_bytes())?;
-    Output::default().line(format_args!(
-        "report        {} ({})",
-        output.display(),
-        bytes(text.len() as u64)
-    ))?;
-    Ok(0)
+    write(output, &if is_csv { sweep.csv() } else { sweep.page(false) })
 }
 
 /// A table with its summary, that next to it or one from the table alone.

@@ -27,8 +27,8 @@ pub struct Arguments {
     /// What is measured
     #[arg(long, value_enum)]
     surface: Option<Surface>,
-    /// The arms, or an instrument that they are taken from
-    #[arg(long, value_enum)]
+    /// The arms: hemisphere, plane, utia, merl, rgl, rosi, klems-full
+    #[arg(long, value_enum, hide_possible_values = true)]
     instrument: Option<Instrument>,
     /// What the table is for
     #[arg(long, value_enum)]

@@ -143,8 +143,16 @@ fn of_instrument(surface: Surface, instrument: Instrument, purpose: Purpose) -> 
                 .into()
         }
         other => {
-            let name = other.to_possible_value().map(|value| value.get_name().replace('-', "_")).unwrap_or_default();
-            format!("[preset]\nname = {:<20} # the arms; `gonio presets` says what is emulated\n", toml(&name))
+            let name = other.to_possible_value().map(|value| value.get_name().replace('-', "_"));
+            let name = toml(&name.unwrap_or_default());
+            let pairs = if other == Instrument::Rosi {
+                "theta_i_deg = [45]          # pairs of directions\ntheta_r_deg = [45]\n"
+            } else {
+                ""
+            };
+            let chooses = matches!(other, Instrument::Rosi | Instrument::Rgl) && !isotropic;
+            let azimuths = if chooses { "phi_i_deg = [0, 45, 90]     # the light's azimuths\n" } else { "" };
+            format!("[preset]\nname = {name:<20} # the arms; `gonio presets` says what is emulated\n{pairs}{azimuths}")
         }
     }
 }
@@ -189,7 +197,7 @@ mod tests {
     use super::*;
     use crate::campaign;
 
-    /// What cannot be: MERL's files are isotropic, and grains are no clear heights' presets.
+    /// What cannot be: MERL's files are isotropic.
     fn cannot_be(surface: Surface, instrument: Instrument) -> bool {
         instrument == Instrument::Merl && matches!(surface, Surface::Brushed | Surface::Scan)
     }
