@@ -24,14 +24,14 @@ pub struct Arguments {
     /// Its name; NAME.toml is written, or with - stdout
     #[arg(default_value = "campaign")]
     name: String,
-    /// What is measured
-    #[arg(long, value_enum)]
+    /// What is measured: ggx, brushed, beckmann, grains, smith, scan
+    #[arg(long, value_enum, hide_possible_values = true)]
     surface: Option<Surface>,
     /// The arms: hemisphere, plane, utia, merl, rgl, rosi, klems-full
     #[arg(long, value_enum, hide_possible_values = true)]
     instrument: Option<Instrument>,
-    /// What the table is for
-    #[arg(long, value_enum)]
+    /// What the table is for: look, formula, render, glass
+    #[arg(long, value_enum, hide_possible_values = true)]
     purpose: Option<Purpose>,
     /// The heights of --surface scan
     #[arg(long, value_name = "FILE", default_value = "heights.npy")]
