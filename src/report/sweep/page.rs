@@ -46,16 +46,15 @@ impl ParameterSweep {
         };
         let distance = |table: &SweptTable, stop: usize| {
             let figures = compared(table)?.stops.get(stop)?.figures;
-            Some((figures.l1_model?, half_of(table, figures.l1_model_se)))
+            Some((100.0 * figures.l1_model?, half_of(table, figures.l1_model_se).map(|half| 100.0 * half)))
         };
-        let against = self.tables.iter().find_map(compared);
-        let title = against.map_or(String::new(), |comparison| {
-            format!("Distance from {} {}", comparison.model, comparison.masking).replace('_', "-")
-        });
+        let masking =
+            self.tables.iter().find_map(compared).map(|comparison| comparison.masking.replace('_', "-"));
+        let label = format!("% of the light, {}", masking.unwrap_or_default());
         let parts: [(&str, &str, Value); 3] = [
             ("Albedo", "share of the light", &albedo),
             ("Transmittance", "share of the light", &through),
-            (&title, "l1_model", &distance),
+            ("Distance from the formula", &label, &distance),
         ];
         let both = |(title, label, value): (&str, &str, Value)| {
             [self.against_alpha((title, label), value), self.against_theta((title, label), value)]
@@ -137,7 +136,7 @@ impl ParameterSweep {
         let rows: String = self.tables.iter().map(row).collect();
         format!(
             "<div class=\"scroll\"><table class=\"facts\"><thead><tr><th>table</th><th>albedo, first light</th><th>noise</th>\
-             <th>from the formula</th><th>verdict</th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n"
+             <th>from the formula, l1_model</th><th>verdict</th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n"
         )
     }
 }
@@ -170,7 +169,11 @@ fn curve(label: String, points: Vec<(f64, (f64, Option<f64>))>, index: usize) ->
 /// `None` where nothing is known.
 fn chart(title: String, x: ChartAxis, label: &str, series: Vec<Series>) -> Option<Chart> {
     let series: Vec<Series> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
-    let highest = series.iter().flat_map(|series| &series.points).map(|point| point[1]).fold(0.0, f64::max);
+    let ends = series.iter().flat_map(|series| {
+        let halves = series.error.iter().copied().chain(std::iter::repeat(0.0));
+        series.points.iter().zip(halves).map(|(point, half)| point[1] + half)
+    });
+    let highest = ends.fold(0.0, f64::max);
     (!series.is_empty()).then(|| Chart {
         title,
         x,
