@@ -1,11 +1,9 @@
 //! `gonio completions`: the words of the command line for a shell.
 
-use std::io::{self, ErrorKind, Write};
-use std::path::Path;
-
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
+use crate::cli::text::output::Output;
 use crate::error::{Error, Result};
 
 /// Print the completions of a shell: bash, elvish, fish, powershell, zsh
@@ -20,8 +18,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut crate::cli::Arguments::command(), "gonio", &mut script);
-    match io::stdout().lock().write_all(&script) {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io(Path::new("stdout"), e)),
-        _ => Ok(0),
-    }
+    let script = String::from_utf8(script).map_err(|e| Error::Internal(format!("completions: {e}")))?;
+    Output::default().line(script.trim_end())?;
+    Ok(0)
 }

@@ -44,7 +44,7 @@ fn convergence_charts(page: &Page) -> Vec<Chart> {
     several.into_iter().chain(ladders).chain(convergence::looks(&page.scene, &page.summary.stops)).collect()
 }
 
-pub(super) fn figures_of(pictures: impl IntoIterator<Item = String>) -> String {
+pub(crate) fn figures_of(pictures: impl IntoIterator<Item = String>) -> String {
     let figures: String = pictures.into_iter().map(|svg| format!("<figure>{svg}</figure>\n")).collect();
     format!("<div class=\"charts\">\n{figures}</div>\n")
 }

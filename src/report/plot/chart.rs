@@ -3,7 +3,7 @@
 //! Input: series of numbers. Output: text that reads the same in grey: every series has a dash or a marker of its own.
 
 use super::axis::ChartAxis;
-use super::drawing::{Drawing, escaped, metadata, path, picture, quoted};
+use super::drawing::{Drawing, csv_field, escaped, metadata, path, picture};
 use super::style::SeriesStyle;
 
 /// Size of the frame, and the room to its left, right, top and bottom (without the legend).
@@ -72,8 +72,8 @@ impl Chart {
     fn data(&self) -> String {
         let mut lines = vec![format!(
             "series,{},{},half-width of the error",
-            quoted(&self.x.label),
-            quoted(&self.y.label)
+            csv_field(&self.x.label),
+            csv_field(&self.y.label)
         )];
         for (k, series) in self.series.iter().enumerate() {
             let name =
@@ -81,7 +81,7 @@ impl Chart {
             for (place, [x, y]) in series.points.iter().enumerate() {
                 let error =
                     series.error.get(place).map_or(String::new(), |error| (*error as f32).to_string());
-                lines.push(format!("{},{},{},{error}", quoted(&name), *x as f32, *y as f32));
+                lines.push(format!("{},{},{},{error}", csv_field(&name), *x as f32, *y as f32));
             }
         }
         metadata(&lines)

@@ -37,7 +37,7 @@ pub(super) fn metadata(lines: &[String]) -> String {
 }
 
 /// A text as a field of CSV.
-pub(super) fn quoted(text: &str) -> String {
+pub(crate) fn csv_field(text: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into() }
 }
 

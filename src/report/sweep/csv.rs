@@ -2,6 +2,7 @@
 
 use super::{ParameterSweep, SweptTable};
 use crate::report::StopSummary;
+use crate::report::plot::drawing::csv_field;
 use crate::validate::compare::{Comparison, Figures};
 
 /// How a file begins, by which it is recognised as one of ours.
@@ -77,12 +78,5 @@ fn cells(table: &SweptTable, (at, stop): (usize, &StopSummary), models: &[String
 }
 
 fn line(cells: Vec<String>) -> String {
-    let quoted = cells.iter().map(|cell| {
-        if cell.contains([',', '"', '\n']) {
-            format!("\"{}\"", cell.replace('"', "\"\""))
-        } else {
-            cell.clone()
-        }
-    });
-    quoted.collect::<Vec<_>>().join(",") + "\n"
+    cells.iter().map(|cell| csv_field(cell)).collect::<Vec<_>>().join(",") + "\n"
 }

@@ -3,6 +3,7 @@
 use super::{ParameterSweep, SweptTable};
 use crate::report::StopSummary;
 use crate::report::html::render::{MARK, SAVE_SCRIPT, STYLE};
+use crate::report::html::sections::figures_of;
 use crate::report::plot::plots::spread;
 use crate::report::plot::{Chart, ChartAxis, Series, escaped, series_style};
 use crate::validate::compare::{Comparison, Figures};
@@ -17,8 +18,7 @@ impl ParameterSweep {
     /// One self-contained page. `link`: whether the pages of the tables lie next to it, by their stems.
     // Tested by `a_sweep_has_its_figures_in_one_file` (tests/it/sweeps.rs).
     pub fn page(&self, link: bool) -> String {
-        let charts: String =
-            self.charts().iter().map(|chart| format!("<figure>{}</figure>\n", chart.svg())).collect();
+        let charts = figures_of(self.charts().iter().map(Chart::svg));
         let name = escaped(&self.name);
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -27,7 +27,7 @@ impl ParameterSweep {
              script-src 'unsafe-inline'; img-src data:\">\n<title>{name}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
              <header>\n<h1>{name}</h1>\n<p id=\"what\">{} tables side by side.</p>\n</header>\n<main>\n\
              <section id=\"plots\" aria-label=\"Plots\">\n<h2>Side by side</h2>\n<p>Bars are 95 % intervals of the \
-             measurement.</p>\n<div class=\"charts\">\n{charts}</div>\n</section>\n\
+             measurement.</p>\n{charts}</section>\n\
              <section id=\"tables\" aria-label=\"Tables\">\n<h2>Tables</h2>\n{}</section>\n</main>\n\
              <script>\n\"use strict\";\n{SAVE_SCRIPT}\nofferDownloads();\n</script>\n</body>\n</html>\n",
             self.tables.len(),
