@@ -1,6 +1,5 @@
 //! What the errors of a ladder are counted from, and the error itself.
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::campaign::Campaign;
@@ -40,10 +39,10 @@ impl Truth {
             .ok_or_else(|| Error::Usage(format!("{}: no model speaks of this surface", campaign.name)))?;
         // A surface with one masking of its own has no choice.
         let index = model.masking_index(Some(expect::masking(campaign)));
-        let means = |stop: usize| model.means(campaign, &plan.grid, stop).values.swap_remove(index);
+        let means = model.means(campaign, &plan.grid).into_iter();
         Ok(Truth {
             name: format!("{} {}", model.name(), model.maskings()[index]),
-            values: (0..plan.stops).into_par_iter().map(means).collect(),
+            values: means.map(|mut means| means.values.swap_remove(index)).collect(),
             sizes: sizes(plan),
         })
     }

@@ -1,5 +1,6 @@
 //! The goniometer: from where light comes, and which sensor bins a direction falls into.
 
+pub mod alike;
 pub mod angle_text;
 pub mod arms;
 pub mod bins;
@@ -9,6 +10,7 @@ pub mod halves;
 pub mod klems;
 pub mod symmetry;
 
+pub use alike::{AlikeIncidences, SurfaceSymmetry, alike_incidences};
 pub use angle_text::{StopAngles, angle_decimals};
 pub use arms::grid_of;
 pub use bins::Sensor;

@@ -14,9 +14,9 @@ use crate::stats;
 /// Family level of the test of a table that is exact but for noise.
 const LEVEL: f64 = 0.01;
 
-const LIGHT: &str = "light";
-const ENERGY: &str = "energy";
-const RECIPROCITY: &str = "reciprocity";
+pub(super) const LIGHT: &str = "light";
+pub(super) const ENERGY: &str = "energy";
+pub(super) const RECIPROCITY: &str = "reciprocity";
 /// The model of the light that comes back, and of that which has gone through.
 pub(super) const MODEL: &str = "model";
 pub(super) const TRANSMISSION: &str = "transmission";
@@ -74,24 +74,6 @@ impl Judgement {
     /// One line: `energy: passed: ...`.
     pub fn line(&self) -> String {
         format!("{}: {}: {}", self.law, self.ruling, self.reason)
-    }
-}
-
-/// All laws in one sentence: `passed`, `failed: energy`, `passed; not judged: reciprocity`, `not judged`.
-pub fn overall(judgements: &[Judgement]) -> String {
-    let named = |ruling: Ruling| {
-        let of = judgements.iter().filter(|judgement| judgement.ruling == ruling);
-        of.map(|judgement| &*judgement.law).collect::<Vec<_>>()
-    };
-    let [failed, passed, open] = [Ruling::Failed, Ruling::Passed, Ruling::NotJudged].map(named);
-    if !failed.is_empty() {
-        format!("failed: {}", failed.join(", "))
-    } else if passed.is_empty() {
-        "not judged: no law could be tested".into()
-    } else if open.is_empty() {
-        "passed".into()
-    } else {
-        format!("passed: {}; not judged: {}", passed.join(", "), open.join(", "))
     }
 }
 
@@ -318,16 +300,5 @@ mod tests {
         assert_eq!(few(0.895, 0.007), Ruling::Failed);
         let unknown = Figures { l1: Some(0.9), ..Figures::default() };
         assert_eq!(distance(&unknown, 0.0035).ruling, Ruling::NotJudged);
-    }
-
-    #[test]
-    fn nothing_tested_is_no_pass() {
-        let open = |law| Judgement::not_judged(law, "why");
-        let passed = Judgement { ruling: Ruling::Passed, ..open("energy") };
-        let failed = Judgement { ruling: Ruling::Failed, ..open("model") };
-        assert_eq!(overall(&[open("energy"), open("model")]), "not judged: no law could be tested");
-        assert_eq!(overall(&[passed.clone(), open("model")]), "passed: energy; not judged: model");
-        assert_eq!(overall(std::slice::from_ref(&passed)), "passed");
-        assert_eq!(overall(&[passed, failed, open("light")]), "failed: model");
     }
 }

@@ -12,6 +12,7 @@ pub mod prediction;
 mod seen;
 pub mod two_tables;
 pub mod verdict;
+pub mod words;
 
 pub use judgement::{Judgement, Ruling};
 pub use parts::Parts;

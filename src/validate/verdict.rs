@@ -12,6 +12,7 @@ use super::pairs::PairValues;
 use super::parts::Parts;
 use super::prediction::model::{Model, StopMeans};
 use super::seen::SeenLight;
+use super::words;
 use crate::campaign::{Campaign, GrainShape};
 use crate::error::Result;
 use crate::instrument::{Grid, GridKind, folded_stops};
@@ -59,7 +60,7 @@ impl Prediction {
     /// The prediction for a table's grid; `None` where theory has nothing to say of the surface.
     pub fn of(campaign: &Campaign, grid: &Grid) -> Option<Self> {
         let model = Model::of(campaign)?;
-        let means = (0..grid.stops()).into_par_iter().map(|stop| model.means(campaign, grid, stop)).collect();
+        let means = model.means(campaign, grid);
         Some(Prediction { model, means })
     }
 
@@ -266,7 +267,7 @@ impl Examination {
         let failures: Vec<String> = failed.map(|j| format!("{}: {}", j.law, j.reason)).collect();
         Verdict {
             ok: failures.is_empty(),
-            verdict: judgement::overall(&judgements),
+            verdict: words::overall(&judgements),
             judgements,
             failures,
             nearest_masking: nearest.map(|nearest| comparisons[nearest.index].masking.clone()),

@@ -5,7 +5,7 @@ use crate::campaign::{Campaign, GrainShape, Optics, SurfaceKind};
 use crate::instrument::grid::GridKind;
 use crate::instrument::{Grid, angle_decimals};
 use crate::report::plot::escaped;
-use crate::validate::Judgement;
+use crate::validate::{Judgement, words};
 
 /// Name, what was measured, the verdict.
 pub fn head(page: &Page) -> String {
@@ -116,7 +116,7 @@ fn verdict(page: &Page) -> String {
     let (Some(_), Some(laws)) = (page.summary.ok, &page.summary.verdict) else {
         return "Nothing is known that this table should agree with.".into();
     };
-    let plain = in_words(page.summary.ok, laws);
+    let plain = words::in_words(&page.summary.judgements);
     let Some(comparison) = page.summary.nearest() else { return format!("Verdict: {laws}. {plain}") };
     let figures = &comparison.figures;
     let number = |value: Option<f64>| value.map_or("n/a".into(), |value| format!("{value:.4}"));
@@ -127,17 +127,4 @@ fn verdict(page: &Page) -> String {
         number(distance),
         number(figures.l1_noise)
     )
-}
-
-/// The verdict for a reader who meets the word for the first time.
-fn in_words(ok: Option<bool>, laws: &str) -> &'static str {
-    match ok {
-        Some(false) => {
-            "The table breaks a law, or is farther from the formula than such a surface is: the list says which."
-        }
-        _ if laws.starts_with("passed") => {
-            "The light adds up, arms may be exchanged, and the table is no farther from the formula than such a surface is."
-        }
-        _ => "Nothing speaks against the table, but not everything could be tested: the list says what.",
-    }
 }

@@ -142,8 +142,8 @@ fn a_flat_clear_surface_refracts() {
     let campaign = campaign_of("[surface.mirror]", GLASS, BOTH);
     let grid = grid_of(&campaign);
     let model = Model::of(&campaign).expect("a mirror");
-    for stop in 0..grid.stops() {
-        let (values, regions) = (model.means(&campaign, &grid, stop).values, grid.regions(stop));
+    for (stop, means) in model.means(&campaign, &grid).into_iter().enumerate() {
+        let (values, regions) = (means.values, grid.regions(stop));
         let wi = grid.wi(stop);
         let split = facet::split(wi, DVec3::Z, 1.5);
         let flux = |below: bool| -> f64 {

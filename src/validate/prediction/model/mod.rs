@@ -1,30 +1,14 @@
 //! The analytic answer to a campaign: which models speak of its surface, and their means over the table's bins.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
-use super::bin_mean::{MASKINGS, source_nodes};
-use super::by_colour::{albedo_of, diffuse_means_by_colour, formula_means_by_colour, microfacet_means};
 use super::formulas::DiffuseModel;
-use super::layered;
-use super::lobes::{bare_flux, lobe_means, mirrored, reflected, refracted};
-use crate::campaign::{Azimuth, Campaign, Optics, SmithNdf, SurfaceKind};
-use crate::instrument::{Grid, grid_of};
-use crate::measure::optics::reflectances_of;
+use crate::campaign::{Campaign, Optics, SmithNdf, SurfaceKind};
+use crate::instrument::grid_of;
 use crate::optics::layered::Interface;
-use crate::optics::reflectance::Reflectance;
-use crate::theory::empirical::LAMBERT;
-use crate::theory::v_cavity::v_groove_lobes;
 use crate::theory::{Masking, Microfacet, Ndf};
 
-/// Azimuths over which a model that is not isotropic is averaged (its period is half a turn): a trapezoid rule on a
-/// smooth periodic function.
-const AZIMUTHS: usize = 36;
-/// Nodes along the radius of the light's aperture.
-const APERTURE_ORDER: usize = 6;
-/// The same for matt facets, whose values vary with the cosines alone.
-const SMOOTH_APERTURE_ORDER: usize = 2;
+mod means;
 
 /// What theory says about a surface.
 #[derive(Clone)]
@@ -85,10 +69,13 @@ pub fn ndf_of(kind: &SurfaceKind) -> Option<Ndf> {
     }
 }
 
+/// \[masking\]\[colour\]\[bin\], 1/sr.
+type Means = Vec<Vec<Vec<f64>>>;
+
 /// One model's means over the bins of one stop.
 pub struct StopMeans {
     /// \[masking\]\[colour\]\[bin\], 1/sr.
-    pub values: Vec<Vec<Vec<f64>>>,
+    pub values: Means,
 }
 
 impl Model {
@@ -184,96 +171,6 @@ impl Model {
         let along = (surface.alpha_x * w.x).hypot(surface.alpha_y * w.y);
         Some([surface.side(w).g1(), w.z / along])
     }
-
-    /// The means over the bins of one stop, over the same bins and light aperture as the measurement.
-    pub fn means(&self, campaign: &Campaign, grid: &Grid, stop: usize) -> StopMeans {
-        let half_angle = campaign.light.aperture_deg.to_radians();
-        let [sharp, smooth] = [APERTURE_ORDER, SMOOTH_APERTURE_ORDER]
-            .map(|order| source_nodes(grid.wi(stop), half_angle, order));
-        let colours = reflectances_of(&campaign.optics);
-        let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
-        let turns = if averaged { AZIMUTHS } else { 1 };
-        let rotations = (0..turns).map(|k| PI * k as f64 / turns as f64);
-        let parts =
-            rotations.map(|rotation| self.turned_means(rotation, grid, stop, [&sharp, &smooth], &colours));
-        let mut values = parts.reduce(added).unwrap_or_default();
-        values.iter_mut().flatten().flatten().for_each(|value| *value /= turns as f64);
-        StopMeans { values }
-    }
-
-    /// `smooth`: the light for what varies with cosines alone.
-    fn turned_means(
-        &self,
-        turn: f64,
-        grid: &Grid,
-        stop: usize,
-        [source, smooth]: [&[(DVec3, f64)]; 2],
-        colours: &[Reflectance],
-    ) -> Vec<Vec<Vec<f64>>> {
-        match self {
-            Model::Microfacet { surface, maskings, mirror_base } => {
-                let surface = Microfacet { rotation: surface.rotation + turn, ..*surface };
-                let regions = grid.regions(stop);
-                // As many maskings at a time as the cubature carries.
-                let groups = maskings.chunks(MASKINGS);
-                let mut means: Vec<Vec<Vec<f64>>> = groups
-                    .flat_map(|maskings| microfacet_means(&surface, maskings, source, &regions, colours))
-                    .collect();
-                for (&masking, by_colour) in maskings.iter().zip(&mut means).filter(|_| *mirror_base) {
-                    for (values, &colour) in by_colour.iter_mut().zip(colours) {
-                        let bare =
-                            |wi| reflected(wi, [(mirrored(wi), bare_flux(&surface, masking, wi))], colour);
-                        let lobes = lobe_means(bare, grid, stop, source);
-                        values.iter_mut().zip(lobes).for_each(|(value, lobe)| *value += lobe);
-                    }
-                }
-                means
-            }
-            Model::Diffuse { surface, maskings, formulas, interface } => {
-                let (surface, regions) =
-                    (Microfacet { rotation: surface.rotation + turn, ..*surface }, grid.regions(stop));
-                let by_colour = (colours, *interface);
-                let mut means = diffuse_means_by_colour(&surface, maskings, smooth, &regions, by_colour);
-                if let Some(interface) = *interface {
-                    layered::add_mirrored(&mut means, (&surface, maskings), source, &regions, interface);
-                }
-                if !formulas.is_empty() {
-                    means.extend(formula_means_by_colour(&surface, smooth, &regions, colours));
-                }
-                means
-            }
-            Model::Flat(interface) => {
-                vec![layered::flat_means(grid, stop, source, colours, *interface)]
-            }
-            Model::Lambert => {
-                let bins = |colour: &Reflectance| vec![albedo_of(colour) * LAMBERT; grid.bins()];
-                vec![colours.iter().map(bins).collect()]
-            }
-            Model::Lobes { slope, rotation, .. } => {
-                let of_colour = |colour: Reflectance| {
-                    let lobes = |wi| match slope {
-                        None => {
-                            let mut both = reflected(wi, [(mirrored(wi), 1.0)], colour);
-                            both.extend(refracted(wi, colour).filter(|_| grid.looks_below()));
-                            both
-                        }
-                        Some(slope) => {
-                            let lobes = v_groove_lobes(*slope, rotation + turn, wi);
-                            reflected(wi, lobes.iter().map(|lobe| (lobe.wo, lobe.flux)), colour)
-                        }
-                    };
-                    lobe_means(lobes, grid, stop, source)
-                };
-                vec![colours.iter().map(|&colour| of_colour(colour)).collect()]
-            }
-        }
-    }
-}
-
-fn added(mut sum: Vec<Vec<Vec<f64>>>, part: Vec<Vec<Vec<f64>>>) -> Vec<Vec<Vec<f64>>> {
-    let values = sum.iter_mut().flatten().flatten().zip(part.iter().flatten().flatten());
-    values.for_each(|(sum, part)| *sum += part);
-    sum
 }
 
 #[cfg(test)]
