@@ -1,13 +1,12 @@
 //! The campaign: TOML in, a checked `Campaign` or the list of *all* faults out.
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::io::Read;
 use std::path::Path;
 
 use toml::de::DeTable;
 
 use crate::error::{Error, Fault, Result};
-use crate::files::memory;
+use crate::files::{self, memory};
 use crate::text_decoding::decode_text;
 
 mod difference;
@@ -41,22 +40,18 @@ pub struct Parsed {
     pub preset: Option<Preset>,
 }
 
-/// Reads the campaign file at `path`; height maps it names are looked for in its folder.
+/// Reads the campaign file at `path`, or stdin for `-`; height maps it names are looked for in its folder, or the current.
 ///
 /// A file that cannot be read is [`Error::Io`], as is one that is no regular file: pipes and devices might never end,
 /// or never begin. One that cannot be understood is [`Error::Campaign`] with all its faults.
 pub fn read(path: &Path) -> Result<Parsed> {
-    let meta = std::fs::metadata(path).map_err(|e| Error::io(path, e))?;
-    if !meta.is_file() {
-        return Err(Error::io(path, io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file")));
-    }
-    let file = File::open(path).map_err(|e| Error::io(path, e))?;
     let mut bytes = Vec::new();
     // One byte more than allowed is enough to know.
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    files::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     memory::check_file(path, needed(&bytes))?;
+    let name = if path == Path::new(files::STANDARD) { "stdin".into() } else { path.display().to_string() };
     let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&bytes, &path.display().to_string(), folder)
+    parse(&bytes, &name, folder)
 }
 
 /// Bytes of memory that a text may come to take: measured, 105 a mark (lists of lists) to 790 (tables of one key).

@@ -6,7 +6,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::table_file::{self, Opened};
-use super::text::output::{Output, columns, or_na, to_json};
+use super::text::layout::columns;
+use super::text::numbers::or_na;
+use super::text::output::{Output, to_json};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind};

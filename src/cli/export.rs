@@ -6,8 +6,10 @@ use std::sync::Arc;
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::streams::Place;
 use super::table_file::{self, Opened};
-use super::text::output::{Output, to_json, warn, wrapped};
+use super::text::layout::wrapped;
+use super::text::output::{Output, to_json, warn};
 use super::text::progress::Stage;
 use crate::error::{Error, Result};
 use crate::files;
@@ -30,7 +32,7 @@ pub struct Arguments {
     /// One of the formats below; left out: by FILE's name
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
-    /// The file (pabopto: a folder; utia: FILE.exr: the image form)
+    /// The file, - for stdout (pabopto: a folder; utia: FILE.exr: the image form)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// MERL: values at the cells' centres, for nearest-cell readers
@@ -60,6 +62,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
+    let place = Place::of(&arguments.output, arguments.json)?;
+    let output = place.path();
     let format = match &arguments.to {
         Some(name) => format_of("--to", name)?,
         None => only("--to", &arguments.output, &Format::of_name(&arguments.output))?,
@@ -69,10 +73,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     let options = options_of(arguments.merl_centre, &arguments.wavelengths_nm);
     let albedo_error = arguments.allow_albedo_error.map(|percent| 0.01 * percent);
-    check_output(&arguments.table, &arguments.output, arguments.force)?;
+    check_output(&arguments.table, output, arguments.force)?;
     let back = match &arguments.back {
         Some(path) => {
-            check_output(path, &arguments.output, arguments.force)?;
+            check_output(path, output, arguments.force)?;
             Some(Arc::new(table_file::load(path)?))
         }
         None => None,
@@ -84,14 +88,14 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Opened::Whole(table) => {
             let alone = !format.codec().traits().more_than_totals && table.gaps() == 0;
             let table = if alone { table.totals_alone() } else { *table };
-            interchange::export(&table, format, &options, &arguments.output)?
+            interchange::export(&table, format, &options, output)?
         }
         Opened::Rows(mut rows)
             if format.codec().by_bands().is_some()
                 && rows.grid().kind != GridKind::HalfDifference
                 && options.through.is_none() =>
         {
-            interchange::export_rows(&mut rows, format, &arguments.output, table_file::band_bytes())?
+            interchange::export_rows(&mut rows, format, output, table_file::band_bytes())?
         }
         Opened::Rows(rows) => return Err(table_file::too_large(&rows)),
     };
@@ -122,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     } else {
         out.lines(lines(format, &arguments.output, &export))?;
     }
-    Ok(0)
+    place.done().map(|()| 0)
 }
 
 /// Whether light that has gone through is meant.

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::table_file;
-use super::text::output::{Output, columns, or_na, to_json, wrapped};
+use super::text::layout::{columns, wrapped};
+use super::text::numbers::or_na;
+use super::text::output::{Output, to_json};
 use super::text::progress::Stage;
 use crate::campaign::Optics;
 use crate::error::{Error, Result};

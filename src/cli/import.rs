@@ -7,7 +7,9 @@ use clap::Args;
 use serde_json::json;
 
 use super::export::{check_output, format_of, only, options_of};
-use super::text::output::{Output, to_json, warn, wrapped};
+use super::streams::Place;
+use super::text::layout::wrapped;
+use super::text::output::{Output, to_json, warn};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
@@ -75,7 +77,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
             format.name()
         )));
     }
-    check_output(&arguments.file, &arguments.output, arguments.force)?;
+    let place = Place::of(&arguments.output, arguments.json)?;
+    check_output(&arguments.file, place.path(), arguments.force)?;
     if arguments.side.is_some() && !matches!(format, Format::Klems | Format::TensorTree) {
         return Err(Error::Usage(format!(
             "--side chooses a block of klems and tensor_tree, not of {}",
@@ -95,7 +98,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         ));
     }
     let (table, notes) = interchange::import(&arguments.file, format, &options, grid)?;
-    store::save(&arguments.output, &table)?;
+    store::save(place.path(), &table)?;
     for note in &notes {
         warn(format_args!("{}: {note}", arguments.file.display()));
     }
@@ -115,7 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         );
         out.lines(wrapped("table  ", &text))?;
     }
-    Ok(0)
+    place.done().map(|()| 0)
 }
 
 /// How much of a file is looked at to tell formats whose names end alike: an XML file may begin with a geometry.

@@ -6,8 +6,10 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::process::ending;
+use super::streams::folder;
 use super::text::measured::cost_lines;
-use super::text::output::{self, Output, bytes, warn};
+use super::text::numbers::bytes;
+use super::text::output::{self, Output, warn};
 use super::text::quoted;
 use super::text::terminal::Terminal;
 use crate::campaign::{self, Parsed};
@@ -26,14 +28,11 @@ pub struct Arguments {
     /// The campaign, a TOML file
     campaign: PathBuf,
     /// Folder of the results [default: out/<name>]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     output: Option<PathBuf>,
     /// Seed instead of the campaign's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Worker threads, 0: one a core; results do not depend on it
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
     /// Take the patches that `gonio surface` wrote there instead of making them
     #[arg(long, value_name = "DIR")]
     pub patches: Option<PathBuf>,
@@ -57,13 +56,13 @@ pub struct Arguments {
     pub json: bool,
 }
 
-pub fn run(arguments: &Arguments) -> Result<u8> {
+pub fn run(arguments: &Arguments, threads: usize) -> Result<u8> {
     let Parsed { mut campaign, notes, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     notes.iter().for_each(warn);
     let stops = measure::stops(&campaign);
     let job = arguments.measurement(campaign)?;
-    let (files, again) = (job.files(), arguments.again());
+    let (files, again) = (job.files(), arguments.again(threads));
     let advice = (files.clone(), again.clone());
     ending::advise(move || before_its_end(&advice.0, &advice.1));
     let advised = |error| with_advice(error, &files, &again);
@@ -123,7 +122,7 @@ impl Arguments {
     }
 
     /// The command that resumes this one.
-    fn again(&self) -> String {
+    fn again(&self, threads: usize) -> String {
         let mut words = vec!["gonio measure".to_string(), quoted(&self.campaign)];
         for (option, folder) in [("-o", &self.output), ("--patches", &self.patches)] {
             words.extend(folder.iter().flat_map(|folder| [option.to_string(), quoted(folder)]));
@@ -132,7 +131,7 @@ impl Arguments {
         words.extend(self.shard.map(|shard| format!("--shard {shard}")));
         words.extend(self.seed.map(|seed| format!("--seed {seed}")));
         words.extend(self.keep_realisations.then(|| "--keep-realisations".to_string()));
-        words.extend((self.threads > 0).then(|| format!("--threads {}", self.threads)));
+        words.extend((threads > 0).then(|| format!("--threads {threads}")));
         words.extend(self.force.then(|| "--force".to_string()));
         words.extend(self.json.then(|| "--json".to_string()));
         words.push("--resume".into());

@@ -6,7 +6,8 @@ use clap::Args;
 use serde_json::json;
 
 use super::measure::summaries;
-use super::text::output::{say, warn};
+use super::streams::folder;
+use super::text::output::{inform, warn};
 use super::text::terminal::Terminal;
 use crate::campaign;
 use crate::error::{Error, Result};
@@ -29,7 +30,7 @@ pub struct Arguments {
     #[arg(required = true, value_name = "DIR")]
     from: Vec<PathBuf>,
     /// Folder of the results [default: out/<name>]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     output: Option<PathBuf>,
     /// Merge what is there, though shards are missing
     #[arg(long)]
@@ -142,7 +143,7 @@ fn open<'a>(
         if arguments.force || !table.is_finished(terminal)? || partial {
             open.push(table);
         } else {
-            say(format_args!("{} is finished: nothing to do", table.table.display()));
+            inform(format_args!("{} is finished: nothing to do", table.table.display()));
         }
     }
     Ok(open)

@@ -28,6 +28,7 @@ pub mod process;
 mod recolour;
 mod report;
 mod shell;
+mod streams;
 mod study;
 mod surface;
 mod table_file;
@@ -38,13 +39,40 @@ pub use text::output::{Printed, print_error};
 
 /// A virtual gonioreflectometer: measures the BRDF of explicit random microsurfaces, with error bars.
 #[derive(Parser)]
-#[command(name = "gonio", version, color = ColorChoice::Never, arg_required_else_help = true, max_term_width = 100)]
+#[command(name = "gonio", version, arg_required_else_help = true, max_term_width = 100)]
 #[command(after_help = "Example: gonio measure configs/quickstart.toml\n\
     Exit codes: 0 done, 1 ran and disagrees, 2 command line or campaign, 3 files, 4 refused,\n\
-    70 internal error, 130 interrupted.")]
+    70 internal error, 130 interrupted.\n\
+    Every command takes --threads N, --quiet (-q), --color auto|always|never, and - as a file: stdin, after -o\n\
+    stdout.")]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
+    /// Worker threads, 0: one a core; results do not depend on it
+    #[arg(long, global = true, hide_short_help = true, value_name = "N", default_value_t = 0)]
+    threads: usize,
+    /// Print nothing but errors, warnings, and what --json or -o - asks for
+    #[arg(short, long, global = true, hide_short_help = true)]
+    quiet: bool,
+    /// Colours; auto: on a terminal, unless NO_COLOR is set
+    #[arg(long, global = true, hide_short_help = true, value_enum, value_name = "WHEN", default_value_t = ColorChoice::Auto)]
+    color: ColorChoice,
+}
+
+impl Arguments {
+    /// Makes stdout and stderr what was asked for.
+    fn set_streams(&self) {
+        let colours = match self.color {
+            ColorChoice::Auto => anstream::ColorChoice::Auto,
+            ColorChoice::Always => anstream::ColorChoice::Always,
+            ColorChoice::Never => anstream::ColorChoice::Never,
+        };
+        colours.write_global();
+        if self.quiet && !self.verb.is_listing() {
+            text::output::be_quiet();
+        }
+        text::layout::fit_terminal();
+    }
 }
 
 #[derive(Subcommand)]
@@ -74,23 +102,19 @@ enum Verb {
 }
 
 impl Verb {
-    /// The wanted number of threads, 0 for one a core.
-    fn threads(&self) -> usize {
-        match self {
-            Verb::Surface(arguments) => arguments.threads,
-            Verb::Measure(arguments) => arguments.threads,
-            Verb::Bench(arguments) => arguments.threads,
-            Verb::Study(arguments) => arguments.threads,
-            Verb::Albedo(arguments) => arguments.threads,
-            _ => 0,
-        }
+    /// Whether all that it prints is what it is there for.
+    fn is_listing(&self) -> bool {
+        matches!(
+            self,
+            Verb::Materials(_) | Verb::Presets(_) | Verb::Formats(_) | Verb::Cite(_) | Verb::Completions(_)
+        )
     }
 
-    fn run(&self) -> Result<u8> {
+    fn run(&self, threads: usize) -> Result<u8> {
         match self {
             Verb::Check(arguments) => check::run(arguments),
             Verb::Surface(arguments) => surface::run(arguments),
-            Verb::Measure(arguments) => measure::run(arguments),
+            Verb::Measure(arguments) => measure::run(arguments, threads),
             Verb::Merge(arguments) => merge::run(arguments),
             Verb::Validate(arguments) => validate::run(arguments),
             Verb::Compare(arguments) => compare::run(arguments),
@@ -141,8 +165,9 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
                 return Ok(answer.exit_code().try_into().unwrap_or(2));
             }
         };
+        arguments.set_streams();
         process::ending::listen()?;
-        pool(arguments.verb.threads())?.install(|| arguments.verb.run())
+        pool(arguments.threads)?.install(|| arguments.verb.run(arguments.threads))
     });
     process::ending::done();
     ended
@@ -156,7 +181,7 @@ pub fn answer(words: impl IntoIterator<Item = OsString>) -> (Result<u8>, Printed
         let arguments =
             Arguments::try_parse_from(words).map_err(|answer| Error::Usage(first_line(&answer)))?;
         let (ended, kept) =
-            pool(arguments.verb.threads())?.install(|| text::output::kept(|| arguments.verb.run()));
+            pool(arguments.threads)?.install(|| text::output::kept(|| arguments.verb.run(arguments.threads)));
         printed = kept;
         ended
     });

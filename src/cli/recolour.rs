@@ -8,7 +8,9 @@ use serde_json::json;
 
 use super::export::check_output;
 use super::table_file;
-use super::text::output::{Output, columns, say, to_json, with_error};
+use super::text::layout::columns;
+use super::text::numbers::with_error;
+use super::text::output::{Output, note, to_json};
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
 use crate::files::{self, NewFile};
@@ -58,12 +60,12 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let text = campaign::to_toml(&campaign);
     let (new, parts) = recolour(&table, old.as_ref(), f0, text).map_err(|why| Error::format(path, why))?;
     if parts.is_none() {
-        say(format_args!(
-            "note: no realisations with the sums: the errors of {} are not available",
+        note(format_args!(
+            "no realisations with the sums: the errors of {} are not available",
             output.display()
         ));
     } else if parts.as_ref().is_some_and(|all| all.parts.len() < campaign.surface.realisations as usize) {
-        say("note: errors follow from groups of realisations, not from each");
+        note("errors follow from groups of realisations, not from each");
     }
     // Both reach the disk before either takes its place: for want of room nothing is replaced.
     // Those that are there were kept: the new ones are of the same size.

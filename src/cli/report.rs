@@ -5,14 +5,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Deserialize;
 
+use super::streams::Place;
 use super::table_file::{self, Opened};
+use super::text::numbers::bytes;
 use super::text::output;
-use super::text::output::{Output, bytes, say, warn};
+use super::text::output::{Output, note, warn};
 use super::text::progress::Stage;
 use crate::bench::{BenchAnswer, answer};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, STANDARD};
 use crate::job::paths;
 use crate::report;
 use crate::report::html::specimen;
@@ -47,7 +49,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let [path] = &arguments.tables[..] else { return side_by_side(arguments) };
     let opened = table_file::open(path, verdict::row_bytes)?;
-    let output = arguments.output.clone().unwrap_or_else(|| path.with_extension("html"));
+    let output = arguments.output.clone().unwrap_or_else(|| beside(path));
     paths::spare(&output, [path].into_iter().chain(&arguments.bench), "command")?;
     let benches = arguments.bench.iter().map(|path| bench_in(path)).collect::<Result<Vec<_>>>()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
@@ -60,6 +62,11 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     write(&output, &text)
 }
 
+/// The page next to a table; of one from stdin, stdout.
+fn beside(table: &Path) -> PathBuf {
+    if table == Path::new(STANDARD) { table.into() } else { table.with_extension("html") }
+}
+
 impl Arguments {
     /// Refuses to replace what does not say by its mark that it is one of ours.
     fn spare(&self, output: &Path, (mark, what): (&str, &str)) -> Result<()> {
@@ -68,10 +75,11 @@ impl Arguments {
 }
 
 fn write(output: &Path, text: &str) -> Result<u8> {
-    files::write_atomically(output, text.as_bytes())?;
+    let place = Place::of(output, false)?;
+    files::write_atomically(place.path(), text.as_bytes())?;
     let size = bytes(text.len() as u64);
     Output::default().line(format_args!("report        {} ({size})", output.display()))?;
-    Ok(0)
+    place.done().map(|()| 0)
 }
 
 /// A page of several tables, or the CSV of their figures.
@@ -228,7 +236,7 @@ fn summary_beside(
 ) -> Result<Option<Summary>> {
     let beside = path.with_extension("json");
     if !beside.is_file() {
-        say(format_args!("note: {} is absent: cost and albedo by order are not known", beside.display()));
+        note(format_args!("{} is absent: cost and albedo by order are not known", beside.display()));
         return Ok(None);
     }
     let summary = match Summary::deserialize(output::read_json(&beside)?) {

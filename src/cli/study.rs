@@ -23,9 +23,6 @@ pub struct Arguments {
     /// Seed instead of the campaign's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Worker threads, 0 for one a core; results do not depend on it
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
     /// Print one JSON document: anisotropy_index, p_value, dimensions, alpha_x, ...
     #[arg(long)]
     json: bool,

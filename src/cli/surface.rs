@@ -8,6 +8,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use super::streams::folder;
 use super::text::certificate;
 use super::text::certificate::{MapFigures, PatchEntry, Pooled, RayBound};
 use super::text::output::{Output, json_text, parsed_json, to_json, warn};
@@ -28,7 +29,7 @@ pub struct Arguments {
     /// The campaign, a TOML file
     campaign: PathBuf,
     /// Folder of the patches [default: out/<name>]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     output: Option<PathBuf>,
     /// Write the same heights as patch_000.npy ... too
     #[arg(long)]
@@ -36,9 +37,6 @@ pub struct Arguments {
     /// Seed instead of the campaign's
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Worker threads, 0 for one a core; results do not depend on it
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
     /// Replace patches that are there
     #[arg(long)]
     force: bool,

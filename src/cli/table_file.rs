@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::text::output::{say, warn};
+use super::text::output::{note, warn};
 use crate::campaign::{self, Campaign};
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind};
@@ -19,8 +19,8 @@ pub fn load(path: &Path) -> Result<BrdfTable> {
 pub fn arms(path: &Path, table: BrdfTable, grid: Option<&Grid>) -> Result<BrdfTable> {
     let arms = half_difference::as_arms(&table, grid).map_err(|why| Error::format(path, why))?;
     if let Some(arms) = &arms {
-        say(format_args!(
-            "note: {} has half/difference angles, in which a pair and its exchange are one value (reciprocal as it \
+        note(format_args!(
+            "{} has half/difference angles, in which a pair and its exchange are one value (reciprocal as it \
              stands); taken as means over {} incidences of {} bins",
             path.display(),
             arms.grid.stops(),
@@ -123,8 +123,8 @@ pub fn realisations_beside_rows(rows: &TableRows) -> Result<Option<Realisations>
 fn beside_of(path: &Path, digest: impl FnOnce() -> Result<String>) -> Result<Option<Realisations>> {
     let beside = realisations_path(path);
     if !beside.is_file() {
-        say(format_args!(
-            "note: {} is absent: nothing is paired over realisations, no interval, no test of reciprocity (measure \
+        note(format_args!(
+            "{} is absent: nothing is paired over realisations, no interval, no test of reciprocity (measure \
              --keep-realisations keeps them at any size)",
             beside.display()
         ));

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::table_file::{self, Opened};
 use super::text;
-use super::text::output::{Output, say, to_json};
+use super::text::output::{Output, note, to_json};
 use super::text::progress::Stage;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 /// What a table was measured by, if it says so.
 fn campaign_of(path: &Path, header: &BrdfTable) -> Result<Option<Campaign>> {
     if header.campaign.is_empty() {
-        say(format_args!("note: {} holds no campaign: tested against the laws alone", path.display()));
+        note(format_args!("{} holds no campaign: tested against the laws alone", path.display()));
     }
     table_file::campaign_if_any(path, header)
 }

@@ -6,6 +6,7 @@ pub mod image;
 pub mod image_blocks;
 mod image_part;
 pub mod image_rows;
+mod input;
 pub mod lock;
 pub mod memory;
 mod new_file;
@@ -15,6 +16,7 @@ pub mod row_writer;
 pub mod sealed;
 
 pub use claim::Claim;
+pub use input::{Input, STANDARD};
 pub use new_file::NewFile;
 
 use std::fs::{self, File};
@@ -113,10 +115,10 @@ pub fn is_there(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
 }
 
-/// The content of a regular file; refused where it does not fit the memory that may be used ([`memory`]).
+/// The content of a regular file, or of stdin ([`Input`]); refused where it does not fit the memory that may be used ([`memory`]).
 pub fn read(path: &Path) -> Result<Vec<u8>> {
     let file = open(path)?;
-    let length = file.metadata().map_err(|e| Error::io(path, e))?.len();
+    let length = file.length().map_err(|e| Error::io(path, e))?;
     memory::check_file(path, length)?;
     let room = usize::try_from(length).map_err(|e| e.to_string()).and_then(|length| memory::room(length + 1));
     let mut bytes = room.map_err(|why| Error::Refused(format!("{}: {why}", path.display())))?;
@@ -125,14 +127,9 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Opens a regular file; pipes and devices, which might never end, are refused.
-pub fn open(path: &Path) -> Result<File> {
-    let meta = fs::metadata(path).map_err(|e| Error::io(path, e))?;
-    if !meta.is_file() {
-        let kind = io::Error::new(io::ErrorKind::InvalidInput, "is not a regular file");
-        return Err(Error::io(path, kind));
-    }
-    File::open(path).map_err(|e| Error::io(path, e))
+/// Opens a regular file, or stdin by the name [`STANDARD`].
+pub fn open(path: &Path) -> Result<Input> {
+    Input::open(path).map_err(|e| Error::io(path, e))
 }
 
 /// SHA-256 of `bytes`, 64 lower-case hex digits.

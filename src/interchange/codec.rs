@@ -1,7 +1,6 @@
 //! What every format says of itself: what its files hold, and how they are written and read.
 
 use std::borrow::Cow;
-use std::fs::File;
 use std::io::{BufReader, Write};
 use std::path::Path;
 
@@ -10,7 +9,7 @@ use super::content::half_difference::as_arms;
 use super::read_back::{self, ReadBack};
 use super::{Imported, Lookup, Options};
 use crate::error::Checked;
-use crate::files;
+use crate::files::{self, Input};
 use crate::instrument::GridKind;
 use crate::table::BrdfTable;
 
@@ -126,7 +125,7 @@ pub trait BandCodec {
     fn write(&self, bands: &mut dyn Bands, out: &mut dyn Write) -> Checked<()>;
 
     /// Compares a file with its table.
-    fn read_back(&self, file: BufReader<File>, bands: &mut dyn Bands) -> Checked<Option<ReadBack>>;
+    fn read_back(&self, file: BufReader<Input>, bands: &mut dyn Bands) -> Checked<Option<ReadBack>>;
 }
 
 /// What is written of a table, and notes on it.
@@ -179,7 +178,7 @@ pub fn halves(table: &BrdfTable) -> Vec<(bool, Cow<'_, BrdfTable>)> {
 }
 
 /// The file at `path`, open.
-pub fn open(path: &Path) -> Checked<BufReader<File>> {
+pub fn open(path: &Path) -> Checked<BufReader<Input>> {
     Ok(BufReader::new(files::open(path)?))
 }
 

@@ -156,5 +156,5 @@ pub fn spare_foreign(path: &Path, mark: &str, what: &str) -> Result<()> {
 
 /// The refusal to replace a file.
 pub fn already_exists(path: &Path, what: &str) -> Error {
-    Error::format(path, format!("{what}; --force replaces it, -o DIR writes elsewhere"))
+    Error::format(path, format!("{what}; --force replaces it, another name or folder leaves it as it is"))
 }

@@ -2,15 +2,14 @@
 //!
 //! Input: a table's file. Output: bands of it, each a table of its own with a list of incidences.
 
-use std::fs::File;
 use std::io::BufReader;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Checked, ContentError, Error, Result};
-use crate::files;
 use crate::files::image::{self, ImagePart};
 use crate::files::image_blocks::BlockReader;
+use crate::files::{self, Input};
 use crate::instrument::Grid;
 
 use super::channels::{self, ColourName, DIGEST};
@@ -20,7 +19,7 @@ use super::{BrdfTable, store};
 /// An open table.
 pub struct TableRows {
     path: PathBuf,
-    blocks: BlockReader<BufReader<File>>,
+    blocks: BlockReader<BufReader<Input>>,
     /// Channels that are a table's, without values.
     outline: ImagePart,
     empty: BrdfTable,

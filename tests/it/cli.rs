@@ -20,7 +20,7 @@ fn help_and_version_are_answers_and_no_arguments_are_a_mistake() {
     }
     assert!(stdout(&gonio(folder.path(), &["--version"])).starts_with("gonio "));
     for words in
-        [&[][..], &["measure"], &["mesure", "small.toml"], &["check", "small.toml", "--threads", "2"]]
+        [&[][..], &["measure"], &["mesure", "small.toml"], &["check", "small.toml", "--shard", "1/2"]]
     {
         let output = gonio(folder.path(), words);
         exits(&output, 2);

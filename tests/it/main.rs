@@ -24,6 +24,7 @@ mod mentions;
 mod properties;
 mod report;
 mod report_through;
+mod streams;
 mod study;
 mod sweeps;
 mod transmission_values;

@@ -59,9 +59,6 @@ pub struct Arguments {
     /// Seed instead of the campaign's
     #[arg(long, value_name = "N", conflicts_with = "grid")]
     seed: Option<u64>,
-    /// Worker threads, 0 for one a core; results do not depend on it
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
     /// Replace files that are there
     #[arg(long)]
     force: bool,

@@ -1,7 +1,7 @@
 //! What `gonio albedo` prints of a table, at most 100 wide: some rows and columns of a large one.
 
 use crate::albedo::{AlbedoTable, Certificate, Quantity};
-use crate::cli::text::output::{columns, wrapped};
+use crate::cli::text::layout::{columns, wrapped};
 
 /// Columns of mu, rows of alpha, and etas that are shown.
 const SHOWN: [usize; 3] = [7, 6, 3];

@@ -5,7 +5,9 @@ use serde_json::json;
 use crate::bench;
 use crate::bench::{Against, Other, Scale, scale};
 use crate::campaign::Campaign;
-use crate::cli::text::output::{Output, columns, grouped, or_na, say, to_json};
+use crate::cli::text::layout::columns;
+use crate::cli::text::numbers::{grouped, or_na};
+use crate::cli::text::output::{Output, inform, to_json};
 use crate::cli::text::progress::RunProgress;
 use crate::error::Result;
 use crate::instrument::StopAngles;
@@ -106,7 +108,7 @@ pub fn sizes(campaign: &Campaign, sides: &[u32], json: bool) -> Result<u8> {
         out.json(&answer)?;
         return Ok(0);
     }
-    say("one start for each cell and incidence; processor time; bytes for each cell of the patch");
+    inform("one start for each cell and incidence; processor time; bytes for each cell of the patch");
     out.lines(patch_lines(&found))?;
     out.line("")?;
     out.lines(scale_lines(&found))?;

@@ -7,7 +7,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 
-use super::text::output::{Output, columns, duration, grouped, json_text, parsed_json, say, warn};
+use super::streams::folder;
+use super::text::layout::columns;
+use super::text::numbers::{duration, grouped};
+use super::text::output::{Output, json_text, note, parsed_json, warn};
 use super::text::progress::RunProgress;
 use super::text::resolution;
 use crate::bench::{self, Bench, BenchAnswer, ERROR_MEASURE, MeasuredRung, Other, Range, TruthKind, Varies};
@@ -58,11 +61,8 @@ pub struct Arguments {
     #[arg(long, value_name = "R", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
     replicates: u32,
     /// Folder of the results [default: out/<name>]
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder())]
     output: Option<PathBuf>,
-    /// Worker threads, 0 for one a core
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub threads: usize,
     /// Replace the bench of another campaign
     #[arg(long, hide_short_help = true)]
     force: bool,
@@ -265,7 +265,7 @@ fn spare_another(document: &Path, resolved: &str) -> Result<()> {
     }
     let found: Option<Value> = parsed_json(&files::read(document)?).ok();
     if found.is_some_and(|found| found["campaign"] == resolved) {
-        say(format_args!("note: {} is measured again", document.display()));
+        note(format_args!("{} is measured again", document.display()));
         return Ok(());
     }
     Err(paths::already_exists(document, "is of another campaign or seed"))

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::json;
 
-use super::text::output::{Output, wrapped};
+use super::text::layout::wrapped;
+use super::text::output::Output;
 use crate::campaign;
 use crate::error::Result;
 use crate::table::TableRows;
@@ -33,7 +34,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     } else {
         out.lines(wrapped("", &source.text()))?;
         out.line("")?;
-        out.line(source.bibtex())?;
+        out.document(source.bibtex())?;
     }
     Ok(0)
 }

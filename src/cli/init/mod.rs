@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
-use super::text::output::{Output, say};
+use super::text::output::{Output, inform};
 use super::text::quoted;
 use crate::campaign;
 use crate::error::{Error, Result};
@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     campaign::parse(&text, name, Path::new(""))?;
     let mut out = Output::default();
     if to_stdout {
-        out.line(text.trim_end())?;
+        out.document(text.trim_end())?;
         return Ok(0);
     }
     let path = PathBuf::from(format!("{name}.toml"));
@@ -82,11 +82,11 @@ fn answer<T: ValueEnum + Clone>(given: Option<T>, ask: bool, question: &str) -> 
 /// Asks until the answer is a number or a name of the list, or nothing, which is the first.
 fn asked<T: ValueEnum + Clone>(question: &str, all: &[T]) -> Result<T> {
     let stdin = |e| Error::io(Path::new("stdin"), e);
-    say(question);
+    inform(question);
     let values: Vec<_> = all.iter().filter_map(T::to_possible_value).collect();
     for (k, value) in values.iter().enumerate() {
         let help = value.get_help().map(ToString::to_string).unwrap_or_default();
-        say(format_args!("  {} {:<11} {help}", k + 1, value.get_name()));
+        inform(format_args!("  {} {:<11} {help}", k + 1, value.get_name()));
     }
     loop {
         write!(io::stderr(), "1 to {} [1]: ", all.len()).map_err(stdin)?;
@@ -101,7 +101,7 @@ fn asked<T: ValueEnum + Clone>(question: &str, all: &[T]) -> Result<T> {
         match place.and_then(|place| all.get(place)) {
             Some(chosen) => return Ok(chosen.clone()),
             None if ended => return Ok(all[0].clone()),
-            None => say(format_args!("{word:?} is none of them")),
+            None => inform(format_args!("{word:?} is none of them")),
         }
     }
 }

@@ -3,7 +3,8 @@
 use clap::Args;
 use serde_json::{Value, json};
 
-use crate::cli::text::output::{Output, columns};
+use crate::cli::text::layout::columns;
+use crate::cli::text::output::Output;
 use crate::error::Result;
 use crate::interchange::Format;
 use crate::interchange::codec::Sides;

@@ -3,7 +3,8 @@
 use clap::Args;
 
 use crate::campaign::materials::{self, MaterialEntry};
-use crate::cli::text::output::{Output, columns, wrapped};
+use crate::cli::text::layout::{columns, wrapped};
+use crate::cli::text::output::Output;
 use crate::error::Result;
 
 /// List the materials that have a name: F0, and where n and k are known

@@ -19,6 +19,6 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut crate::cli::Arguments::command(), "gonio", &mut script);
     let script = String::from_utf8(script).map_err(|e| Error::Internal(format!("completions: {e}")))?;
-    Output::default().line(script.trim_end())?;
+    Output::default().document(script.trim_end())?;
     Ok(0)
 }

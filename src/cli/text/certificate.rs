@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::output::{columns, or_na};
+use super::layout::columns;
+use super::numbers::or_na;
 use crate::stats;
 use crate::surface::Certificate;
 use crate::surface::grains::GrainFigures;

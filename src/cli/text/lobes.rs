@@ -1,10 +1,15 @@
-//! The lobe in the plane of incidence as plain text, for a terminal of 80 columns.
+//! The lobe in the plane of incidence as plain text.
 
+use super::layout;
 use crate::report::plot::plots::{spread, stop_name};
 use crate::report::slices::{Cut, Scene};
 
-/// Columns and rows of the plot inside its frame.
+/// Columns of the plot inside its frame: one in the middle, and as many on either side.
 const COLUMNS: usize = 61;
+/// The same on a narrow terminal, next to the labels.
+const FEW_COLUMNS: usize = 47;
+/// Columns of a label and the frame.
+const LABEL: usize = 10;
 const ROWS: usize = 9;
 /// Light angles that are drawn at most.
 const MOST_ANGLES: usize = 3;
@@ -19,13 +24,18 @@ pub fn lobes(scene: &Scene, masking: usize) -> Vec<String> {
         lines.extend(lobe(scene, stops[index], masking).into_iter().flatten());
     }
     if !lines.is_empty() {
-        lines.push(format!("{:8}-90{:>30}{:>30}  theta_r", "", 0, 90));
+        let half = columns_of_plot() / 2;
+        lines.push(format!("{:8}-90{:>half$}{:>half$}", "", 0, 90));
         lines.push(match scene.maskings().get(masking) {
-            Some(name) => format!("{:10}* measured   - model, {name}   + both", ""),
-            None => format!("{:10}* measured", ""),
+            Some(name) => format!("{:10}theta_r; * measured   - model, {name}   + both", ""),
+            None => format!("{:10}theta_r; * measured", ""),
         });
     }
     lines
+}
+
+fn columns_of_plot() -> usize {
+    if layout::width() >= LABEL + COLUMNS { COLUMNS } else { FEW_COLUMNS }
 }
 
 fn lobe(scene: &Scene, stop: usize, masking: usize) -> Option<Vec<String>> {
@@ -37,13 +47,14 @@ fn lobe(scene: &Scene, stop: usize, masking: usize) -> Option<Vec<String>> {
         return None;
     }
     let row = |value: f64| ((1.0 - value / highest) * (ROWS - 1) as f64).round() as usize;
+    let count = columns_of_plot();
     let marks = |column: usize| {
-        let theta = -90.0 + 180.0 * column as f64 / (COLUMNS - 1) as f64;
+        let theta = -90.0 + 180.0 * column as f64 / (count - 1) as f64;
         let distance = |cut: &&Cut| (cut.theta_deg - theta).abs();
         let nearest = cuts.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         Some((row(measured(nearest.bin)), scene.prediction.map(|_| row(model(nearest.bin)))))
     };
-    let columns: Vec<(usize, Option<usize>)> = (0..COLUMNS).filter_map(marks).collect();
+    let columns: Vec<(usize, Option<usize>)> = (0..count).filter_map(marks).collect();
     let mark =
         |at: usize, &(measured, model): &(usize, Option<usize>)| match (measured == at, model == Some(at)) {
             (true, true) => '+',
@@ -62,6 +73,6 @@ fn lobe(scene: &Scene, stop: usize, masking: usize) -> Option<Vec<String>> {
         let line: String = columns.iter().map(|column| mark(at, column)).collect();
         lines.push(format!("{label} |{}", line.trim_end()));
     }
-    lines.push(format!("{:8} +{}", "", "-".repeat(COLUMNS)));
+    lines.push(format!("{:8} +{}", "", "-".repeat(count)));
     Some(lines)
 }

@@ -2,8 +2,11 @@
 
 use std::path::Path;
 
-use super::output::{self, Output, duration, grouped, with_error};
-use super::{lobes, optics};
+use super::layout::{columns, wrapped};
+use super::numbers::{bytes, duration, grouped, with_error};
+
+use super::output::Output;
+use super::{lobes, optics, verdict};
 use crate::error::Result;
 use crate::instrument::StopAngles;
 use crate::job::{TablePaths, WrittenTable};
@@ -18,6 +21,8 @@ pub fn print(written: &WrittenTable, out: &mut Output) -> Result<()> {
     report(out, written)?;
     out.lines(written.schlick.iter().flat_map(optics::schlick_lines))?;
     out.lines(lobes(written))?;
+    out.line("")?;
+    out.lines(verdict::ruling(&written.verdict))?;
     out.lines(files_written(written.paths, written.kept))
 }
 
@@ -45,9 +50,9 @@ fn lobes(written: &WrittenTable) -> Vec<String> {
     [(false, "light that comes back:"), (true, through)].into_iter().flat_map(side).collect()
 }
 
-/// Albedos of every incidence, and the verdict.
+/// Albedos of every incidence, and how far each model is.
 fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
-    let WrittenTable { measured, plan, verdict, .. } = written;
+    let WrittenTable { measured, plan, .. } = written;
     let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
     let mut headers = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
     let beyond = measured.stops.iter().any(|stop| stop.beyond_order_1().0.is_some());
@@ -88,13 +93,13 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
     let material = if material.is_empty() { material } else { format!(", {material}") };
     let name = &measured.campaign.name;
     out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations"))?;
-    out.lines(output::columns(&headers, &rows))?;
+    out.lines(columns(&headers, &rows))?;
     out.lines(through_lines(measured, &angles))?;
     out.lines(optics::order_lines(measured, plan))?;
     out.lines(lost_light_line(measured, plan))?;
     out.lines(end_lines(measured, plan))?;
     out.line("")?;
-    out.lines(super::verdict::lines(verdict))
+    out.lines(verdict::comparisons(&written.verdict))
 }
 
 /// Light that has gone through the surface, where any can.
@@ -108,7 +113,7 @@ fn through_lines(measured: &Measured, angles: &StopAngles) -> Vec<String> {
     };
     let rows: Vec<Vec<String>> = measured.stops.iter().enumerate().map(row).collect();
     let headers = ["theta_i", "phi_i", "through single", "through total"];
-    [vec![String::new()], output::columns(&headers, &rows)].concat()
+    [vec![String::new()], columns(&headers, &rows)].concat()
 }
 
 /// How much light left an open map by its edge, where any did.
@@ -120,7 +125,7 @@ fn lost_light_line(measured: &Measured, plan: &Plan) -> Vec<String> {
     let text = format!(
         "at {theta}, {phi} up to {flux:.4} of the light is missing; error bars cover where it may have gone"
     );
-    output::wrapped("left map: ", &text)
+    wrapped("left map: ", &text)
 }
 
 /// What ended the incidences, where it was not that all samples were measured.
@@ -154,7 +159,7 @@ fn albedo((mean, se): (Option<f64>, Option<f64>)) -> String {
 
 /// Which files a table has.
 fn files_written(paths: &TablePaths, kept: StoredRealisations) -> Vec<String> {
-    let size = |path: &Path| path.metadata().map_or(String::new(), |meta| output::bytes(meta.len()));
+    let size = |path: &Path| path.metadata().map_or(String::new(), |meta| bytes(meta.len()));
     let line = |what: &str, path: &Path| format!("{what:<14}{} ({})", path.display(), size(path));
     let limit = realisations::SIZE_LIMIT / 1_000_000;
     let realisations = match kept {
@@ -192,6 +197,6 @@ pub fn cost_lines(cost: &Cost) -> [String; 2] {
         duration(cost.cpu_s),
         cost.threads
     );
-    let (rays, memory) = (grouped(cost.rays_traced), output::bytes(cost.peak_bytes));
+    let (rays, memory) = (grouped(cost.rays_traced), bytes(cost.peak_bytes));
     [times, format!("{:<14}{rays} rays, {rate:.2} million samples/s, {memory} of memory", "work")]
 }

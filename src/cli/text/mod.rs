@@ -1,8 +1,10 @@
 //! What the commands print.
 
 pub(crate) mod certificate;
+pub(crate) mod layout;
 pub mod lobes;
 pub(crate) mod measured;
+pub(crate) mod numbers;
 pub(crate) mod optics;
 pub(crate) mod output;
 pub(crate) mod plan;

@@ -1,6 +1,6 @@
 //! What a measurement says of its material: albedos of each order, and what Schlick's formula costs.
 
-use super::output::columns;
+use super::layout::columns;
 use crate::instrument::StopAngles;
 use crate::measure::{Measured, Plan, StopResult};
 use crate::stats;

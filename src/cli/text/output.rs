@@ -1,21 +1,20 @@
-//! What the program prints: stdout that may go away, warnings, aligned columns, numbers with their units.
+//! What the program prints: stdout that may go away, notes, warnings and errors on stderr, JSON.
 
 use std::cell::RefCell;
 use std::fmt::Display;
-use std::io::{self, ErrorKind, Write};
+use std::io::{ErrorKind, Write};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use indicatif::HumanCount;
+use anstyle::{AnsiColor, Style};
 use serde::Serialize;
 use serde_json::Value;
 
+use super::layout::fitted;
 use crate::error::{Error, Result, is_unseen, seen_in_json};
 use crate::files;
 use crate::files::memory;
 use crate::text_decoding::decode_text;
-
-/// Columns of the terminal that every text fits.
-pub const WIDTH: usize = 100;
 
 /// What a command would have printed, for a caller who has no terminal.
 #[derive(Default)]
@@ -44,6 +43,40 @@ fn is_kept(keep: impl FnOnce(&mut Printed)) -> bool {
     KEPT.with_borrow_mut(|kept| kept.as_mut().map(keep)).is_some()
 }
 
+/// Whether results in words, notes and progress are left out.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From now on nothing is printed but warnings, errors, and documents that were asked for.
+pub fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether that is so.
+pub fn is_quiet() -> bool {
+    QUIET.load(Ordering::Relaxed) && !is_kept(|_| ())
+}
+
+/// What a line may begin with, and its colour on a terminal.
+const COLOURED: [(&str, AnsiColor); 6] = [
+    ("error:", AnsiColor::Red),
+    ("warning:", AnsiColor::Yellow),
+    ("note:", AnsiColor::Cyan),
+    ("verdict: failed", AnsiColor::Red),
+    ("verdict: passed", AnsiColor::Green),
+    ("verdict: not judged", AnsiColor::Yellow),
+];
+
+/// A line with its first words in their colour, which a stream without colours takes out again.
+fn coloured(line: &str) -> String {
+    match COLOURED.iter().find(|(words, _)| line.starts_with(words)) {
+        Some((words, colour)) => {
+            let style = Style::new().bold().fg_color(Some((*colour).into()));
+            format!("{style}{words}{style:#}{}", &line[words.len()..])
+        }
+        None => line.into(),
+    }
+}
+
 /// stdout. A reader that closes it ends the printing, not the run.
 #[derive(Default)]
 pub struct Output {
@@ -51,8 +84,13 @@ pub struct Output {
 }
 
 impl Output {
-    /// Prints one line.
+    /// Prints one line of results in words; one that is too long for a narrow terminal is broken.
     pub fn line(&mut self, text: impl Display) -> Result<()> {
+        if is_quiet() { Ok(()) } else { fitted(&seen(text)).iter().try_for_each(|line| self.print(line)) }
+    }
+
+    /// Prints what the command is there for, in lines as they are.
+    pub fn document(&mut self, text: impl Display) -> Result<()> {
         self.print(&seen(text))
     }
 
@@ -60,7 +98,7 @@ impl Output {
         if self.closed || is_kept(|kept| kept.out.extend([text, "\n"])) {
             return Ok(());
         }
-        match writeln!(io::stdout().lock(), "{text}") {
+        match writeln!(anstream::stdout().lock(), "{}", coloured(text)) {
             Err(e) if e.kind() == ErrorKind::BrokenPipe => {
                 self.closed = true;
                 Ok(())
@@ -124,11 +162,23 @@ pub fn to_json(data: &impl Serialize) -> Result<Value> {
 }
 
 /// Prints a line on stderr; whether anybody reads it does not matter.
-pub fn say(text: impl Display) {
+fn say(text: impl Display) {
     let text = seen(text);
     if !is_kept(|kept| kept.said.push(text.clone())) {
-        writeln!(io::stderr().lock(), "{text}").ok();
+        writeln!(anstream::stderr().lock(), "{}", coloured(&text)).ok();
     }
+}
+
+/// Prints on stderr what is good to know, or how far the work is.
+pub fn inform(text: impl Display) {
+    if !is_quiet() {
+        say(text);
+    }
+}
+
+/// Prints a note on stderr.
+pub fn note(text: impl Display) {
+    inform(format_args!("note: {text}"));
 }
 
 /// Prints a warning on stderr, one line.
@@ -147,86 +197,6 @@ pub fn print_error(error: &Error) {
         let plural = if faults.len() == 1 { "" } else { "s" };
         say(format_args!("{} fault{plural} in {file}; nothing was measured", faults.len()));
     }
-}
-
-/// Columns under their headings, flush right.
-pub fn columns(headings: &[&str], rows: &[Vec<String>]) -> Vec<String> {
-    let width = |column: usize, heading: &str| {
-        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
-        cells.chain([heading.chars().count()]).max().unwrap_or(0)
-    };
-    let widths: Vec<usize> = headings.iter().enumerate().map(|(k, heading)| width(k, heading)).collect();
-    let line = |cells: &[String]| {
-        let padded = cells.iter().zip(&widths).map(|(cell, &width)| format!("{cell:>width$}"));
-        padded.collect::<Vec<_>>().join("  ")
-    };
-    let head: Vec<String> = headings.iter().map(|heading| heading.to_string()).collect();
-    [line(&head)].into_iter().chain(rows.iter().map(|row| line(row))).collect()
-}
-
-/// `text` behind `head`, broken at spaces to fit [`WIDTH`]; further lines start below the text's beginning.
-pub fn wrapped(head: &str, text: &str) -> Vec<String> {
-    let indent = " ".repeat(head.chars().count());
-    let mut lines = Vec::new();
-    let mut line = head.to_string();
-    let mut empty = true;
-    for word in text.split_whitespace() {
-        if !empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            lines.push(std::mem::replace(&mut line, indent.clone()));
-            empty = true;
-        }
-        if !empty {
-            line.push(' ');
-        }
-        line.push_str(word);
-        empty = false;
-    }
-    lines.push(line);
-    lines
-}
-
-/// A whole number with commas: `65,536`.
-pub fn grouped(number: impl Into<u64>) -> String {
-    HumanCount(number.into()).to_string()
-}
-
-/// Bytes in the unit that suits them.
-pub fn bytes(count: u64) -> String {
-    let count = count as f64;
-    let units = [("GiB", 30), ("MiB", 20), ("KiB", 10)];
-    let fitting =
-        units.iter().map(|&(unit, bits)| (unit, count / f64::from(1 << bits))).find(|(_, n)| *n >= 1.0);
-    fitting.map_or(format!("{count} bytes"), |(unit, n)| {
-        if n < 10.0 { format!("{n:.1} {unit}") } else { format!("{n:.0} {unit}") }
-    })
-}
-
-/// Seconds in the unit that suits them.
-pub fn duration(seconds: f64) -> String {
-    const UNITS: [(&str, f64); 4] =
-        [("years", 31_557_600.0), ("days", 86_400.0), ("h", 3600.0), ("min", 60.0)];
-    match UNITS.iter().find(|(_, unit)| seconds >= 2.0 * unit) {
-        Some((unit, size)) => format!("{:.1} {unit}", seconds / size),
-        None if seconds < 10.0 => format!("{seconds:.1} s"),
-        None => format!("{seconds:.0} s"),
-    }
-}
-
-/// A mean with its standard error, the error to two digits.
-pub fn with_error(mean: f64, se: Option<f64>) -> String {
-    match se {
-        None => format!("{mean:.5} +- n/a"),
-        Some(se) if se > 0.0 => {
-            let decimals = (1.0 - se.log10().floor()).clamp(0.0, 9.0) as usize;
-            format!("{mean:.decimals$} +- {se:.decimals$}")
-        }
-        Some(_) => format!("{mean:.5} +- 0"),
-    }
-}
-
-/// A number, or `n/a`.
-pub fn or_na(value: Option<f64>, decimals: usize) -> String {
-    value.map_or("n/a".into(), |value| format!("{value:.decimals$}"))
 }
 
 #[cfg(test)]
@@ -260,40 +230,5 @@ mod tests {
         let text = seen_in_json(&json_text(&document).expect("JSON"));
         assert!(text.is_ascii() && text.contains("\\u202e\\u009b\\udb40\\udc41\\n"), "{text}");
         assert_eq!(parsed_json(text.as_bytes()).expect("JSON"), document);
-    }
-
-    #[test]
-    fn numbers_are_printed_with_their_units() {
-        assert_eq!(grouped(7u32), "7");
-        assert_eq!(grouped(1_234_567u64), "1,234,567");
-        assert_eq!(
-            (bytes(12), bytes(2048), bytes(50 << 20)),
-            ("12 bytes".into(), "2.0 KiB".into(), "50 MiB".into())
-        );
-        assert_eq!(
-            (duration(1.26), duration(90.0), duration(7200.0)),
-            ("1.3 s".into(), "90 s".into(), "2.0 h".into())
-        );
-    }
-
-    #[test]
-    fn the_error_decides_the_digits() {
-        assert_eq!(with_error(0.934_121_7, Some(0.000_213)), "0.93412 +- 0.00021");
-        assert_eq!(with_error(0.5, Some(12.0)), "0 +- 12");
-        assert_eq!(with_error(1.0, Some(0.0)), "1.00000 +- 0");
-        assert_eq!(with_error(1.0, None), "1.00000 +- n/a");
-    }
-
-    #[test]
-    fn columns_are_flush_right() {
-        let rows = [vec!["1".to_string(), "22.5".into()], vec!["333".into(), "4".into()]];
-        assert_eq!(columns(&["a", "b"], &rows), ["  a     b", "  1  22.5", "333     4"]);
-    }
-
-    #[test]
-    fn long_texts_are_broken_at_spaces() {
-        let lines = wrapped("skips   ", &"word ".repeat(40));
-        assert!(lines.len() == 3 && lines.iter().all(|line| line.len() <= WIDTH), "{lines:?}");
-        assert!(lines[1].starts_with("        word"));
     }
 }

@@ -1,6 +1,7 @@
 //! A campaign and its plan in words: what `check` shows and `measure` begins with.
 
-use super::output::{bytes, duration, grouped, wrapped};
+use super::layout::wrapped;
+use super::numbers::{bytes, duration, grouped};
 use crate::campaign::{
     Alpha, Azimuth, BinLayout, Campaign, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset, SensorArm,
     SensorSide, SmithHeights, SmithNdf, SurfaceKind,
@@ -157,11 +158,11 @@ fn surface(campaign: &Campaign) -> String {
 }
 
 fn stops(campaign: &Campaign, plan: &Plan) -> String {
-    let thetas = listed(campaign.light.theta_i_deg.iter());
+    let thetas = listed_angles(&campaign.light.theta_i_deg);
     let phis = match &campaign.light.azimuth {
         Azimuth::KlemsFull => "the middles of the patches of the Klems full basis".into(),
         Azimuth::Relative => "azimuth averaged".into(),
-        Azimuth::Absolute(phis) => format!("phi_i {}", listed(phis.iter())),
+        Azimuth::Absolute(phis) => format!("phi_i {}", listed_angles(phis)),
     };
     let aperture = match campaign.light.aperture_deg {
         0.0 => String::new(),
@@ -185,8 +186,8 @@ fn sensor(campaign: &Campaign) -> String {
             let from = if *phi_r_from == PhiFrom::Light { "the light" } else { "the sample" };
             format!(
                 "arm positions, half-angle {aperture_deg} degrees; theta_r {}; phi_r {} from {from}",
-                listed(theta_r_deg.iter()),
-                listed(phi_r_deg.iter())
+                listed_angles(theta_r_deg),
+                listed_angles(phi_r_deg)
             )
         }
         SensorArm::KlemsFull { side } => format!("the patches of the Klems full basis{}", which_light(side)),
@@ -199,6 +200,11 @@ fn which_light(side: &SensorSide) -> &'static str {
         SensorSide::Transmission => "; light that has gone through alone",
         SensorSide::Both => "; light that comes back and that has gone through",
     }
+}
+
+/// Angles to a ten thousandth of a degree.
+fn listed_angles(degrees: &[f64]) -> String {
+    listed(degrees.iter().map(|degrees| (degrees * 1e4).round() / 1e4))
 }
 
 /// A list with its middle left out where it is long.

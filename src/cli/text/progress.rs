@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
+use super::numbers::duration;
 use super::output;
 
 /// Seconds between two lines where stderr is no terminal.
@@ -38,7 +39,7 @@ impl RunProgress {
             done: AtomicU64::new(before),
             begin: Instant::now(),
             next_line: AtomicU64::new(LINE_INTERVAL),
-            bar: stderr().is_terminal().then(|| bar(before, total, unit)),
+            bar: (stderr().is_terminal() && !output::is_quiet()).then(|| bar(before, total, unit)),
         }
     }
 
@@ -56,7 +57,7 @@ impl RunProgress {
         if elapsed.as_secs() >= due
             && self.next_line.compare_exchange(due, next, Ordering::Relaxed, Ordering::Relaxed).is_ok()
         {
-            output::say(line(self.before, done, self.total, self.unit, elapsed.as_secs_f64()));
+            output::inform(line(self.before, done, self.total, self.unit, elapsed.as_secs_f64()));
         }
     }
 
@@ -91,7 +92,7 @@ pub struct Stage(Option<ProgressBar>);
 impl Stage {
     /// Begins with a text such as `validating`.
     pub fn begin(text: &str) -> Self {
-        Stage((stderr().is_terminal() && can_tick()).then(|| {
+        Stage((stderr().is_terminal() && !output::is_quiet() && can_tick()).then(|| {
             let line = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
             line.set_message(text.to_string());
             if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
@@ -136,7 +137,7 @@ fn bar(before: u64, total: u64, unit: &'static str) -> ProgressBar {
 
 fn line(before: u64, done: u64, total: u64, unit: &str, seconds: f64) -> String {
     let rate = (done - before) as f64 / seconds.max(1e-9);
-    let left = output::duration(total.saturating_sub(done) as f64 / rate.max(1e-9));
+    let left = duration(total.saturating_sub(done) as f64 / rate.max(1e-9));
     let percent = 100.0 * done as f64 / total.max(1) as f64;
     format!("{percent:.1} %, {} {unit}/s, about {left} left", short(rate))
 }

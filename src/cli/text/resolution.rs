@@ -2,7 +2,9 @@
 
 use serde_json::{Value, json};
 
-use super::output::{columns, duration, grouped, or_na, to_json};
+use super::layout::columns;
+use super::numbers::{duration, grouped, or_na};
+use super::output::to_json;
 use crate::bench::{ResolutionRow, convergence, flatness};
 use crate::campaign::Campaign;
 use crate::error::Result;

@@ -1,6 +1,7 @@
 //! A study in words and columns, at most 100 wide.
 
-use super::output::{columns, or_na};
+use super::layout::columns;
+use super::numbers::or_na;
 use crate::stats;
 use crate::study::{AzimuthHarmonic, LEVEL, Study};
 

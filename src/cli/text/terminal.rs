@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use super::output::{Output, bytes, grouped, say, warn};
+use super::numbers::{bytes, grouped};
+use super::output::{Output, inform, note, warn};
 use super::progress::{RunProgress, Stage};
 use super::{measured, plan};
 use crate::campaign::Campaign;
@@ -63,13 +64,13 @@ impl Watcher for Terminal<'_> {
     }
 
     fn note(&self, text: &str) {
-        say(format_args!("note: {text}"));
+        note(text);
     }
 
     fn finished(&self, file: &Path) -> Result<()> {
         let text = format!("{} is finished: nothing to do", file.display());
         if self.json {
-            say(&text);
+            inform(&text);
         }
         self.print(|out| out.line(text))
     }

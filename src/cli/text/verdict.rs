@@ -1,16 +1,27 @@
 //! The verdict in words and columns, at most 100 wide.
 
-use super::output::{columns, or_na, wrapped};
+use super::layout::{columns, wrapped};
+use super::numbers::or_na;
 use crate::validate::compare::{self, Comparison, Figures};
 use crate::validate::prediction::model::{DIFFUSE, LAYERED};
 use crate::validate::verdict::{SCOPES, Verdict};
+use crate::validate::words;
 
-/// A verdict: its comparisons, each law, and all of them in one line.
+/// A verdict: its comparisons, then all laws in words, then each.
 pub fn lines(verdict: &Verdict) -> Vec<String> {
-    let mut lines: Vec<String> = SCOPES.iter().flat_map(|scope| comparison_lines(verdict, scope)).collect();
-    lines.extend(verdict.judgements.iter().flat_map(|judgement| wrapped("", &judgement.line())));
-    lines.extend(wrapped("verdict: ", &verdict.verdict));
-    lines
+    [comparisons(verdict), ruling(verdict)].concat()
+}
+
+/// The table against each model, incidence by incidence.
+pub fn comparisons(verdict: &Verdict) -> Vec<String> {
+    SCOPES.iter().flat_map(|scope| comparison_lines(verdict, scope)).collect()
+}
+
+/// All laws in a line and in plain words, then each with its figures.
+pub fn ruling(verdict: &Verdict) -> Vec<String> {
+    let overall = format!("{}. {}", verdict.verdict, words::in_words(&verdict.judgements));
+    let each = verdict.judgements.iter().flat_map(|judgement| wrapped("  ", &judgement.line()));
+    wrapped("verdict: ", &overall).into_iter().chain(each).collect()
 }
 
 /// Models whose names fit the last column as they are.

@@ -1,11 +1,10 @@
 //! NPY: the totals alone, `[theta_i, phi_i, theta_r, phi_r(, colour)]` as `brdf` of the NPZ. Written only: an array
 //! without axes is no table.
 
-use std::fs::File;
 use std::io::{BufReader, Write};
 
 use super::arrays::{interleaved, shape};
-use crate::files::npy;
+use crate::files::{Input, npy};
 use crate::interchange::codec::{BandCodec, Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::read_back::{Listing, ReadBack, ReadErrors};
 use crate::interchange::{Bands, Checked, Imported, Options};
@@ -56,7 +55,7 @@ impl BandCodec for Npy {
         Ok(array.finish()?)
     }
 
-    fn read_back(&self, file: BufReader<File>, bands: &mut dyn Bands) -> Checked<Option<ReadBack>> {
+    fn read_back(&self, file: BufReader<Input>, bands: &mut dyn Bands) -> Checked<Option<ReadBack>> {
         let outline = bands.outline();
         let colours = outline.colours.len();
         let mut values = npy::values_of(file, &shape(&outline.grid, colours))?;

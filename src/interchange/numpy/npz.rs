@@ -58,7 +58,7 @@ impl Codec for Npz {
 
     fn read_back(&self, path: &Path, table: &BrdfTable, _options: &Options) -> Checked<Option<ReadBack>> {
         let file = codec::open(path)?;
-        let length = file.get_ref().metadata()?.len();
+        let length = file.get_ref().length()?;
         read_back(file, length, table)
     }
 }

@@ -1,12 +1,12 @@
 //! CSV: one line a bin, with a header. Read back as a table of points in the order of the lines.
 
-use std::fs::File;
 use std::io::{self, BufReader, Chain, Cursor, Read, Write};
 
 use super::named_columns::{Columns, names_of};
 use super::samples;
 use super::samples::MeasuredPair;
 use crate::error::wrong;
+use crate::files::Input;
 use crate::instrument::Region;
 use crate::interchange::codec::{BandCodec, Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::read_back::{ReadBack, ReadErrors, middles_deg};
@@ -73,7 +73,7 @@ impl BandCodec for Csv {
         Ok(writer.flush()?)
     }
 
-    fn read_back(&self, file: BufReader<File>, bands: &mut dyn Bands) -> Checked<Option<ReadBack>> {
+    fn read_back(&self, file: BufReader<Input>, bands: &mut dyn Bands) -> Checked<Option<ReadBack>> {
         let (mut errors, mut lines) = (ReadErrors::default(), SampleLines::open(file)?);
         bands.each(&mut |band| {
             let samples = lines.by_ref().take(band.hits.len() - band.gaps());

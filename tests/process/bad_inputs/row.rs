@@ -4,11 +4,18 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 
 /// Longest line that still is one clear line.
 const LONGEST_LINE: usize = 600;
 /// Processor time within which a row ends, whatever the machine does besides.
 const MOST_SECONDS: u32 = 60;
+
+/// Commands whose options an answer may name.
+const VERBS: [&str; 14] = [
+    "check", "surface", "measure", "merge", "validate", "compare", "fit", "study", "export", "import",
+    "bench", "report", "recolour", "albedo",
+];
 
 /// Sets up what a row needs beside plain files.
 type Prepare = fn(&Path);
@@ -140,6 +147,7 @@ fn judge(row: &Row, output: &Output, unchanged: bool) -> Result<(), String> {
     if wrong && row.exit != 1 && !err.lines().any(|line| line.starts_with("error: ")) {
         return Err("no error is said".into());
     }
+    advice_is_of(&row.words, &err)?;
     let holds = |line: &str| row.says.iter().all(|word| line.contains(word));
     let lines = if wrong { err.clone() } else { format!("{out}{err}") };
     if !row.says.is_empty() && !lines.lines().any(holds) {
@@ -149,6 +157,38 @@ fn judge(row: &Row, output: &Output, unchanged: bool) -> Result<(), String> {
         Some(word) => Err(format!("{word:?} is nowhere")),
         None => Ok(()),
     }
+}
+
+/// An option that an answer names is one of the command at hand, or of that whose name stands before it.
+fn advice_is_of(words: &[String], answer: &str) -> Result<(), String> {
+    let mut command = words.first().map_or("", String::as_str);
+    for word in
+        answer.split(|c: char| c.is_whitespace() || "`\"'(),;:=".contains(c)).filter(|word| !word.is_empty())
+    {
+        if VERBS.contains(&word) {
+            command = word;
+        }
+        let option = word.trim_end_matches(['.', '?']);
+        if option.starts_with("--") && option.len() > 2 && !words.iter().any(|given| given == option) {
+            if !options_of(command).contains(&format!("{option} ")) {
+                return Err(format!("{option} is no option of gonio {command}"));
+            }
+            command = &words[0];
+        }
+    }
+    Ok(())
+}
+
+/// The help of a command, once it was asked for.
+fn options_of(verb: &str) -> &'static str {
+    static HELPS: [OnceLock<String>; VERBS.len()] = [const { OnceLock::new() }; VERBS.len()];
+    VERBS.iter().position(|known| *known == verb).map_or("", |k| {
+        HELPS[k].get_or_init(|| {
+            let help =
+                Command::new(env!("CARGO_BIN_EXE_gonio")).args([verb, "--help"]).output().expect("runs");
+            String::from_utf8(help.stdout).expect("UTF-8").replace('\n', " ")
+        })
+    })
 }
 
 /// Names and bytes of everything below a folder; of what is no regular file the name alone.
