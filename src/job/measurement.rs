@@ -213,7 +213,7 @@ impl<'a> Measurement<'a> {
         }
         let sweep = SweepPaths::of(&self.campaign, &kept.folder, &all);
         if let Some(sweep) = &sweep {
-            paths::spare_inputs(&[&sweep.csv, &sweep.page], &self.source, &self.campaign)?;
+            paths::spare_inputs(&sweep.paths(), &self.source, &self.campaign)?;
             if !self.force {
                 sweep.spare_foreign()?;
             }
