@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::paths::{TablePaths, spare_foreign};
-use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::files::{self, memory};
 use crate::report::Summary;
@@ -27,9 +26,9 @@ pub struct SweepPaths {
 }
 
 impl SweepPaths {
-    /// `None` where the campaign makes one table.
-    pub fn of(campaign: &Campaign, folder: &Path, all: &[TablePaths]) -> Option<Self> {
-        let path = |ending: &str| folder.join(format!("{}.sweep.{ending}", campaign.name));
+    /// `None` where the campaign of this name makes one table.
+    pub fn of(name: &str, folder: &Path, all: &[TablePaths]) -> Option<Self> {
+        let path = |ending: &str| folder.join(format!("{name}.sweep.{ending}"));
         (all.len() > 1).then(|| SweepPaths { csv: path("csv"), netcdf: path("nc"), page: path("html") })
     }
 
@@ -46,16 +45,13 @@ impl SweepPaths {
     }
 
     /// Writes them from the summaries of all tables, with fits where these are cheap next to the measuring.
-    pub fn write(&self, campaign: &Campaign, all: &[TablePaths]) -> Result<()> {
+    pub fn write(&self, name: &str, all: &[TablePaths]) -> Result<()> {
         let table = |paths: &TablePaths| {
-            let one = paths.alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
             let stem = paths.table.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let one = one.with_optics(&paths.optics);
-            let table = SweptTable::new(stem, Some(&one), summary(&paths.summary)?);
-            fitted(table, &one, paths)
+            fitted(SweptTable::new(stem, Some(&paths.one), summary(&paths.summary)?), paths)
         };
         let tables = all.iter().map(table).collect::<Result<Vec<_>>>()?;
-        let sweep = ParameterSweep { name: campaign.name.clone(), tables };
+        let sweep = ParameterSweep { name: name.to_string(), tables };
         files::write_atomically(&self.csv, sweep.csv().as_bytes())?;
         let netcdf = sweep.netcdf().map_err(|why| Error::format(&self.netcdf, why))?;
         files::write_atomically(&self.netcdf, &netcdf)?;
@@ -64,7 +60,7 @@ impl SweepPaths {
 }
 
 /// A table with its best fit, where that costs little and memory holds the table.
-fn fitted(swept: SweptTable, campaign: &Campaign, paths: &TablePaths) -> Result<SweptTable> {
+fn fitted(swept: SweptTable, paths: &TablePaths) -> Result<SweptTable> {
     let rows = TableRows::open(&paths.table)?;
     let values = rows.grid().stops() * rows.grid().bins() * rows.colours();
     if !swept.fit_is_cheap(values) || rows.bytes().max(rows.reading_bytes()) > memory::memory_limit() {
@@ -75,7 +71,7 @@ fn fitted(swept: SweptTable, campaign: &Campaign, paths: &TablePaths) -> Result<
         true => Some(realisations::load(&paths.realisations)?.realisations),
         false => None,
     };
-    Ok(swept.fitted(&table, Some(campaign), parts.as_ref()))
+    Ok(swept.fitted(&table, Some(&paths.one), parts.as_ref()))
 }
 
 fn summary(path: &Path) -> Result<Summary> {

@@ -58,38 +58,44 @@ impl ParameterSweep {
             ("Distance from the formula", &label, &distance),
         ];
         let both = |(title, label, value): (&str, &str, Value)| {
-            [self.against_alpha((title, label), value), self.against_theta((title, label), value)]
+            [self.against_swept((title, label), value), self.against_theta((title, label), value)]
         };
         parts.into_iter().flat_map(both).flatten().chain(self.fitted_alpha()).collect()
     }
 
-    /// Against the roughness, a curve for each angle of the light; `None` where less than three roughnesses or more than one
-    /// material make a curve.
-    fn against_alpha(&self, (title, label): (&str, &str), value: Value) -> Option<Chart> {
+    /// Against what differs from table to table, a curve for each angle of the light.
+    fn against_swept(&self, (title, label): (&str, &str), value: Value) -> Option<Chart> {
+        let (name, axis, values) = self.swept()?;
         let first = self.tables.first()?;
-        let alphas: Vec<f64> = self.tables.iter().filter_map(|table| Some(table.alpha?.x)).collect();
-        let one = self.tables.iter().all(|table| {
-            table.optics == first.optics
-                && table.alpha.and_then(|alpha| alpha.coverage)
-                    == first.alpha.and_then(|alpha| alpha.coverage)
-        });
-        if alphas.len() != self.tables.len() || alphas.len() < 3 || !one || !alphas.is_sorted_by(|a, b| a < b)
-        {
-            return None;
-        }
         let stops = spread(first.summary.stops.len(), MOST_CURVES);
         let curves = stops.iter().enumerate().map(|(k, &stop)| {
-            let points = self.tables.iter().zip(&alphas);
-            let points = points.filter_map(|(table, &alpha)| Some((alpha, value(table, stop)?)));
+            let points = self.tables.iter().zip(&values);
+            let points = points.filter_map(|(table, &x)| Some((x, value(table, stop)?)));
             curve(angles(&first.summary.stops[stop], &first.summary.stops), points.collect(), k)
         });
-        let range = [alphas[0], alphas[alphas.len() - 1]];
-        chart_of(
-            format!("{title} against the roughness"),
-            ChartAxis::linear("alpha (along x)", range),
-            label,
-            curves.collect(),
-        )
+        let range = [values[0], values[values.len() - 1]];
+        let axis = ChartAxis::linear(axis, range);
+        chart_of(format!("{title} against the {name}"), axis, label, curves.collect())
+    }
+
+    /// What alone differs from table to table and increases, its axis and its values; `None` where less than three tables, or
+    /// more than one quantity or material, make no curve.
+    fn swept(&self) -> Option<(&'static str, &'static str, Vec<f64>)> {
+        let first = self.tables.first()?;
+        type Quantity = fn(&SweptTable) -> Option<f64>;
+        let quantities: [(&str, &str, Quantity); 4] = [
+            ("roughness", "alpha (along x)", |table| Some(table.alpha?.x)),
+            ("coverage", "coverage", |table| table.alpha?.coverage),
+            ("correlation length", "correlation length, cells", |table| table.correlation_cells),
+            ("seed", "seed", |table| Some(table.summary.seed as f64)),
+        ];
+        let differs = |quantity: Quantity| self.tables.iter().any(|table| quantity(table) != quantity(first));
+        let mut differing = quantities.into_iter().filter(|(.., quantity)| differs(*quantity));
+        let ((name, axis, quantity), None) = (differing.next()?, differing.next()) else { return None };
+        let values: Vec<f64> = self.tables.iter().filter_map(quantity).collect();
+        let one_material = self.tables.iter().all(|table| table.optics == first.optics);
+        let all = values.len() == self.tables.len() && values.len() >= 3;
+        (all && one_material && values.is_sorted_by(|a, b| a < b)).then_some((name, axis, values))
     }
 
     /// Against the light's polar angle at its first azimuth, a curve for each table.
