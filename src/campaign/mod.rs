@@ -13,16 +13,19 @@ mod difference;
 pub mod materials;
 pub mod parse;
 pub mod presets;
+mod runs;
 pub mod schema;
 mod to_toml;
 
 pub use difference::{KeyDifference, differences};
 pub use presets::Preset;
+pub use runs::{Run, Runs, read_runs};
 pub use schema::*;
 pub use to_toml::to_toml;
 
 use parse::faults::Report;
 use parse::reader::TableReader;
+use parse::run_lists::RunLists;
 
 /// Largest campaign file, bytes: two axes of 100,000 angles with room to spare.
 const LARGEST_FILE: u64 = 16 << 20;
@@ -45,13 +48,21 @@ pub struct Parsed {
 /// A file that cannot be read is [`Error::Io`], as is one that is no regular file: pipes and devices might never end,
 /// or never begin. One that cannot be understood is [`Error::Campaign`] with all its faults.
 pub fn read(path: &Path) -> Result<Parsed> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    parse(read_bytes(path)?, &name_for_messages(path), folder)
+}
+
+fn name_for_messages(path: &Path) -> String {
+    if path == Path::new(files::STANDARD) { "stdin".into() } else { path.display().to_string() }
+}
+
+/// The bytes of a campaign file.
+fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     // One byte more than allowed is enough to know.
     files::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
     memory::check_file(path, needed(&bytes))?;
-    let name = if path == Path::new(files::STANDARD) { "stdin".into() } else { path.display().to_string() };
-    let folder = path.parent().unwrap_or(Path::new(""));
-    parse(&bytes, &name, folder)
+    Ok(bytes)
 }
 
 /// Bytes of memory that a text may come to take: measured, 105 a mark (lists of lists) to 790 (tables of one key).
@@ -81,7 +92,10 @@ fn marks(bytes: &[u8]) -> usize {
 /// assert!(faults.contains("surface.ggx.alpha = 3000"), "{faults}");
 /// ```
 pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> Result<Parsed> {
-    let bytes = text.as_ref();
+    parse_with(text.as_ref(), name_for_messages, folder, &RunLists::refused())
+}
+
+fn parse_with(bytes: &[u8], name_for_messages: &str, folder: &Path, lists: &RunLists) -> Result<Parsed> {
     if bytes.len() as u64 > LARGEST_FILE {
         return Err(whole_file_fault(
             name_for_messages,
@@ -98,7 +112,7 @@ pub fn parse(text: impl AsRef<[u8]>, name_for_messages: &str, folder: &Path) -> 
     let text = &*decode_text(bytes).map_err(|why| no_text(name_for_messages, bytes, why))?;
     let report = Report::new(name_for_messages, text);
     let campaign = match DeTable::parse(text) {
-        Ok(root) => parse::campaign::campaign(TableReader::root(&report, root.get_ref()), folder),
+        Ok(root) => parse::campaign::campaign(TableReader::root(&report, root.get_ref()), folder, lists),
         Err(error) => {
             syntax_fault(&report, text, &error);
             None

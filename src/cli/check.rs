@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::text::output::{Output, print_error, to_json, warn};
 use super::text::plan;
-use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
+use crate::campaign::{self, Campaign, Run, Runs, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::measure::{self, Disk};
 use crate::surface::io::import;
@@ -29,11 +29,12 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let parsed = match campaign::read(&arguments.campaign) {
+    let parsed = match campaign::read_runs(&arguments.campaign) {
         Err(error @ Error::Campaign(_)) if arguments.json => return answer(&error),
         parsed => parsed?,
     };
-    let Parsed { campaign, mut notes, preset } = parsed;
+    let Runs { runs, mut notes, preset } = parsed;
+    let campaign = runs[0].campaign.clone();
     map_notes(&campaign, &mut notes)?;
     let plan = measure::plan(&campaign);
     let mut out = Output::default();
@@ -51,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         let apertures = to_json(&worst(&campaign))?;
         out.json(&json!({
             "faults": [], "plan": plan, "notes": notes, "preset": preset, "aperture_bias": apertures,
-            "disk": disk,
+            "disk": disk, "runs": runs.iter().map(run_json).collect::<Vec<_>>(),
         }))?;
         return Ok(code);
     }
@@ -59,9 +60,17 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let plan = plan?;
     out.lines(preset.iter().flat_map(plan::preset))?;
     out.lines(plan::facts(&campaign, &plan, Disk::of(&campaign, &plan, SIZE_LIMIT)))?;
+    out.lines(plan::runs(&runs, &plan))?;
     out.lines(worst(&campaign).iter().flat_map(plan::aperture))?;
     out.lines(if arguments.verbose { plan::reasons(&plan) } else { plan::skipped(&plan) })?;
     Ok(0)
+}
+
+/// A run of several, with what it costs; null where it is refused.
+fn run_json(run: &Run) -> Value {
+    let plan = measure::plan(&run.campaign).ok();
+    let seconds = plan.as_ref().map(|plan| plan.estimated_s);
+    json!({ "label": run.label, "tables": plan.map(|plan| plan.tables), "estimated_s": seconds })
 }
 
 /// What a height map that is there says, or why it cannot be measured.

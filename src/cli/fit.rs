@@ -59,8 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if data.value.iter().flatten().all(|&value| value == 0.0) {
         return Err(Error::format(path, "channel `single` is 0 everywhere: nothing can be fitted"));
     }
-    let own = campaign.as_ref().map_or(Vec::new(), |c| FitLaw::of_surface(&c.surface.kind, &data));
-    let mut laws: Vec<FitLaw> = FitLaw::all(&data).into_iter().chain(own).collect();
+    let mut laws = fit::models(&data, campaign.as_ref());
     if let Some(name) = &arguments.model {
         laws.retain(|law| law.name() == name);
         if laws.is_empty() && name == "student_t" {
@@ -127,8 +126,8 @@ fn lost(fits: &Fits) -> Vec<String> {
     let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for (fit, why) in fits.fits.iter().filter_map(|fit| Some((fit, fit.did_not_fit.as_deref()?))) {
         match reasons.iter_mut().find(|(known, _)| *known == why) {
-            Some((_, names)) => names.push(name(fit)),
-            None => reasons.push((why, vec![name(fit)])),
+            Some((_, names)) => names.push(fit.name()),
+            None => reasons.push((why, vec![fit.name()])),
         }
     }
     let line = |(why, names): &(&str, Vec<String>)| {
@@ -147,12 +146,6 @@ fn short(value: f64, decimals: usize) -> String {
     if value.abs() < 1e4 { format!("{value:.decimals$}") } else { format!("{value:.1e}") }
 }
 
-/// The model with its masking and axes.
-fn name(fit: &Fit) -> String {
-    let axes = if fit.anisotropic { " with two roughnesses" } else { "" };
-    format!("{}{}{axes}", fit.model, fit.masking.map_or(String::new(), |masking| format!(" {masking}")))
-}
-
 /// The first line: the best model with its parameters, and what the realisations do not distinguish from it.
 fn winner(fits: &Fits) -> String {
     let Some(best) = fits.fits.first().filter(|fit| fit.did_not_fit.is_none()) else {
@@ -165,7 +158,7 @@ fn winner(fits: &Fits) -> String {
     };
     let parameters: Vec<String> = best.parameters.0.iter().map(shown).collect();
     let alike = fits.fits[1..].iter().filter(|fit| fit.alike == Some(true) && fit.did_not_fit.is_none());
-    let alike: Vec<String> = alike.map(name).collect();
+    let alike: Vec<String> = alike.map(Fit::name).collect();
     let alike = match (fits.realisations, alike.is_empty()) {
         (0 | 1, _) => String::new(),
         (_, true) => "; every other model is significantly worse".into(),
@@ -175,7 +168,7 @@ fn winner(fits: &Fits) -> String {
     let poor = best.l1.is_some_and(|l1| l1 > POOR) && best.chi2_per_dof.is_none_or(|ratio| ratio > 2.0);
     let head = if poor { "no model fits well, the nearest" } else { "best" };
     let colon = if parameters.is_empty() { "" } else { ": " };
-    format!("{head}: {}{colon}{}, l1 {}{alike}", name(best), parameters.join(", "), or_na(best.l1, 4))
+    format!("{head}: {}{colon}{}, l1 {}{alike}", best.name(), parameters.join(", "), or_na(best.l1, 4))
 }
 
 /// Half the width of the interval of 95 %; one standard error where only that is known.

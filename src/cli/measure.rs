@@ -9,19 +9,21 @@ use super::process::ending;
 use super::streams::folder;
 use super::text::measured::cost_lines;
 use super::text::numbers::bytes;
-use super::text::output::{self, Output, warn};
+use super::text::output::{self, Output, inform, warn};
 use super::text::quoted;
 use super::text::terminal::Terminal;
-use crate::campaign::{self, Parsed};
+use crate::campaign::{self, Campaign, Run, Runs};
 use crate::error::{Error, Result};
-use crate::job::{Measurement, TablePaths, Written};
-use crate::measure::{self, Cost, Pace, Part, Plan, RunFiles};
+use crate::job::{Measurement, SweepPaths, TablePaths, Watcher, Written, paths};
+use crate::measure::{Cost, Pace, Part, Plan, RunFiles};
 
 /// Measure a campaign: table, realisations, summary and report
 #[derive(Args)]
 #[command(
     after_help = "Writes <name>.exr, <name>.realisations.exr, <name>.html (the page), <name>.card.md and, last,\n\
-    <name>.json; several roughnesses or materials give one set each, <name>_alpha_<value>, ...\n\n\
+    <name>.json; several roughnesses or materials give one set each, <name>_alpha_<value>, ...,\n\
+    as do lists of seeds or correlation lengths, each a run of its own: <name>_seed_<value>, ...\n\
+    Several tables end in <name>.sweep.csv, .nc and .html.\n\n\
     Example: gonio measure configs/quickstart.toml --threads 2"
 )]
 pub struct Arguments {
@@ -57,28 +59,18 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, threads: usize) -> Result<u8> {
-    let Parsed { mut campaign, notes, .. } = campaign::read(&arguments.campaign)?;
-    campaign.seed = arguments.seed.unwrap_or(campaign.seed);
+    let Runs { mut runs, notes, .. } = campaign::read_runs(&arguments.campaign)?;
     notes.iter().for_each(warn);
-    let stops = measure::stops(&campaign);
-    let job = arguments.measurement(campaign)?;
-    let (files, again) = (job.files(), arguments.again(threads));
-    let advice = (files.clone(), again.clone());
-    ending::advise(move || before_its_end(&advice.0, &advice.1));
-    let advised = |error| with_advice(error, &files, &again);
-    let terminal = Terminal::new(arguments.json, &advised);
-    let written = job.watcher(&terminal).write().map_err(advised)?;
-    let mut out = terminal.into_output();
-    match written {
-        Written::Tables(all) if arguments.json => out.json(&summaries(&all)?)?,
-        Written::Tables(_) => {}
-        Written::Shard { file, plan, cost } if arguments.json => {
-            out.json(&shard_json(arguments.shard, &file, plan.as_deref(), &cost))?;
+    match (runs.pop(), runs.is_empty()) {
+        (Some(Run { campaign, .. }), true) => {
+            let (written, mut out) = arguments.measured(campaign, None, threads)?;
+            match written {
+                Written::Tables(all) if arguments.json => out.json(&summaries(&all)?)?,
+                Written::Tables(_) => {}
+                shard => arguments.print_shard(&shard, &mut out)?,
+            }
         }
-        Written::Shard { file, plan: Some(plan), cost } => {
-            print_shard(&file, (plan.stops, stops), &cost, &mut out)?
-        }
-        Written::Shard { plan: None, .. } => {}
+        (last, _) => arguments.measure_runs(runs.into_iter().chain(last).collect(), threads)?,
     }
     Ok(0)
 }
@@ -103,7 +95,73 @@ fn print_shard(file: &Path, (measured, stops): (usize, usize), cost: &Cost, out:
 }
 
 impl Arguments {
-    fn measurement<'a>(&self, campaign: campaign::Campaign) -> Result<Measurement<'a>> {
+    /// Measures one run, and gives what it has written and stdout.
+    fn measured(
+        &self,
+        mut campaign: Campaign,
+        label: Option<String>,
+        threads: usize,
+    ) -> Result<(Written, Output)> {
+        campaign.seed = self.seed.unwrap_or(campaign.seed);
+        let job = self.measurement(campaign)?.label(label);
+        let (files, again) = (job.files(), self.again(threads));
+        let advice = (files.clone(), again.clone());
+        ending::advise(move || before_its_end(&advice.0, &advice.1));
+        let advised = |error| with_advice(error, &files, &again);
+        let terminal = Terminal::new(self.json, &advised);
+        let written = job.watcher(&terminal).write().map_err(advised)?;
+        Ok((written, terminal.into_output()))
+    }
+
+    /// Measures one run after the other, each with patches of its own, and puts their figures together.
+    fn measure_runs(&self, runs: Vec<Run>, threads: usize) -> Result<()> {
+        let refused = [
+            (self.shard.is_some(), "--shard", "shards are of one run"),
+            (self.patches.is_some(), "--patches", "each run has patches of its own"),
+            (self.seed.is_some(), "--seed", "the runs would be the same, or have seeds already"),
+        ];
+        if let Some((_, option, why)) = refused.iter().find(|(given, ..)| *given) {
+            let count = runs.len();
+            let text = format!(
+                "{option} next to a list that makes {count} runs: {why}; give seed and surface.correlation_cells one number"
+            );
+            return Err(Error::Usage(text));
+        }
+        let name = runs[0].campaign.name.clone();
+        let mut all = Vec::new();
+        for run in &runs {
+            all.extend(self.measurement(run.campaign.clone())?.label(run.label.clone()).tables());
+        }
+        let folder = paths::folder_of(self.output.as_deref(), &runs[0].campaign);
+        let sweep = SweepPaths::of(&name, &folder, &all)
+            .ok_or_else(|| Error::Internal("several runs make several tables".into()))?;
+        paths::spare_inputs(&sweep.paths(), &self.campaign, &runs[0].campaign)?;
+        if !self.force {
+            sweep.spare_foreign()?;
+        }
+        let count = runs.len();
+        for (k, run) in runs.into_iter().enumerate() {
+            inform(format_args!("run {} of {count}: {}", k + 1, run.label.as_deref().unwrap_or_default()));
+            self.measured(run.campaign, run.label, threads)?;
+        }
+        sweep.write(&name, &all)?;
+        let terminal = Terminal::new(self.json, &|error| error);
+        terminal.swept(&sweep)?;
+        let mut out = terminal.into_output();
+        if self.json { out.json(&summaries(&all)?) } else { Ok(()) }
+    }
+
+    /// What a shard has measured; nothing of one that was there already, but in JSON.
+    fn print_shard(&self, written: &Written, out: &mut Output) -> Result<()> {
+        let Written::Shard { file, plan, stops, cost } = written else { return Ok(()) };
+        match plan {
+            plan if self.json => out.json(&shard_json(self.shard, file, plan.as_deref(), cost)),
+            Some(plan) => print_shard(file, (plan.stops, *stops), cost, out),
+            None => Ok(()),
+        }
+    }
+
+    fn measurement<'a>(&self, campaign: Campaign) -> Result<Measurement<'a>> {
         let mut job = Measurement::new(campaign)
             .source(&self.campaign)
             .patches(self.patches.clone())

@@ -83,11 +83,11 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let writing =
         TableWriting { plan: merge.plan(), open: &open, memory, realisations_limit, watcher: &terminal };
     writing.write(|stops| merge.tables(&campaign, stops), |table| specimen::remade(&table.campaign))?;
-    if let Some(sweep) = SweepPaths::of(&campaign, &folder, &all) {
+    if let Some(sweep) = SweepPaths::of(&campaign.name, &folder, &all) {
         if !arguments.force {
             sweep.spare_foreign()?;
         }
-        sweep.write(&campaign, &all)?;
+        sweep.write(&campaign.name, &all)?;
         terminal.swept(&sweep)?;
     }
     let mut out = terminal.into_output();

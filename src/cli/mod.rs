@@ -43,8 +43,7 @@ pub use text::output::{Printed, print_error};
 #[command(after_help = "Example: gonio measure configs/quickstart.toml\n\
     Exit codes: 0 done, 1 ran and disagrees, 2 command line or campaign, 3 files, 4 refused,\n\
     70 internal error, 130 interrupted.\n\
-    Every command takes --threads N, --quiet (-q), --color auto|always|never, and - as a file: stdin, after -o\n\
-    stdout.")]
+    Every command takes --threads N, --quiet, --color WHEN. A file named - is stdin, after -o stdout.")]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,

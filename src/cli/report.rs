@@ -19,7 +19,7 @@ use crate::job::paths;
 use crate::report;
 use crate::report::html::specimen;
 use crate::report::summary::SCHEMA;
-use crate::report::sweep::{CSV_MARK, ParameterSweep, SweptTable};
+use crate::report::sweep::{CSV_MARK, NETCDF_MARK, ParameterSweep, SweptTable};
 use crate::report::{Facts, Page, StopSummary, Summary};
 use crate::table::{BrdfTable, TableRows, store};
 use crate::validate::{self, Prediction, Verdict, verdict};
@@ -35,9 +35,12 @@ pub struct Arguments {
     /// The table; several: a page of them side by side
     #[arg(required = true, value_name = "TABLE.exr")]
     tables: Vec<PathBuf>,
-    /// The page [default: <stem>.html]; .md: the card; .csv: figures of several
+    /// The page [default: <stem>.html]; .md: the card; .csv, .nc: figures of several
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Fit the models of `gonio fit` to each of several tables, whatever it costs
+    #[arg(long)]
+    fit: bool,
     /// Answers of `gonio bench`, for the plot of error against samples, all in one
     #[arg(long, value_name = "FILE")]
     bench: Vec<PathBuf>,
@@ -48,6 +51,9 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let [path] = &arguments.tables[..] else { return side_by_side(arguments) };
+    if arguments.fit {
+        return Err(Error::Usage("--fit is for several tables; of one: gonio fit".into()));
+    }
     let opened = table_file::open(path, verdict::row_bytes)?;
     let output = arguments.output.clone().unwrap_or_else(|| beside(path));
     paths::spare(&output, [path].into_iter().chain(&arguments.bench), "command")?;
@@ -59,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Opened::Whole(table) => whole(path, &table, is_card, &benches)?,
         Opened::Rows(mut rows) => by_rows(&mut rows, is_card, &benches)?,
     };
-    write(&output, &text)
+    write(&output, text.as_bytes())
 }
 
 /// The page next to a table; of one from stdin, stdout.
@@ -74,9 +80,9 @@ impl Arguments {
     }
 }
 
-fn write(output: &Path, text: &str) -> Result<u8> {
+fn write(output: &Path, text: &[u8]) -> Result<u8> {
     let place = Place::of(output, false)?;
-    files::write_atomically(place.path(), text.as_bytes())?;
+    files::write_atomically(place.path(), text)?;
     let size = bytes(text.len() as u64);
     Output::default().line(format_args!("report        {} ({size})", output.display()))?;
     place.done().map(|()| 0)
@@ -87,24 +93,36 @@ fn side_by_side(arguments: &Arguments) -> Result<u8> {
     let tables = &arguments.tables;
     let Some(output) = &arguments.output else {
         return Err(Error::Usage(
-            "several tables need a name for their page: -o FILE.html, or FILE.csv".into(),
+            "several tables need a name for their page: -o FILE.html, or FILE.csv or FILE.nc for their figures".into(),
         ));
     };
+    if arguments.output.as_ref().is_some_and(|output| output.extension().is_some_and(|end| end == "md")) {
+        return Err(Error::Usage("a card is of one table: -o FILE.html, FILE.csv or FILE.nc".into()));
+    }
     if !arguments.bench.is_empty() {
         return Err(Error::Usage("--bench belongs to the page of one table".into()));
     }
     paths::spare(output, tables, "command")?;
-    let is_csv = output.extension().is_some_and(|end| end == "csv");
-    let own = if is_csv { (CSV_MARK, "CSV of tables") } else { (report::html::render::MARK, "page") };
+    let ending = output.extension().unwrap_or_default().to_string_lossy();
+    let own = match &*ending {
+        "csv" => (CSV_MARK, "CSV of tables"),
+        "nc" => (NETCDF_MARK, "NetCDF of tables"),
+        _ => (report::html::render::MARK, "page"),
+    };
     arguments.spare(output, own)?;
     let name = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let tables = tables.iter().map(|path| swept(path)).collect::<Result<Vec<_>>>()?;
+    let tables = tables.iter().map(|path| swept(path, arguments.fit)).collect::<Result<Vec<_>>>()?;
     let sweep = ParameterSweep { name, tables };
-    write(output, &if is_csv { sweep.csv() } else { sweep.page(false) })
+    let bytes = match &*ending {
+        "csv" => sweep.csv().into_bytes(),
+        "nc" => sweep.netcdf().map_err(|why| Error::format(output, why))?,
+        _ => sweep.page(false).into_bytes(),
+    };
+    write(output, &bytes)
 }
 
-/// A table with its summary, that next to it or one from the table alone.
-fn swept(path: &Path) -> Result<SweptTable> {
+/// A table with its summary, that next to it or one from the table alone; and its best fit, where it is cheap or asked for.
+fn swept(path: &Path, fit: bool) -> Result<SweptTable> {
     let table = match table_file::open(path, verdict::row_bytes)? {
         Opened::Whole(table) => table,
         Opened::Rows(rows) => return Err(table_file::too_large(&rows)),
@@ -112,7 +130,13 @@ fn swept(path: &Path) -> Result<SweptTable> {
     let campaign = table_file::campaign_if_any(path, &table)?;
     let summary = summary_known(path, &table, campaign.as_ref(), None)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(SweptTable::new(stem, campaign.as_ref(), summary))
+    let swept = SweptTable::new(stem, campaign.as_ref(), summary);
+    if !fit && !swept.fit_is_cheap(table.grid.stops() * table.grid.bins() * table.colours.len()) {
+        return Ok(swept);
+    }
+    let _fitting = Stage::begin("fitting");
+    let parts = table_file::realisations_beside(path, &table)?;
+    Ok(swept.fitted(&table, campaign.as_ref(), parts.as_ref()))
 }
 
 const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";

@@ -26,6 +26,8 @@ pub use report::{Fit, Fits, Parameters};
 
 use rayon::prelude::*;
 
+use crate::campaign::{Campaign, Optics};
+
 use self::nodes::Lobe;
 use self::pilot::{Pilot, pilot};
 use self::solve::{FitLayout, Problem};
@@ -86,6 +88,15 @@ pub fn fit(data: &FitData, laws: &[FitLaw]) -> Fits {
         Fitted { spread: Some(spread), ..fitted(&problem, state, converged, stops.len()) }
     });
     report::report(data, fits.collect())
+}
+
+/// The models that a table can be tested against, its surface's own among them; none for facets under an interface.
+pub fn models(data: &FitData, campaign: Option<&Campaign>) -> Vec<FitLaw> {
+    if campaign.is_some_and(|campaign| matches!(campaign.optics, Optics::Layered { .. })) {
+        return Vec::new();
+    }
+    let own = campaign.map_or(Vec::new(), |campaign| FitLaw::of_surface(&campaign.surface.kind, data));
+    FitLaw::all(data).into_iter().chain(own).collect()
 }
 
 /// The best of `laws` (at least one).

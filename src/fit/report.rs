@@ -103,6 +103,14 @@ pub struct Fits {
     pub fits: Vec<Fit>,
 }
 
+impl Fit {
+    /// The model with its masking and axes.
+    pub fn name(&self) -> String {
+        let axes = if self.anisotropic { " with two roughnesses" } else { "" };
+        format!("{}{}{axes}", self.model, self.masking.map_or(String::new(), |masking| format!(" {masking}")))
+    }
+}
+
 /// Puts fits into words and numbers, and in order.
 pub(super) fn report(data: &FitData, fitted: Vec<Fitted>) -> Fits {
     let places = ranking::places(data, &fitted);

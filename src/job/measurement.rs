@@ -31,6 +31,7 @@ use crate::table::realisations;
 /// ```
 pub struct Measurement<'a> {
     campaign: Campaign,
+    label: Option<String>,
     source: PathBuf,
     folder: Option<PathBuf>,
     threads: Option<usize>,
@@ -54,6 +55,8 @@ pub enum Written {
         file: PathBuf,
         /// The plan of its incidences; `None` where they had been measured before.
         plan: Option<Box<Plan>>,
+        /// Incidences of the whole campaign.
+        stops: usize,
         /// What they cost.
         cost: Cost,
     },
@@ -65,6 +68,7 @@ impl<'a> Measurement<'a> {
         Measurement {
             source: PathBuf::from(&campaign.name),
             campaign,
+            label: None,
             folder: None,
             threads: None,
             patches: None,
@@ -81,6 +85,12 @@ impl<'a> Measurement<'a> {
     /// The campaign's file: named where the campaign is at fault, and never written over.
     pub fn source(self, path: &Path) -> Self {
         Measurement { source: path.into(), ..self }
+    }
+
+    /// What the names of all files get besides the campaign's, as one of several runs; these have one sweep together, which
+    /// is not written here.
+    pub fn label(self, label: Option<String>) -> Self {
+        Measurement { label, ..self }
     }
 
     /// So many worker threads, 0 for one a core; results do not depend on it.
@@ -135,9 +145,15 @@ impl<'a> Measurement<'a> {
 
     /// The files that the run keeps until its results are written.
     pub fn files(&self) -> RunFiles {
-        let name = &self.campaign.name;
-        let stem = self.shard.map_or_else(|| name.clone(), |shard| shard.file_name(name));
+        let name = paths::run_stem(&self.campaign.name, self.label.as_deref());
+        let stem = self.shard.map_or_else(|| name.clone(), |shard| shard.file_name(&name));
         RunFiles::of(&paths::folder_of(self.folder.as_deref(), &self.campaign), &stem)
+    }
+
+    /// The files of all its tables.
+    pub fn tables(&self) -> Vec<TablePaths> {
+        let folder = paths::folder_of(self.folder.as_deref(), &self.campaign);
+        TablePaths::of_run(&self.campaign, &folder, self.label.as_deref())
     }
 
     /// Measures all tables in memory, one for each roughness and material; no file is written.
@@ -206,14 +222,17 @@ impl<'a> Measurement<'a> {
 
     /// Measures and writes the tables that are not there yet.
     fn write_tables(&self, plan: Plan, kept: &RunFiles) -> Result<Written> {
-        let all = TablePaths::of(&self.campaign, &kept.folder);
+        let all = self.tables();
         let mut open = Vec::new();
         for paths in &all {
             paths::spare_inputs(&paths.paths(), &self.source, &self.campaign)?;
         }
-        let sweep = SweepPaths::of(&self.campaign, &kept.folder, &all);
+        let sweep = match self.label {
+            None => SweepPaths::of(&self.campaign.name, &kept.folder, &all),
+            Some(_) => None,
+        };
         if let Some(sweep) = &sweep {
-            paths::spare_inputs(&[&sweep.csv, &sweep.page], &self.source, &self.campaign)?;
+            paths::spare_inputs(&sweep.paths(), &self.source, &self.campaign)?;
             if !self.force {
                 sweep.spare_foreign()?;
             }
@@ -242,7 +261,7 @@ impl<'a> Measurement<'a> {
         };
         self.of(&campaign, &plan, kept).measure_and_write(found, &open)?;
         if let Some(sweep) = &sweep {
-            sweep.write(&self.campaign, &all)?;
+            sweep.write(&self.campaign.name, &all)?;
             self.watcher.swept(sweep)?;
         }
         kept.remove()?;
@@ -267,13 +286,18 @@ impl<'a> Measurement<'a> {
             }
             kept.remove_finished(&self.campaign, Some(shard))?;
             self.watcher.finished(&file)?;
-            return Ok(Written::Shard { file, plan: None, cost: there.cost() });
+            return Ok(Written::Shard {
+                file,
+                plan: None,
+                stops: measure::stops(&self.campaign),
+                cost: there.cost(),
+            });
         }
         let found = resume::find(kept, self.resume, self.force, self.watcher)?;
         found.check(&self.campaign, Some(shard), &self.source)?;
         let (measured, _) = self.of(&self.campaign, &plan, kept).measure(found)?;
         kept.remove()?;
         let cost = measured.cost(&plan);
-        Ok(Written::Shard { file, plan: Some(Box::new(plan)), cost })
+        Ok(Written::Shard { file, plan: Some(Box::new(plan)), stops: measure::stops(&self.campaign), cost })
     }
 }

@@ -65,18 +65,25 @@ pub struct TablePaths {
     pub page: PathBuf,
     /// Its provenance card.
     pub card: PathBuf,
+    /// What it is measured by: one roughness, one material.
+    pub one: Campaign,
     campaign: String,
 }
 
 impl TablePaths {
     /// The files of every table of a campaign.
     pub fn of(campaign: &Campaign, folder: &Path) -> Vec<TablePaths> {
+        TablePaths::of_run(campaign, folder, None)
+    }
+
+    /// The same of one of several runs, whose label all its files have.
+    pub fn of_run(campaign: &Campaign, folder: &Path, label: Option<&str>) -> Vec<TablePaths> {
         let (alphas, materials) = (campaign.alphas(), campaign.optics.each());
         let (several_alphas, several_materials) = (alphas.len() > 1, materials.len() > 1);
         let paths = |(alpha, optics): (Option<Alpha>, &Optics)| {
             let one = alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
             let one = one.with_optics(optics);
-            let mut stem = campaign.name.clone();
+            let mut stem = run_stem(&campaign.name, label);
             if let (Some(alpha), true) = (alpha, several_alphas) {
                 stem = format!("{stem}_{}", alpha.label());
             }
@@ -92,6 +99,7 @@ impl TablePaths {
                 page: folder.join(format!("{stem}.html")),
                 card: folder.join(format!("{stem}.card.md")),
                 campaign: campaign::to_toml(&one),
+                one,
             }
         };
         let pairs = alphas.into_iter().flat_map(|alpha| materials.iter().map(move |&optics| (alpha, optics)));
@@ -141,6 +149,11 @@ impl TablePaths {
     pub fn paths(&self) -> [&Path; 5] {
         [&self.table, &self.realisations, &self.summary, &self.page, &self.card]
     }
+}
+
+/// What the names of a run's files begin with.
+pub fn run_stem(name: &str, label: Option<&str>) -> String {
+    label.map_or_else(|| name.to_string(), |label| format!("{name}_{label}"))
 }
 
 /// Refuses to replace a file that does not say near its beginning, by `mark`, that this program wrote it.

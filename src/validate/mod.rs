@@ -1,5 +1,6 @@
 //! The table against theory and against laws. The only place where the two sides meet.
 
+pub mod common_grid;
 pub mod compare;
 pub(crate) mod counted_bins;
 pub mod expect;

@@ -105,6 +105,7 @@ mod interchange {
 }
 mod validate {
     mod bin_means;
+    mod common_grid;
     mod compare;
     mod discrepancy;
     mod grains;

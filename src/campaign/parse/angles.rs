@@ -1,16 +1,11 @@
-//! Angle axes: a list, or `{ from, to, step }`, into strictly increasing degrees.
+//! Angle axes: a list or a range, into strictly increasing degrees.
 
+use super::ranges::{range, refuse_at};
 use super::reader::{Bounds, GivenValue, plain};
 use crate::sphere::reduced_deg;
 
 /// Most points of one axis.
 pub(crate) const MOST_POINTS: usize = 100_000;
-
-/// Where a range may be said to end; its last point has bounds of its own.
-const END: Bounds = Bounds::closed(-3600.0, 3600.0);
-
-/// How near, in steps, the last point of a range must come to `to` to be it.
-const END_TOLERANCE: f64 = 1e-9;
 
 /// What azimuths may be given: a few turns either way. Beyond, degrees lose their digits.
 pub(crate) const AZIMUTH: Bounds =
@@ -94,36 +89,6 @@ fn list(item: &GivenValue<'_>, rules: &AxisRules) -> Option<Vec<f64>> {
     }
 }
 
-/// The points `from + k step` up to `to`, each from its own whole number k, so that no rounding adds up.
-pub(super) fn range(item: &GivenValue<'_>, bounds: &Bounds, most: usize) -> Option<Vec<f64>> {
-    let [from, to, step] = item.table()?.keys(["from", "to", "step"]);
-    let what = "a range is { from = 0, to = 75, step = 15 }";
-    let first = from.required(what).and_then(|i| i.float(bounds));
-    let end = to.required(what).and_then(|i| i.float(&END));
-    let width = step.required(what).and_then(|i| i.float(&Bounds::closed(0.0, 3600.0).low_open()));
-    let (first, end, width) = (first?, end?, width?);
-    if end < first {
-        return to.refuse(format!("must not lie below from = {}", plain(first)));
-    }
-    let steps = ((end - first) / width + END_TOLERANCE).floor();
-    if steps >= most as f64 {
-        return item.refuse(format!("gives more than {most} points; widen the step"));
-    }
-    let mut points: Vec<f64> = (0..=steps as u32).map(|k| first + f64::from(k) * width).collect();
-    let last = points.last_mut()?;
-    if (*last - end).abs() <= END_TOLERANCE * width {
-        *last = end;
-    }
-    let last = *last;
-    if let Some(fault) = bounds.fault(last) {
-        return to.refuse(format!("the range reaches {}: {fault}", plain(last)));
-    }
-    if last != end {
-        item.note(format!("the step does not divide the range: {} points, the last is {last}", points.len()));
-    }
-    Some(points)
-}
-
 /// A fault at the first angle that is not above the one before it, as written, or is there twice once reduced.
 fn check_order(item: &GivenValue<'_>, given: &[f64], angles: &[f64]) -> Option<()> {
     let falls = |list: &[f64]| list.windows(2).position(|pair| !matches!(pair, [a, b] if a < b));
@@ -140,9 +105,5 @@ fn check_order(item: &GivenValue<'_>, given: &[f64], angles: &[f64]) -> Option<(
     } else {
         format!("{} comes after {}{seen_as}; angles must increase", plain(given[index]), plain(earlier))
     };
-    // A range has no element to point at.
-    match item.list_length().and_then(|_| item.list()) {
-        Some(elements) => elements.get(index)?.refuse(fault),
-        None => item.refuse(fault),
-    }
+    refuse_at(item, index, fault)
 }

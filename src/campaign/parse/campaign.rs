@@ -3,7 +3,9 @@
 
 use std::path::Path;
 
+use super::ranges::{self, whole_numbers};
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
+use super::run_lists::{MOST_RUNS, RunLists};
 use super::{arms, optics, surface};
 use crate::campaign::presets;
 use crate::campaign::presets::Preset;
@@ -28,25 +30,34 @@ const MOST_SAMPLES: u64 = 1 << 40;
 const SAMPLES_PER_SECOND: f64 = 1e7;
 
 const RELATIVE_ERROR: Bounds = Bounds::closed(1e-4, 1.0);
+/// Most entries of a list of `[bench]`.
+const MOST_LADDER: usize = 1000;
 /// Most orders with channels of their own.
 const MOST_APART: u32 = 16;
 /// Up to eleven days.
 const SECONDS: Bounds = Bounds::closed(1.0, 1e6);
 
 /// Reads a whole file; height maps are looked for in `folder`.
-pub(crate) fn campaign(root: TableReader<'_>, folder: &Path) -> Option<(Campaign, Option<Preset>)> {
+pub(crate) fn campaign(
+    root: TableReader<'_>,
+    folder: &Path,
+    lists: &RunLists,
+) -> Option<(Campaign, Option<Preset>)> {
     let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect, bench] = root.keys([
         "name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect", "bench",
     ]);
     let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
-    let seed = seed.or(1, |i| i.whole(0..=u64::MAX));
+    let seed = seed.or(1, |i| {
+        let numbers = |i: &GivenValue<'_>| whole_numbers(i, 0..=u64::MAX, MOST_RUNS);
+        lists.value(i, |i| i.whole(0..=u64::MAX), numbers)
+    });
     let through = optics::lets_through(&optics);
     let sides = match preset.given() {
         Some(_) => arms::light_sides(&preset, "light_side", through),
         None => arms::light_sides(&light, "side", through),
     };
     let mut artist_f0 = None;
-    let surface = surface::surface(&surface, folder, &mut artist_f0);
+    let surface = surface::surface(&surface, folder, &mut artist_f0, lists);
     let isotropic = surface.as_ref().map(|s| s.kind.is_isotropic());
     let (light, sensor, preset) = match preset.given() {
         Some(_) => {
@@ -171,7 +182,15 @@ fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolu
     if !surface.kind.is_random_heights() {
         lengths.absent("belongs to heights on a grid; grains have a size of their own")?;
     }
-    let sizes = cells.or(vec![surface.cells], |i| all(i, |i| i.count(8..=16384)));
+    let whole = |i: &GivenValue<'_>| {
+        let all = whole_numbers(i, 8..=16384, MOST_LADDER)?;
+        if all.is_empty() {
+            i.refuse("at least one number")
+        } else {
+            all.into_iter().map(|n| u32::try_from(n).ok()).collect()
+        }
+    };
+    let sizes: Option<Vec<u32>> = cells.or(vec![surface.cells], whole);
     let longest = sizes.iter().flatten().min().map_or(2048.0, |&cells| f64::from(cells) / 8.0);
     let bounds = Bounds::closed(longest.min(2.0), longest).advice(
         "a shorter correlation is not resolved by the cells",
@@ -186,12 +205,9 @@ fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolu
             plain(own)
         ));
     }
-    let correlation_cells = lengths.or(vec![own], |i| all(i, |i| i.float(&bounds)));
+    let correlation_cells = lengths.or(vec![own], |i| {
+        let all = ranges::numbers(i, &bounds, MOST_LADDER)?;
+        if all.is_empty() { i.refuse("at least one number") } else { Some(all) }
+    });
     Some(Resolution { cells: sizes?, correlation_cells: correlation_cells? })
-}
-
-/// Every element of a list that is not empty.
-fn all<T>(item: &GivenValue<'_>, read: impl Fn(&GivenValue<'_>) -> Option<T>) -> Option<Vec<T>> {
-    let all = item.each(read)?;
-    if all.is_empty() { item.refuse("at least one number") } else { Some(all) }
 }

@@ -1,6 +1,6 @@
 //! Roughnesses: the keys that every surface with a law has.
 
-use super::angles::range;
+use super::ranges::{range, rounded};
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use crate::campaign::schema::Alpha;
 
@@ -31,15 +31,10 @@ fn isotropic_alphas(item: &GivenValue<'_>) -> Option<Vec<Alpha>> {
     Some(one_or_more(item, &ALPHA, "roughness")?.into_iter().map(Alpha::isotropic).collect())
 }
 
-/// A value in twelve decimals, as it stands in names of files: 0.3, where three steps of 0.1 are 0.30000000000000004.
-fn rounded(value: f64) -> f64 {
-    (value * 1e12).round() / 1e12
-}
-
 /// Most entries of a list that makes a table each.
 const MOST: usize = 1000;
 
-/// A number, a list of them that increase, or `{ from, to, step }`: one table is made for each.
+/// A number, a list of them that increase, or a range: one table is made for each.
 pub(super) fn one_or_more(item: &GivenValue<'_>, bounds: &Bounds, what: &str) -> Option<Vec<f64>> {
     if item.is_table() {
         let points = range(item, bounds, MOST)?.into_iter().map(rounded).collect::<Vec<_>>();

@@ -6,8 +6,10 @@ use super::angles::AZIMUTH;
 use super::artist;
 use super::grains::grains;
 use super::height_map::height_map;
+use super::ranges;
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use super::roughness::{alphas, alphas_of};
+use super::run_lists::{MOST_RUNS, RunLists};
 use crate::campaign::schema::{Alpha, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind};
 use crate::sphere::reduced_deg;
 
@@ -55,7 +57,12 @@ struct PatchKeys<'a> {
 
 /// Reads `[surface]`; height maps are looked for in `folder`. `artist_f0` gets the reflectance of
 /// `[surface.artist]`.
-pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist_f0: &mut Option<[f64; 3]>) -> Option<Surface> {
+pub(crate) fn surface(
+    slot: &Slot<'_>,
+    folder: &Path,
+    artist_f0: &mut Option<[f64; 3]>,
+    lists: &RunLists,
+) -> Option<Surface> {
     let [realisations, cells, correlation_cells, rotation, mirror_images, kinds @ ..] = slot.table()?.keys([
         "realisations",
         "cells",
@@ -92,7 +99,7 @@ pub(crate) fn surface(slot: &Slot<'_>, folder: &Path, artist_f0: &mut Option<[f6
         [one] if one.name() == "grains" && !kind.as_ref().is_some_and(SurfaceKind::is_random_heights) => {
             of_grains(&keys, kind, rotation_deg)
         }
-        _ => synthesised(&keys, kind, rotation_deg),
+        _ => synthesised(&keys, kind, rotation_deg, lists),
     }
 }
 
@@ -110,11 +117,12 @@ fn synthesised(
     keys: &PatchKeys<'_>,
     kind: Option<SurfaceKind>,
     rotation_deg: Option<f64>,
+    lists: &RunLists,
 ) -> Option<Surface> {
     let realisations = keys.realisations.or(16, |i| i.count(1..=4096));
     let cells = keys.cells.or(CELLS, cells);
     // With faulty cells the longest correlation of all applies: no fault follows from another one.
-    let correlation_cells = correlation(&keys.correlation_cells, cells.unwrap_or(MOST_CELLS));
+    let correlation_cells = correlation(&keys.correlation_cells, cells.unwrap_or(MOST_CELLS), lists);
     let mirror_images = keys.mirror_images.or(true, |i| i.boolean());
     Some(Surface {
         realisations: realisations?,
@@ -141,13 +149,16 @@ fn cells(item: &GivenValue<'_>) -> Option<u32> {
 
 /// Correlation length in cells: long enough to be resolved, short enough for many bumps on a patch.
 /// A patch of fewer than 16 cells takes an eighth of its side, whatever that is.
-fn correlation(slot: &Slot<'_>, cells: u32) -> Option<f64> {
+fn correlation(slot: &Slot<'_>, cells: u32, lists: &RunLists) -> Option<f64> {
     let longest = f64::from(cells) / 8.0;
     let bounds = Bounds::closed(longest.min(2.0), longest).advice(
         "a shorter correlation is not resolved by the cells",
         "a longer correlation leaves too few bumps on the patch",
     );
-    slot.or(longest.min(CORRELATION_CELLS), |i| i.float(&bounds))
+    let numbers = |i: &GivenValue<'_>| {
+        ranges::numbers(i, &bounds, MOST_RUNS).map(|all| all.into_iter().map(ranges::rounded).collect())
+    };
+    slot.or(longest.min(CORRELATION_CELLS), |i| lists.value(i, |i| i.float(&bounds), numbers))
 }
 
 /// The keys of grains, which have cells only as heights.

@@ -3,8 +3,8 @@
 use super::layout::wrapped;
 use super::numbers::{bytes, duration, grouped};
 use crate::campaign::{
-    Alpha, Azimuth, BinLayout, Campaign, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset, SensorArm,
-    SensorSide, SmithHeights, SmithNdf, SurfaceKind,
+    Alpha, Azimuth, BinLayout, Campaign, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset, Run,
+    SensorArm, SensorSide, SmithHeights, SmithNdf, SurfaceKind,
 };
 use crate::measure::{Disk, Plan, Saving};
 use crate::validate::prediction::aperture::ApertureBias;
@@ -46,6 +46,19 @@ pub fn facts(campaign: &Campaign, plan: &Plan, disk: Disk) -> Vec<String> {
         ("time", format!("about {} on two cores", duration(plan.estimated_s))),
     ];
     facts.iter().flat_map(|(head, text)| line(head, text)).collect()
+}
+
+/// The runs of a campaign with a list of seeds or correlation lengths, each as planned above; nothing of a single one.
+pub fn runs(runs: &[Run], plan: &Plan) -> Vec<String> {
+    let labels: Vec<&str> = runs.iter().filter_map(|run| run.label.as_deref()).collect();
+    let (Some(first), Some(last)) = (labels.first(), labels.last()) else { return Vec::new() };
+    let count = labels.len();
+    let text = format!(
+        "{count}, {first} to {last}, each as above with patches of its own: {} tables, about {} on two cores in all",
+        count * plan.tables,
+        duration(count as f64 * plan.estimated_s)
+    );
+    line("runs", &text)
 }
 
 fn disk(disk: Disk, plan: &Plan) -> String {

@@ -94,10 +94,10 @@ impl Stage {
     pub fn begin(text: &str) -> Self {
         Stage((stderr().is_terminal() && !output::is_quiet() && can_tick()).then(|| {
             let line = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            line.set_message(text.to_string());
             if let Ok(style) = ProgressStyle::with_template("{spinner} {msg} {elapsed}") {
                 line.set_style(style);
             }
+            line.set_message(text.to_string());
             line.enable_steady_tick(Duration::from_millis(250));
             line
         }))

@@ -123,6 +123,7 @@ impl Watcher for Terminal<'_> {
     fn swept(&self, files: &SweepPaths) -> Result<()> {
         self.print(|out| {
             out.line(format_args!("sweep         {}: a line a table and incidence", files.csv.display()))?;
+            out.line(format_args!("              {}: the same", files.netcdf.display()))?;
             out.line(format_args!("              {}: joint plots", files.page.display()))
         })
     }

@@ -20,7 +20,9 @@ pub fn comparisons(verdict: &Verdict) -> Vec<String> {
 /// All laws in a line and in plain words, then each with its figures.
 pub fn ruling(verdict: &Verdict) -> Vec<String> {
     let overall = format!("{}. {}", verdict.verdict, words::in_words(&verdict.judgements));
-    let each = verdict.judgements.iter().flat_map(|judgement| wrapped("  ", &judgement.line()));
+    let each = verdict.judgements.iter().flat_map(|judgement| {
+        wrapped(&format!("  {}: ", judgement.law), &format!("{}: {}", judgement.ruling, judgement.reason))
+    });
     wrapped("verdict: ", &overall).into_iter().chain(each).collect()
 }
 

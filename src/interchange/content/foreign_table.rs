@@ -5,7 +5,7 @@ use crate::instrument::Grid;
 use crate::table::{BrdfTable, ColourChannels};
 
 /// Weights of linear R, G, B in the luminance (ITU-R BT.709).
-const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
+pub(crate) const LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
 /// A table of foreign values; `total[colour]` is row-major.
 ///

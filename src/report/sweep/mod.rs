@@ -1,12 +1,17 @@
-//! Several tables side by side, as those of a campaign with a list of roughnesses or materials: their figures as CSV, and a
-//! page with joint plots.
+//! Several tables side by side, as those of a campaign with a list of roughnesses or materials: their figures as CSV and
+//! NetCDF, and a page with joint plots.
 
+mod columns;
 mod csv;
+mod fitted;
+mod netcdf;
 mod page;
 
 pub use csv::CSV_MARK;
+pub use netcdf::{FILL, NETCDF_MARK};
 
 use crate::campaign::{Alpha, Campaign};
+use crate::fit::Fit;
 use crate::report::Summary;
 use crate::report::summary::PlannedSamples;
 use crate::stats;
@@ -19,8 +24,12 @@ pub struct SweptTable {
     pub alpha: Option<Alpha>,
     /// Its material and, of clear facets, the side of the light.
     pub optics: String,
+    /// Its correlation length in cells, of random heights.
+    pub correlation_cells: Option<f64>,
     /// Its summary.
     pub summary: Summary,
+    /// Its best fit, where one was made.
+    pub fit: Option<Fit>,
 }
 
 impl SweptTable {
@@ -30,7 +39,11 @@ impl SweptTable {
             stem,
             alpha: campaign.and_then(|campaign| campaign.alphas().first().copied().flatten()),
             optics: campaign.map_or(String::new(), |campaign| campaign.optics.label()),
+            correlation_cells: campaign
+                .filter(|campaign| campaign.surface.kind.is_random_heights())
+                .map(|campaign| campaign.surface.correlation_cells),
             summary,
+            fit: None,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The page of a sweep: what differs from table to table, in joint plots, and every table in a line.
 
 use super::{ParameterSweep, SweptTable};
+use crate::fit::Fit;
 use crate::report::StopSummary;
 use crate::report::html::render::{MARK, SAVE_SCRIPT, STYLE};
 use crate::report::html::sections::figures_of;
@@ -57,38 +58,44 @@ impl ParameterSweep {
             ("Distance from the formula", &label, &distance),
         ];
         let both = |(title, label, value): (&str, &str, Value)| {
-            [self.against_alpha((title, label), value), self.against_theta((title, label), value)]
+            [self.against_swept((title, label), value), self.against_theta((title, label), value)]
         };
-        parts.into_iter().flat_map(both).flatten().collect()
+        parts.into_iter().flat_map(both).flatten().chain(self.fitted_alpha()).collect()
     }
 
-    /// Against the roughness, a curve for each angle of the light; `None` where less than three roughnesses or more than one
-    /// material make a curve.
-    fn against_alpha(&self, (title, label): (&str, &str), value: Value) -> Option<Chart> {
+    /// Against what differs from table to table, a curve for each angle of the light.
+    fn against_swept(&self, (title, label): (&str, &str), value: Value) -> Option<Chart> {
+        let (name, axis, values) = self.swept()?;
         let first = self.tables.first()?;
-        let alphas: Vec<f64> = self.tables.iter().filter_map(|table| Some(table.alpha?.x)).collect();
-        let one = self.tables.iter().all(|table| {
-            table.optics == first.optics
-                && table.alpha.and_then(|alpha| alpha.coverage)
-                    == first.alpha.and_then(|alpha| alpha.coverage)
-        });
-        if alphas.len() != self.tables.len() || alphas.len() < 3 || !one || !alphas.is_sorted_by(|a, b| a < b)
-        {
-            return None;
-        }
         let stops = spread(first.summary.stops.len(), MOST_CURVES);
         let curves = stops.iter().enumerate().map(|(k, &stop)| {
-            let points = self.tables.iter().zip(&alphas);
-            let points = points.filter_map(|(table, &alpha)| Some((alpha, value(table, stop)?)));
+            let points = self.tables.iter().zip(&values);
+            let points = points.filter_map(|(table, &x)| Some((x, value(table, stop)?)));
             curve(angles(&first.summary.stops[stop], &first.summary.stops), points.collect(), k)
         });
-        let range = [alphas[0], alphas[alphas.len() - 1]];
-        chart(
-            format!("{title} against the roughness"),
-            ChartAxis::linear("alpha (along x)", range),
-            label,
-            curves.collect(),
-        )
+        let range = [values[0], values[values.len() - 1]];
+        let axis = ChartAxis::linear(axis, range);
+        chart_of(format!("{title} against the {name}"), axis, label, curves.collect())
+    }
+
+    /// What alone differs from table to table and increases, its axis and its values; `None` where less than three tables, or
+    /// more than one quantity or material, make no curve.
+    fn swept(&self) -> Option<(&'static str, &'static str, Vec<f64>)> {
+        let first = self.tables.first()?;
+        type Quantity = fn(&SweptTable) -> Option<f64>;
+        let quantities: [(&str, &str, Quantity); 4] = [
+            ("roughness", "alpha (along x)", |table| Some(table.alpha?.x)),
+            ("coverage", "coverage", |table| table.alpha?.coverage),
+            ("correlation length", "correlation length, cells", |table| table.correlation_cells),
+            ("seed", "seed", |table| Some(table.summary.seed as f64)),
+        ];
+        let differs = |quantity: Quantity| self.tables.iter().any(|table| quantity(table) != quantity(first));
+        let mut differing = quantities.into_iter().filter(|(.., quantity)| differs(*quantity));
+        let ((name, axis, quantity), None) = (differing.next()?, differing.next()) else { return None };
+        let values: Vec<f64> = self.tables.iter().filter_map(quantity).collect();
+        let one_material = self.tables.iter().all(|table| table.optics == first.optics);
+        let all = values.len() == self.tables.len() && values.len() >= 3;
+        (all && one_material && values.is_sorted_by(|a, b| a < b)).then_some((name, axis, values))
     }
 
     /// Against the light's polar angle at its first azimuth, a curve for each table.
@@ -104,7 +111,7 @@ impl ParameterSweep {
         let several = self.tables.iter().any(|table| table.summary.stops.len() > 1);
         let axis = ChartAxis::degrees("light theta_i, degrees", [0.0, 90.0]);
         if several {
-            chart(format!("{title} against the light's angle"), axis, label, curves.collect())
+            chart_of(format!("{title} against the light's angle"), axis, label, curves.collect())
         } else {
             None
         }
@@ -124,21 +131,31 @@ impl ParameterSweep {
                 value.map_or("–".to_string(), |value| format!("{value:.decimals$}"))
             };
             let figures = compared(table).map_or(Figures::default(), |comparison| comparison.figures);
+            let fit = table.fit.as_ref().map_or("–".to_string(), fit_text);
             let albedo = table.summary.stops.first().and_then(|stop| stop.albedo_total);
             format!(
-                "<tr><th>{name}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+                "<tr><th>{name}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
                 number(albedo, 5),
                 number(figures.l1_noise, 4),
                 number(figures.l1_model, 4),
+                escaped(&fit),
                 escaped(table.summary.verdict.as_deref().unwrap_or("–"))
             )
         };
         let rows: String = self.tables.iter().map(row).collect();
         format!(
             "<div class=\"scroll\"><table class=\"facts\"><thead><tr><th>table</th><th>albedo, first light</th><th>noise</th>\
-             <th>from the formula, l1_model</th><th>verdict</th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n"
+             <th>from the formula, l1_model</th><th>best fit</th><th>verdict</th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n"
         )
     }
+}
+
+/// A model with its first parameter and what half of its 95 % interval is.
+fn fit_text(fit: &Fit) -> String {
+    let Some((name, Some(value))) = fit.parameters.0.first() else { return fit.name() };
+    let interval = fit.intervals_95.as_ref().and_then(|all| all.get(name));
+    let half = interval.map_or(String::new(), |[low, high]| format!(" ± {:.5}", 0.5 * (high - low)));
+    format!("{}, {name} {value:.5}{half}", fit.name())
 }
 
 /// Half of the 95 % interval by a standard error.
@@ -166,8 +183,8 @@ fn curve(label: String, points: Vec<(f64, (f64, Option<f64>))>, index: usize) ->
     if error.len() == points.len() { Series { error, ..series } } else { series }
 }
 
-/// `None` where nothing is known.
-fn chart(title: String, x: ChartAxis, label: &str, series: Vec<Series>) -> Option<Chart> {
+/// A chart from 0 up; `None` where nothing is known.
+pub(super) fn chart_of(title: String, x: ChartAxis, label: &str, series: Vec<Series>) -> Option<Chart> {
     let series: Vec<Series> = series.into_iter().filter(|series| !series.points.is_empty()).collect();
     let ends = series.iter().flat_map(|series| {
         let halves = series.error.iter().copied().chain(std::iter::repeat(0.0));

@@ -12,6 +12,15 @@ pub struct ComparedTable<'a> {
     pub campaign: Option<&'a Campaign>,
     /// Its realisations, where they lie next to it.
     pub parts: Option<&'a Realisations>,
+    /// Whether the errors are upper bounds, as those of means of bins without realisations.
+    pub errors_are_bounds: bool,
+}
+
+impl<'a> ComparedTable<'a> {
+    /// A table of which nothing else is known.
+    pub fn of(table: &'a BrdfTable) -> Self {
+        ComparedTable { table, campaign: None, parts: None, errors_are_bounds: false }
+    }
 }
 
 /// The realisations of both tables, where they were measured on the very same patches.

@@ -27,8 +27,11 @@ pub struct BinDifferences<'a> {
 }
 
 impl<'a> BinDifferences<'a> {
-    /// `None` where neither has enough realisations.
+    /// `None` where neither has enough realisations, or where an error that would be split is but a bound.
     pub fn new(a: ComparedTable<'a>, b: ComparedTable<'a>) -> Option<Self> {
+        if a.errors_are_bounds || b.errors_are_bounds {
+            return None;
+        }
         let parts = [a, b].map(|side| side.parts.filter(|parts| parts.parts.len() >= FEWEST));
         let count = parts.iter().flatten().map(|parts| parts.parts.len()).min()?;
         Some(BinDifferences { sides: [a, b], parts, count })

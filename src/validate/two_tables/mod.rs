@@ -36,6 +36,12 @@ pub struct TableDifference {
     pub bins: usize,
     /// Whether the errors are those of differences by realisation: both were measured on the same patches.
     pub paired: bool,
+    /// What was done to make the tables comparable, one sentence each; nothing on one grid (`common_grid`).
+    pub made_comparable: Vec<String>,
+    /// Whether values of one table are interpolated ones: that error is not known, and in no error bar.
+    pub interpolated: bool,
+    /// Whether errors of one table are upper bounds, and its t's lower ones.
+    pub errors_are_bounds: bool,
     /// The measures over all stops and colours.
     #[serde(flatten)]
     pub figures: DifferenceFigures,
@@ -51,9 +57,10 @@ impl TableDifference {
     /// Where no bin has an error bar, any difference is one.
     pub fn disagreement(&self) -> Option<String> {
         let l1 = self.figures.l1.unwrap_or(0.0);
+        let interpolated = if self.interpolated { "; the interpolation may be off by as much" } else { "" };
         match self.t_limit.zip(self.figures.max_t) {
             Some((limit, most)) if most > limit => Some(format!(
-                "the tables differ: largest t {most:.2}, the 1 % limit of {} bins is {limit:.2}",
+                "the tables differ: largest t {most:.2}, the 1 % limit of {} bins is {limit:.2}{interpolated}",
                 self.bins
             )),
             None if l1 > 0.0 => {
@@ -86,7 +93,8 @@ pub fn difference(a: ComparedTable, b: ComparedTable) -> Result<TableDifference,
     fits(a.table, b.table)?;
     let mut found = DifferenceRun::default();
     found.add(a, b, 0);
-    Ok(found.finish())
+    let errors_are_bounds = a.errors_are_bounds || b.errors_are_bounds;
+    Ok(TableDifference { errors_are_bounds, ..found.finish() })
 }
 
 /// The same of two stored tables, a band of stops after the other: both bands together hold `bytes` at most.
@@ -109,8 +117,11 @@ pub fn difference_of_rows(
         let stops: Vec<usize> = stops.collect();
         let tables = [a.take(&stops)?, b.take(&stops)?];
         fits(&tables[0], &tables[1]).map_err(|why| wrong(b.path(), why))?;
-        let [a, b] =
-            [0, 1].map(|k| ComparedTable { table: &tables[k], campaign: campaigns[k], parts: parts[k] });
+        let [a, b] = [0, 1].map(|k| ComparedTable {
+            campaign: campaigns[k],
+            parts: parts[k],
+            ..ComparedTable::of(&tables[k])
+        });
         found.add(a, b, first_stop);
     }
     Ok(found.finish())
@@ -145,6 +156,9 @@ impl DifferenceRun {
             scope: "total",
             bins: whole.bins,
             paired: self.paired,
+            made_comparable: Vec::new(),
+            interpolated: false,
+            errors_are_bounds: false,
             t_limit: judged.map(|bins| stats::student_limit(stats::sidak(LEVEL, bins), self.most_dof)),
             figures: mean_of_stops(whole.figures(), &sums),
             stops: self.stops.iter().map(row).collect(),
@@ -191,5 +205,5 @@ fn fits(a: &BrdfTable, b: &BrdfTable) -> Result<(), String> {
         .or_else(|| axis("phi_r_deg", |g| &g.phi_r_deg))
         .or_else(|| axis("aperture_deg", |g| g.aperture_deg.as_slice()));
     let what = first.unwrap_or_else(|| "kind or phi_r_relative differs".into());
-    Err(format!("gonio.grid: {what}; only tables on the same grid are compared bin by bin"))
+    Err(format!("gonio.grid: {what}; tables on different grids are compared where both fit the memory"))
 }

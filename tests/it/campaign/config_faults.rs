@@ -269,10 +269,27 @@ fn ranges_are_checked() {
         (theta, "theta_i_deg = { from = 0, to = 30, step = nan }", step, "must be finite"),
         (theta, "theta_i_deg = { from = 0, to = 30, step = 1e-9 }", key, "more than 100000 points"),
         (theta, "theta_i_deg = { from = 0, to = 30, step = 1e-320 }", key, "more than 100000 points"),
-        (theta, "theta_i_deg = { from = 45, to = 45.0000000000001, step = 1e-15 }", key, "there twice"),
+        (theta, "theta_i_deg = { from = 45, to = 45.0000000000001, count = 100 }", key, "there twice"),
         (theta, "theta_i_deg = { from = 0, to = 90, step = 15 }", to, "the light arm stops below 90"),
         (theta, "theta_i_deg = { from = -5, to = 30, step = 5 }", "light.theta_i_deg.from", "[0, 90)"),
         (theta, "theta_i_deg = { from = 0, to = 30 }", step, "required"),
+        (theta, "theta_i_deg = { from = 0, to = 80, step = 7 }", to, "end at 77 or 84, or give count"),
+        (
+            theta,
+            "theta_i_deg = { from = 0, to = 30, step = 5, count = 7 }",
+            "light.theta_i_deg.count",
+            "never both",
+        ),
+        (theta, "theta_i_deg = { from = 0, to = 30, count = 1 }", "light.theta_i_deg.count", "at least 2"),
+        (theta, "theta_i_deg = { from = 0, to = 30, count = 0 }", "light.theta_i_deg.count", "[1, "),
+        (theta, "theta_i_deg = { from = 0, to = 30, count = 200_000 }", key, "more than 100000 points"),
+        ("seed = 7", "seed = { from = 1, to = 9, step = 2 }", "seed", "one number here"),
+        (
+            "correlation_cells = 8.0",
+            "correlation_cells = [4, 8]",
+            "surface.correlation_cells",
+            "one number here",
+        ),
         (
             theta,
             "theta_i_deg = { from = 0, to = 30, step = 5, stop = 3 }",
@@ -290,11 +307,38 @@ fn ranges_count_their_points_by_whole_steps() {
     let counted = |k: usize| k as f64 * 0.1;
     assert!((0..899).all(|k| fine.light.theta_i_deg[k] == counted(k)));
     assert_eq!(fine.light.theta_i_deg[899], 89.9);
-    let uneven = accepted(&with(theta, "theta_i_deg = { from = 0, to = 90, step = 7 }"));
-    assert_eq!(uneven.campaign.light.theta_i_deg.len(), 13);
-    assert!(uneven.notes[0].contains("13 points, the last is 84"), "{:?}", uneven.notes);
     let single = accepted(&with(theta, "theta_i_deg = { from = 5, to = 5, step = 1 }")).campaign;
     assert_eq!(single.light.theta_i_deg, [5.0]);
+}
+
+#[test]
+fn ranges_end_where_they_say() {
+    let theta = "theta_i_deg = [0, 15, 30]";
+    let counted =
+        accepted(&with(theta, "theta_i_deg = { from = 1, to = 80, count = 7 }")).campaign.light.theta_i_deg;
+    assert_eq!((counted.len(), counted[0], counted[6]), (7, 1.0, 80.0));
+    // Steps of 79/6, each point from its own number of them: two roundings of 80.
+    assert!((0..7).all(|k| (counted[k] - (1.0 + k as f64 * 79.0 / 6.0)).abs() <= 80.0 * f64::EPSILON));
+    // 0.7 is no binary fraction: 126 steps miss 88.2 by 1e-14, and the last point is what was written.
+    let inexact = accepted(&with(theta, "theta_i_deg = { from = 0, to = 88.2, step = 0.7 }"))
+        .campaign
+        .light
+        .theta_i_deg;
+    assert_eq!((inexact.len(), inexact[126]), (127, 88.2));
+    let waves = |list: &str| {
+        let text = with(
+            "material = \"gold\"",
+            &format!("material = \"gold\"\nfresnel = \"exact\"\nwavelength_nm = {list}"),
+        );
+        accepted(&text).campaign.optics.wavelengths_nm()
+    };
+    assert_eq!(waves("{ from = 450, to = 650, step = 50 }"), [450.0, 500.0, 550.0, 600.0, 650.0]);
+    assert_eq!(waves("{ from = 450, to = 650, count = 5 }"), waves("[450, 500, 550, 600, 650]"));
+    let ladder = accepted(&format!(
+        "{GOOD}\n[bench]\ncells = {{ from = 64, to = 256, step = 64 }}\ncorrelation_cells = {{ from = 2, to = 8, step = 2 }}\n"
+    ));
+    let ladder = ladder.campaign.bench.expect("a ladder");
+    assert_eq!((ladder.cells, ladder.correlation_cells), (vec![64, 128, 192, 256], vec![2.0, 4.0, 6.0, 8.0]));
 }
 
 #[test]
@@ -470,7 +514,7 @@ fn a_table_too_large_for_an_image_is_refused_before_anything_is_allocated() {
     let phrase = "theta_i x phi_i x theta_r x phi_r = 9000 x 36000 x 9001 x 36000";
     one_fault(&text, "[sensor.hemisphere]", "sensor.hemisphere", phrase);
     // 10^20 entries do not fit 64 bits.
-    let most = "{ from = 0, to = 89, step = 0.00089001 }";
+    let most = "{ from = 0, to = 89, count = 99_999 }";
     let arm = format!("[sensor.arm]\ntheta_r_deg = {most}\nphi_r_deg = {most}\naperture_deg = 0.1\n");
     let text = with_arm(&arm)
         .replace("[0, 15, 30]", &most.replace("89,", "89.0,"))

@@ -110,7 +110,7 @@ fn gaps_are_no_difference_and_no_darkness() {
         table(&Ggx::new(0.5, 0.5), &points(vec![0.0, 40.0], vec![0.0], &[10.0, 20.0, 30.0], &[180.0]));
     let mut scanned = wanted.clone();
     scanned.set_gap(2);
-    let side = |table| ComparedTable { table, campaign: None, parts: None };
+    let side = |table| ComparedTable::of(table);
     for (a, b) in [(&wanted, &scanned), (&scanned, &wanted)] {
         assert_eq!(difference(side(a), side(b)).expect("one grid").figures.l1, Some(0.0));
     }

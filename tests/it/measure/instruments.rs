@@ -99,6 +99,7 @@ fn side(measured: &Measured) -> ComparedTable<'_> {
         table: &measured.table,
         campaign: Some(&measured.campaign),
         parts: Some(&measured.realisations),
+        errors_are_bounds: false,
     }
 }
 

@@ -156,7 +156,7 @@ fn a_table_examined_by_rows_has_the_verdict_of_the_whole() {
 
 fn side(measured: &measure::Measured) -> ComparedTable<'_> {
     let measure::Measured { table, campaign, realisations, .. } = measured;
-    ComparedTable { table, campaign: Some(campaign), parts: Some(realisations) }
+    ComparedTable { campaign: Some(campaign), parts: Some(realisations), ..ComparedTable::of(table) }
 }
 
 #[test]

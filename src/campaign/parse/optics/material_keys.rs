@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::campaign::materials;
 use crate::campaign::parse::index_file;
 use crate::campaign::parse::index_file::{Dispersion, ETA, K, WAVELENGTH};
+use crate::campaign::parse::ranges::{self, refuse_at};
 use crate::campaign::parse::reader::{Bounds, GivenValue, Slot, plain};
 use crate::campaign::schema::{FresnelLaw, LightSide, Medium, Optics, Polarisation, RefractiveIndex};
 
@@ -108,10 +109,10 @@ impl MaterialKeys<'_> {
             return default.iter().map(|&nm| known.at(nm)).collect();
         };
         let nm = increasing(item)?;
-        let found = item.one_or_list()?.into_iter().zip(nm).map(|(element, nm)| {
+        let found = nm.into_iter().enumerate().map(|(at, nm)| {
             known.at(nm).or_else(|| {
                 let [low, high] = known.ends().map(plain);
-                element.refuse(format!("must lie in [{low}, {high}]: n and k are not known elsewhere"))
+                refuse_at(item, at, format!("must lie in [{low}, {high}]: n and k are not known elsewhere"))
             })
         });
         found.collect::<Vec<_>>().into_iter().collect()
@@ -132,7 +133,7 @@ impl MaterialKeys<'_> {
     /// `eta` and `k`: one index, or one for each wavelength.
     pub fn listed(&self, eta: &GivenValue<'_>) -> Option<Vec<Medium>> {
         let medium = |wavelength_nm, eta, k| Medium { wavelength_nm, eta, k };
-        if eta.list_length().is_none() && self.wavelength.given().is_none() {
+        if eta.list_length().is_none() && !eta.is_table() && self.wavelength.given().is_none() {
             let (n, k) = (eta.float(&ETA), self.k.or(0.0, |i| i.float(&K)));
             let (n, k) = (n?, k?);
             return if n == 1.0 && k == 0.0 {
@@ -141,8 +142,8 @@ impl MaterialKeys<'_> {
                 Some(vec![medium(None, n, k)])
             };
         }
-        let count = eta.list_length().unwrap_or(1);
         let n = numbers(eta, &ETA);
+        let count = n.as_ref().map_or(eta.list_length().unwrap_or(1), Vec::len);
         let k = self.k.or(vec![0.0; count], |i| numbers(i, &K));
         let nm = self.wavelength.required("a wavelength for each entry of eta").and_then(increasing);
         let (n, k, nm) = (n?, k?, nm?);
@@ -153,7 +154,7 @@ impl MaterialKeys<'_> {
             }
         }
         if let Some(at) = (0..count).find(|&at| n[at] == 1.0 && k[at] == 0.0) {
-            return eta.one_or_list()?[at].refuse(NO_SURFACE);
+            return refuse_at(eta, at, NO_SURFACE);
         }
         Some((0..count).map(|at| medium(Some(nm[at]), n[at], k[at])).collect())
     }
@@ -182,15 +183,13 @@ fn index(material: Option<String>, media: Vec<Medium>, law: FresnelLaw) -> Optic
     Optics::Index(RefractiveIndex { material, media, law, polarisation: Polarisation::None })
 }
 
-/// A list of at least one number and at most as many as a table has colours.
+/// A number, a list or a range: at least one number and at most as many as a table has colours.
 fn numbers(item: &GivenValue<'_>, bounds: &Bounds) -> Option<Vec<f64>> {
-    let elements = item.one_or_list()?;
-    let count = elements.len();
+    let count = item.list_length().unwrap_or(1);
     if !(1..=MOST_COLOURS).contains(&count) {
         return item.refuse(format!("has {count} entries; 1 to {MOST_COLOURS} are allowed"));
     }
-    let read: Vec<Option<f64>> = elements.iter().map(|element| element.float(bounds)).collect();
-    read.into_iter().collect()
+    ranges::numbers(item, bounds, MOST_COLOURS)
 }
 
 /// Wavelengths, which increase.
@@ -198,8 +197,8 @@ fn increasing(item: &GivenValue<'_>) -> Option<Vec<f64>> {
     let nm = numbers(item, &WAVELENGTH)?;
     if let Some(before) = nm.windows(2).position(|pair| pair[0] >= pair[1]) {
         let earlier = plain(nm[before]);
-        return item.list()?[before + 1]
-            .refuse(format!("comes after {earlier}; wavelengths must increase, each once"));
+        let fault = format!("comes after {earlier}; wavelengths must increase, each once");
+        return refuse_at(item, before + 1, fault);
     }
     Some(nm)
 }
