@@ -26,6 +26,7 @@ mod measure;
 mod merge;
 pub mod process;
 mod recolour;
+mod render;
 mod report;
 mod shell;
 mod study;
@@ -61,6 +62,7 @@ enum Verb {
     Import(import::Arguments),
     Bench(bench::Arguments),
     Report(report::Arguments),
+    Render(render::Arguments),
     #[command(visible_alias = "recolor")]
     Recolour(recolour::Arguments),
     Albedo(albedo::Arguments),
@@ -82,6 +84,7 @@ impl Verb {
             Verb::Bench(arguments) => arguments.threads,
             Verb::Study(arguments) => arguments.threads,
             Verb::Albedo(arguments) => arguments.threads,
+            Verb::Render(arguments) => arguments.threads,
             _ => 0,
         }
     }
@@ -100,6 +103,7 @@ impl Verb {
             Verb::Import(arguments) => import::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
             Verb::Report(arguments) => report::run(arguments),
+            Verb::Render(arguments) => render::run(arguments),
             Verb::Recolour(arguments) => recolour::run(arguments),
             Verb::Albedo(arguments) => albedo::run(arguments),
             Verb::Init(arguments) => init::run(arguments),

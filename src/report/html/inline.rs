@@ -10,12 +10,11 @@ use serde_json::{Value, json};
 
 use super::shown::{DrawnHemisphere, Places, Raster, shown};
 use crate::campaign::{Campaign, SurfaceKind};
+use crate::render::shown_colours;
 use crate::report::plot::plots::spread;
 use crate::report::slices::Scene;
 use crate::table::BrdfTable;
 
-/// The wavelengths that stand for R, G and B, nm.
-const RGB_NM: [f64; 3] = [650.0, 550.0, 450.0];
 /// Bytes of all layers in base64 that a page holds at most: its rest is below 1 MB.
 pub const LARGEST: usize = 4_500_000;
 /// Bins are merged down to about so many rows and columns before stops are left out.
@@ -97,20 +96,6 @@ fn is_mirrored(campaign: &Campaign, shown: &DrawnHemisphere, scene: &Scene) -> b
     let symmetric = !matches!(campaign.surface.kind, SurfaceKind::File(_));
     let (first, last) = (shown.phi_i_deg[0], shown.phi_i_deg[shown.phi_i_deg.len() - 1]);
     symmetric && !scene.table.grid.phi_r_relative && last - first < 180.0
-}
-
-/// All colours of a plain table. Of wavelengths the three that stand for R, G and B; of two the longer one.
-fn shown_colours(table: &BrdfTable) -> Vec<usize> {
-    if !table.is_spectral() {
-        return (0..table.colours.len()).collect();
-    }
-    let nearest = |nm: f64| {
-        let off =
-            |colour: usize| table.colours[colour].wavelength_nm.map_or(f64::INFINITY, |at| (at - nm).abs());
-        (0..table.colours.len()).min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0)
-    };
-    let rgb = RGB_NM.map(nearest);
-    if rgb[0] > rgb[1] && rgb[1] > rgb[2] { rgb.to_vec() } else { vec![table.colours.len() / 2] }
 }
 
 fn shown_names(table: &BrdfTable, colours: &[usize]) -> Vec<String> {
