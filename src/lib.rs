@@ -17,7 +17,7 @@
 //! table         tallies -> BRDF with error bars, in an EXR file
 //!    |
 //!    +-- interchange             other programs' formats, written and read
-//!    +-- render                  a ball of the material in a sky
+//!    +-- render                  a sphere of the material in a sky
 //!    +-- report, cli             for people
 //!    +-- validate, fit, study    <-- theory (D, Lambda, G: formulas alone)
 //!    +-- bench                   run time against error

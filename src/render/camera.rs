@@ -1,4 +1,4 @@
-//! Where the eye is: a perspective camera that looks at the middle of the unit ball, z up in the picture.
+//! Where the eye is: a perspective camera that looks at the middle of the unit sphere, z up in the picture.
 
 use glam::DVec3;
 use serde::Serialize;
@@ -12,7 +12,7 @@ pub struct Camera {
     pub azimuth_deg: f64,
     /// Its height above the horizon, degrees, below 90.
     pub height_deg: f64,
-    /// From the ball's middle; the ball's radius is 1.
+    /// From the sphere's middle; the sphere's radius is 1.
     pub distance: f64,
     /// Tangent of half the angle that the picture is high.
     pub half: f64,
@@ -41,8 +41,8 @@ impl Camera {
         (self.half * (x * right + y * up) - towards).normalize()
     }
 
-    /// Where a ray meets the ball first.
-    pub fn meets_ball(&self, ray: DVec3) -> Option<DVec3> {
+    /// Where a ray meets the sphere first.
+    pub fn meets_sphere(&self, ray: DVec3) -> Option<DVec3> {
         let eye = self.eye();
         let (b, c) = (eye.dot(ray), eye.length_squared() - 1.0);
         let root = b * b - c;
@@ -55,14 +55,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_middle_of_the_picture_is_the_near_point_of_the_ball() {
+    fn the_middle_of_the_picture_is_the_near_point_of_the_sphere() {
         let camera = Camera::beside(30.0);
-        let place = camera.meets_ball(camera.ray(0.0, 0.0)).expect("there");
+        let place = camera.meets_sphere(camera.ray(0.0, 0.0)).expect("there");
         assert!((place - camera.eye() / camera.distance).length() < 1e-12);
-        // The ball's edge: sin of its half angle is 1/distance.
+        // The sphere's edge: sin of its half angle is 1/distance.
         let edge = (1.0 / camera.distance).asin().tan() / camera.half;
-        assert!(camera.meets_ball(camera.ray(0.999 * edge, 0.0)).is_some());
-        assert!(camera.meets_ball(camera.ray(0.0, 1.001 * edge)).is_none());
+        assert!(camera.meets_sphere(camera.ray(0.999 * edge, 0.0)).is_some());
+        assert!(camera.meets_sphere(camera.ray(0.0, 1.001 * edge)).is_none());
         // z up.
         assert!(camera.ray(0.0, 1.0).z > camera.ray(0.0, -1.0).z);
     }

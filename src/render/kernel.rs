@@ -59,7 +59,7 @@ impl<'a> Kernel<'a> {
 
     /// The sum over the rule for an eye above the horizon: `arriving` is the light from a direction above it (as the table
     /// has it: of light that has gone through, in the mirror).
-    // Tested by `a_lambert_ball_in_an_even_light_is_as_bright_as_its_albedo` and its neighbours (tests/it/render.rs).
+    // Tested by `a_lambert_sphere_in_an_even_light_is_as_bright_as_its_albedo` and its neighbours (tests/it/render.rs).
     pub fn seen(&self, eye: DVec3, arriving: impl Fn(DVec3) -> Colour) -> Colour {
         let (row, t) = place(sphere::theta(eye) / FRAC_PI_2 * POLAR as f64, POLAR - 1);
         let turn = if self.is_isotropic() { 0.0 } else { sphere::phi(eye) / TAU * self.around as f64 };
@@ -96,9 +96,8 @@ fn place(at: f64, last: usize) -> (usize, f64) {
 
 /// f cos over the density of every direction. The cosine itself is integrated exactly, so that an even BRDF in an even light is.
 fn of_eye(lookup: &Lookup, exchange: bool, pattern: &Pattern, eye: DVec3) -> Vec<[f32; 3]> {
-    let to: Vec<Option<(DVec3, f64)>> = (0..pattern.len())
-        .map(|k| pattern.onward(eye, k).map(|w| (w, pattern.weight(eye, w))))
-        .collect();
+    let to: Vec<Option<(DVec3, f64)>> =
+        (0..pattern.len()).map(|k| pattern.onward(eye, k).map(|w| (w, pattern.weight(eye, w)))).collect();
     let whole: f64 = to.iter().flatten().map(|(_, weight)| weight).sum();
     let grey = lookup.colours() == 1;
     to.into_iter()
@@ -110,11 +109,11 @@ fn of_eye(lookup: &Lookup, exchange: bool, pattern: &Pattern, eye: DVec3) -> Vec
         .collect()
 }
 
-/// f of an eye and a light that comes back. Where the eye is beyond the table's last incidence and the light is not, the light is
-/// the table's.
+/// f of an eye and a light that comes back. Where the eye is beyond the table's last incidence and lower than the light, both
+/// change places again.
 pub fn of_pair(lookup: &Lookup, eye: DVec3, light: DVec3) -> Colour {
     let last = lookup.theta_i().last().copied().unwrap_or(0.0);
-    if sphere::theta(eye) > last && sphere::theta(light) <= last {
+    if sphere::theta(eye) > last && light.z > eye.z {
         lookup.brdf(light, eye)
     } else {
         lookup.brdf(eye, light)

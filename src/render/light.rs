@@ -1,4 +1,4 @@
-//! What lights the ball.
+//! What lights the sphere.
 
 use std::f64::consts::PI;
 
@@ -46,7 +46,7 @@ impl Lighting {
         }
     }
 
-    /// What the eye sees beside the ball: the sky, or the dark.
+    /// What the eye sees beside the sphere: the sky, or the dark.
     pub fn behind(&self, w: DVec3) -> Colour {
         self.sky.as_ref().map_or([0.0; 3], |sky| sky.radiance(w))
     }

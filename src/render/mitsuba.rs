@@ -1,4 +1,4 @@
-//! The same scene for Mitsuba 3: the ball with the table as `measured`, the sky as a map, lamp and camera.
+//! The same scene for Mitsuba 3: the sphere with the table as `measured`, the sky as a map, lamp and camera.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -44,7 +44,7 @@ pub fn sky_map(sky: &Sky) -> Checked<Vec<u8>> {
     Ok(image::encode(vec![part])?)
 }
 
-/// The scene that names the sky's map and the table next to it. The ball is convex: one scattering is all there is.
+/// The scene that names the sky's map and the table next to it. The sphere is convex: one scattering is all there is.
 // Tested by `a_scene_for_mitsuba_is_the_picture_in_other_words` (tests/it/render.rs), and against the picture in tests/interop.
 pub fn scene(light: &Lighting, camera: &Camera, size: usize) -> String {
     let eye = camera.eye();

@@ -2,13 +2,13 @@
 
 use rayon::prelude::*;
 
-use super::ball::Ball;
 use super::camera::Camera;
 use super::light::Lighting;
+use super::material_sphere::MaterialSphere;
 use crate::error::Checked;
 use crate::interchange::Colour;
 
-/// Rays along each side of a pixel that find out how much of it the ball covers.
+/// Rays along each side of a pixel that find out how much of it the sphere covers.
 const SIDE: usize = 4;
 
 /// Linear radiances, row by row from the top.
@@ -20,19 +20,19 @@ pub struct Picture {
     pub pixels: Vec<Colour>,
 }
 
-/// The square picture of a ball. Pixels within the ball have one ray through their middle; on its edge they are means of 16.
-pub fn picture(ball: &Ball, light: &Lighting, camera: &Camera, size: usize) -> Picture {
+/// The square picture of a sphere. Pixels within the sphere have one ray through their middle; on its edge they are means of 16.
+pub fn picture(sphere: &MaterialSphere, light: &Lighting, camera: &Camera, size: usize) -> Picture {
     let at = |pixel: f64| 2.0 * pixel / size as f64 - 1.0;
     let pixel = |index: usize| {
         let (column, row) = ((index % size) as f64, (index / size) as f64);
         let ray = |x: f64, y: f64| camera.ray(at(column + x), -at(row + y));
-        let seen = |ray| match camera.meets_ball(ray) {
-            Some(place) => ball.seen(light, place, -ray),
+        let seen = |ray| match camera.meets_sphere(ray) {
+            Some(place) => sphere.seen(light, place, -ray),
             None => light.behind(ray),
         };
         let step = |k: usize| (k as f64 + 0.5) / SIDE as f64;
         let rays: Vec<_> = (0..SIDE * SIDE).map(|k| ray(step(k % SIDE), step(k / SIDE))).collect();
-        let covered = rays.iter().filter(|ray| camera.meets_ball(**ray).is_some()).count();
+        let covered = rays.iter().filter(|ray| camera.meets_sphere(**ray).is_some()).count();
         if covered == 0 || covered == rays.len() {
             return seen(ray(0.5, 0.5));
         }

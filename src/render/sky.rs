@@ -34,13 +34,14 @@ pub struct Sky {
 }
 
 /// The ground, and what horizon and zenith add to the step before.
-const GROUND: Colour = [0.13, 0.105, 0.085];
+const GROUND: Colour = [0.11, 0.095, 0.08];
 const HORIZON: SoftStep =
-    SoftStep { axis: [0.0, 0.0, 1.0], centre: 0.0, width: 0.03, colour: [0.67, 0.695, 0.715] };
+    SoftStep { axis: [0.0, 0.0, 1.0], centre: 0.0, width: 0.02, colour: [0.75, 0.765, 0.78] };
 const ZENITH: SoftStep =
-    SoftStep { axis: [0.0, 0.0, 1.0], centre: 0.45, width: 0.16, colour: [-0.52, -0.42, -0.17] };
+    SoftStep { axis: [0.0, 0.0, 1.0], centre: 0.45, width: 0.16, colour: [-0.62, -0.49, -0.18] };
 /// The bright place: about 17 degrees wide to its edge.
-const BRIGHT: SoftStep = SoftStep { axis: [0.0, 0.0, 1.0], centre: 0.955, width: 0.012, colour: [5.2, 4.8, 4.1] };
+const BRIGHT: SoftStep =
+    SoftStep { axis: [0.0, 0.0, 1.0], centre: 0.955, width: 0.012, colour: [3.8, 3.5, 3.0] };
 
 impl Sky {
     /// The soft sky with its bright place about the unit vector `towards`.
@@ -58,7 +59,8 @@ impl Sky {
     // Tested by `every_direction_of_the_soft_sky_shines`, `a_step_is_half_at_its_edge`.
     pub fn radiance(&self, w: DVec3) -> Colour {
         self.steps.iter().fold(self.base, |mut sum, step| {
-            let share = 1.0 / (1.0 + ((step.centre - w.dot(DVec3::from_array(step.axis))) / step.width).exp());
+            let share =
+                1.0 / (1.0 + ((step.centre - w.dot(DVec3::from_array(step.axis))) / step.width).exp());
             sum.iter_mut().zip(step.colour).for_each(|(sum, colour)| *sum += share * colour);
             sum
         })

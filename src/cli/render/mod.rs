@@ -1,4 +1,4 @@
-//! `gonio render`: a ball of a table's material in a light, as a picture or as a scene for another program.
+//! `gonio render`: a sphere of a table's material in a light, as a picture or as a scene for another program.
 
 use std::path::{Path, PathBuf};
 
@@ -10,15 +10,15 @@ use super::text::output::{Output, bytes, warn};
 use super::text::progress::Stage;
 use crate::error::{ContentError, Error, Result};
 use crate::files;
-use crate::interchange::mitsuba::rgl;
 use crate::interchange::Options;
 use crate::interchange::codec::{Codec, FileContent};
-use crate::render::ball::Material;
+use crate::interchange::mitsuba::rgl;
 use crate::render::light::TOWARDS_DEG;
-use crate::render::{Ball, Camera, Light, Lighting, in_shown_colours, mitsuba, picture};
+use crate::render::material_sphere::Material;
+use crate::render::{Camera, Light, Lighting, MaterialSphere, in_shown_colours, mitsuba, picture};
 use crate::table::BrdfTable;
 
-/// Show a ball of a table's material under a soft sky, as a PNG or as a scene for Mitsuba
+/// Show a sphere of a table's material under a soft sky, as a PNG or as a scene for Mitsuba
 #[derive(Args)]
 #[command(
     after_help = "The light is the same for every table: a sky by formula (docs/formats.md) whose bright place is where\n\
@@ -67,12 +67,12 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     check_output(path, output, arguments.force)?;
     let table = table_file::load(path)?;
-    let material = Material::new(&table).map_err(|why| no_ball(path, why))?;
+    let material = Material::new(&table).map_err(|why| no_sphere(path, why))?;
     for note in &material.notes {
         warn(format_args!("{}: {note}", output.display()));
     }
     let stage = Stage::begin("rendering");
-    let picture = picture(&Ball::new(&material), &light, &camera, arguments.size.into());
+    let picture = picture(&MaterialSphere::new(&material), &light, &camera, arguments.size.into());
     drop(stage);
     let png = picture.png(arguments.exposure).map_err(|why| Error::format(output, why))?;
     files::write_atomically(output, &png)?;
@@ -82,7 +82,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     out.line(format_args!("shows       {}", material.in_words()))?;
     out.line(format_args!("light       {}", arguments.light_in_words(at)))?;
     let clipped = 100.0 * picture.clipped(arguments.exposure);
-    out.line(format_args!("too bright  {clipped:.1} % of the pixels, at an exposure of {} EV", arguments.exposure))?;
+    out.line(format_args!(
+        "too bright  {clipped:.1} % of the pixels, at an exposure of {} EV",
+        arguments.exposure
+    ))?;
     Ok(0)
 }
 
@@ -91,7 +94,9 @@ impl Arguments {
     fn at(&self) -> Result<[f64; 2]> {
         match self.at[..] {
             [] => Ok(TOWARDS_DEG),
-            [theta, phi] if (0.0..=180.0).contains(&theta) && (-360.0..=360.0).contains(&phi) => Ok([theta, phi]),
+            [theta, phi] if (0.0..=180.0).contains(&theta) && (-360.0..=360.0).contains(&phi) => {
+                Ok([theta, phi])
+            }
             _ => {
                 let given: Vec<String> = self.at.iter().map(f64::to_string).collect();
                 Err(Error::Usage(format!(
@@ -122,11 +127,11 @@ fn light(word: &str) -> std::result::Result<Light, String> {
     }
 }
 
-/// A table that says too little for a ball.
-fn no_ball(path: &Path, why: ContentError) -> Error {
+/// A table that says too little for a sphere.
+fn no_sphere(path: &Path, why: ContentError) -> Error {
     match why {
         ContentError::Wrong(why) => Error::Refused(format!(
-            "{}: {why}; a ball shows the surface to light and eye from all directions: measure with [sensor.hemisphere], \
+            "{}: {why}; a sphere shows the surface to light and eye from all directions: measure with [sensor.hemisphere], \
              and with azimuths all round where the surface is not isotropic",
             path.display()
         )),
@@ -149,8 +154,9 @@ fn write_scene(arguments: &Arguments, light: &Lighting, scene: &str) -> Result<u
             path.display()
         )));
     }
-    let bsdf = measured(&table).map_err(|why| no_ball(path, why))?;
-    let sky = light.sky.as_ref().map(mitsuba::sky_map).transpose().map_err(|why| Error::format(folder, why))?;
+    let bsdf = measured(&table).map_err(|why| no_sphere(path, why))?;
+    let sky =
+        light.sky.as_ref().map(mitsuba::sky_map).transpose().map_err(|why| Error::format(folder, why))?;
     let _claim = files::create_folder(folder)?;
     let mut written = vec![mitsuba::TABLE, mitsuba::SCENE];
     if let Some(sky) = sky {

@@ -1,18 +1,18 @@
-//! The ball: a table on it, and within it where light goes through.
+//! The sphere: a table on it, and within it where light goes through.
 
 use glam::DVec3;
 
+use super::colours::in_shown_colours;
 use super::inside::seen_inside;
 use super::kernel::{Kernel, of_pair};
 use super::light::Lighting;
-use super::colours::in_shown_colours;
 use crate::error::{Checked, wrong};
 use crate::interchange::content::light::index_of;
 use crate::interchange::{Brdf, Colour, Lookup};
 use crate::sphere;
 use crate::table::BrdfTable;
 
-/// The functions of a table that a ball needs.
+/// The functions of a table that a sphere needs.
 pub struct Material {
     /// Light that comes back.
     back: Option<Lookup>,
@@ -22,8 +22,8 @@ pub struct Material {
     pub notes: Vec<String>,
 }
 
-/// The ball.
-pub struct Ball<'a> {
+/// The sphere.
+pub struct MaterialSphere<'a> {
     back: Option<Kernel<'a>>,
     through: Option<(Kernel<'a>, f64)>,
 }
@@ -60,25 +60,25 @@ impl Material {
     pub fn in_words(&self) -> String {
         match (&self.back, &self.through) {
             (_, Some((_, eta))) => format!(
-                "a ball of {} times the index around it, rough towards the eye and smooth behind{}",
+                "a sphere of {} times the index around it, rough towards the eye and smooth behind{}",
                 (1e4 * eta).round() / 1e4,
                 if self.back.is_some() { "" } else { "; light that comes back is not in the table" }
             ),
-            _ => "a ball of the table's material".into(),
+            _ => "a sphere of the table's material".into(),
         }
     }
 }
 
-impl<'a> Ball<'a> {
-    /// The ball of a material.
+impl<'a> MaterialSphere<'a> {
+    /// The sphere of a material.
     pub fn new(material: &'a Material) -> Self {
-        Ball {
+        MaterialSphere {
             back: material.back.as_ref().map(|lookup| Kernel::new(lookup, true)),
             through: material.through.as_ref().map(|(lookup, eta)| (Kernel::new(lookup, false), *eta)),
         }
     }
 
-    /// The radiance that leaves the ball at `place`, a unit vector, towards the unit vector `eye`.
+    /// The radiance that leaves the sphere at `place`, a unit vector, towards the unit vector `eye`.
     pub fn seen(&self, light: &Lighting, place: DVec3, eye: DVec3) -> Colour {
         let mut sum = [0.0; 3];
         let mut add = |part: Colour| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
@@ -105,7 +105,7 @@ impl<'a> Ball<'a> {
     }
 }
 
-/// The table's frame at a place of the ball: z outwards; x level around the ball, or, where all azimuths are alike, the
+/// The table's frame at a place of the sphere: z outwards; x level around the sphere, or, where all azimuths are alike, the
 /// eye's azimuth.
 struct Frame([DVec3; 3]);
 
