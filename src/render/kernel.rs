@@ -29,8 +29,8 @@ pub struct Kernel<'a> {
     pattern: Pattern,
     /// Nodes of the azimuth: 1 where all are alike.
     around: usize,
-    /// [polar][azimuth][direction].
-    weights: Vec<[f32; 3]>,
+    /// [polar][azimuth][direction]; the last of four is that of f = 1.
+    weights: Vec<[f32; 4]>,
 }
 
 impl<'a> Kernel<'a> {
@@ -75,16 +75,17 @@ impl<'a> Kernel<'a> {
             (node(1, 0), t * (1.0 - s)),
             (node(1, 1), t * s),
         ];
-        let mut sum = [0.0; 3];
+        let (mut sum, mut whole) = ([0.0; 3], 0.0);
         for k in 0..count {
             let Some(w) = self.pattern.onward(eye, k) else { continue };
             let light = arriving(w);
-            for (c, sum) in sum.iter_mut().enumerate() {
-                let weight: f64 = corners.iter().map(|(node, share)| share * f64::from(node[k][c])).sum();
-                *sum += weight * light[c];
-            }
+            let weight =
+                |c: usize| corners.iter().map(|(node, share)| share * f64::from(node[k][c])).sum::<f64>();
+            sum.iter_mut().enumerate().for_each(|(c, sum)| *sum += weight(c) * light[c]);
+            whole += weight(3);
         }
-        sum
+        // The cosine itself is integrated exactly, so that an even BRDF in an even light is.
+        sum.map(|sum| PI / whole * sum)
     }
 }
 
@@ -94,19 +95,16 @@ fn place(at: f64, last: usize) -> (usize, f64) {
     (low, (at - low as f64).min(1.0))
 }
 
-/// f cos over the density of every direction. The cosine itself is integrated exactly, so that an even BRDF in an even light is.
-fn of_eye(lookup: &Lookup, exchange: bool, pattern: &Pattern, eye: DVec3) -> Vec<[f32; 3]> {
-    let to: Vec<Option<(DVec3, f64)>> =
-        (0..pattern.len()).map(|k| pattern.onward(eye, k).map(|w| (w, pattern.weight(eye, w)))).collect();
-    let whole: f64 = to.iter().flatten().map(|(_, weight)| weight).sum();
+/// f cos over the density of every direction.
+fn of_eye(lookup: &Lookup, exchange: bool, pattern: &Pattern, eye: DVec3) -> Vec<[f32; 4]> {
     let grey = lookup.colours() == 1;
-    to.into_iter()
-        .map(|to| {
-            let Some((w, weight)) = to else { return [0.0; 3] };
-            let f = if exchange { of_pair(lookup, eye, w) } else { lookup.brdf(eye, w) };
-            std::array::from_fn(|c| (PI / whole * weight * f[if grey { 0 } else { c }]) as f32)
-        })
-        .collect()
+    let weights = |k: usize| {
+        let Some(w) = pattern.onward(eye, k) else { return [0.0; 4] };
+        let f = if exchange { of_pair(lookup, eye, w) } else { lookup.brdf(eye, w) };
+        let weight = pattern.weight(eye, w);
+        [f[0], f[if grey { 0 } else { 1 }], f[if grey { 0 } else { 2 }], 1.0].map(|f| (weight * f) as f32)
+    };
+    (0..pattern.len()).map(weights).collect()
 }
 
 /// f of an eye and a light that comes back. Where the eye is beyond the table's last incidence and lower than the light, both

@@ -215,7 +215,7 @@ fn the_command_makes_the_same_bytes_on_any_number_of_threads_and_refuses_what_is
     done(&render(&["-o", "one.png", "--force"]));
     assert!(exits(&render(&["-o", "out/small.exr", "--force"]), 3).contains("is the file that is read"));
     for (words, said) in [
-        (&["-o", "x.png", "--at", "200,0"][..], "--at 200,0"),
+        (&["-o", "x.png", "--at", "200,0"][..], "as 45,0"),
         (&["-o", "x.png", "--light", "sun"], "sky, lamp or both needed"),
         (&["-o", "x.png", "--exposure", "50"], "must lie in [-20, 20]"),
         (&["-o", "x.png", "--scene", "blender"], "mitsuba"),

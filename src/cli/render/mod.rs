@@ -21,7 +21,7 @@ use crate::table::BrdfTable;
 /// Show a sphere of a table's material under a soft sky, as a PNG or as a scene for Mitsuba
 #[derive(Args)]
 #[command(
-    after_help = "The light is the same for every table: a sky by formula (docs/formats.md) whose bright place is where\n\
+    after_help = "The light is the same for every table: a sky by formula (docs/guide.md) whose bright place is where\n\
     the lamp is. Radiances become sRGB as they are, cut off at white; no noise, no random numbers.\n\n\
     Example: gonio render out/quickstart/quickstart.exr -o sphere.png"
 )]
@@ -35,18 +35,18 @@ pub struct Arguments {
     #[arg(long, value_name = "sky|lamp|both", default_value = "sky", value_parser = light)]
     light: Light,
     /// Polar angle and azimuth of lamp and bright place [default: 45,0]
-    #[arg(long, value_name = "DEG,DEG", value_delimiter = ',', num_args = 2, allow_negative_numbers = true)]
-    at: Vec<f64>,
+    #[arg(long, value_name = "THETA,PHI", value_parser = angles, allow_hyphen_values = true)]
+    at: Option<Angles>,
     /// Pixels along a side, 16 to 4096
     #[arg(long, value_name = "PX", default_value_t = 512, value_parser = clap::value_parser!(u16).range(16..=4096))]
     size: u16,
     /// Radiances times 2^EV, -20 to 20
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f64,
-    /// The same scene for another program: scene.xml, sky.exr, table.bsdf
-    #[arg(long, value_name = "mitsuba", value_parser = ["mitsuba"])]
+    /// A folder with scene.xml, sky.exr, table.bsdf instead
+    #[arg(long, value_name = "mitsuba", value_parser = ["mitsuba"], hide_possible_values = true)]
     scene: Option<String>,
-    /// Worker threads, 0 for one a core; the picture does not depend on it
+    /// Worker threads, 0 for one a core
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
     /// Replace what is there
@@ -56,7 +56,7 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let (path, output) = (&arguments.table, &arguments.output);
-    let at = arguments.at()?;
+    let at = arguments.at.map_or(TOWARDS_DEG, |angles| angles.0);
     if !(-20.0..=20.0).contains(&arguments.exposure) {
         return Err(Error::Usage(format!("--exposure {}: must lie in [-20, 20]", arguments.exposure)));
     }
@@ -90,23 +90,6 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 impl Arguments {
-    /// Where the light stands, degrees.
-    fn at(&self) -> Result<[f64; 2]> {
-        match self.at[..] {
-            [] => Ok(TOWARDS_DEG),
-            [theta, phi] if (0.0..=180.0).contains(&theta) && (-360.0..=360.0).contains(&phi) => {
-                Ok([theta, phi])
-            }
-            _ => {
-                let given: Vec<String> = self.at.iter().map(f64::to_string).collect();
-                Err(Error::Usage(format!(
-                    "--at {}: two numbers needed, a polar angle of 0 to 180 degrees and an azimuth of -360 to 360",
-                    given.join(",")
-                )))
-            }
-        }
-    }
-
     fn light_in_words(&self, [theta, phi]: [f64; 2]) -> String {
         let place = format!("at theta {theta}, phi {phi} degrees");
         match self.light {
@@ -114,6 +97,20 @@ impl Arguments {
             Light::Lamp => format!("a lamp {place}"),
             Light::Both => format!("a soft sky and a lamp, both {place}"),
         }
+    }
+}
+
+/// A polar angle and an azimuth, degrees.
+#[derive(Clone, Copy)]
+struct Angles([f64; 2]);
+
+fn angles(words: &str) -> std::result::Result<Angles, String> {
+    let numbers: Option<Vec<f64>> = words.split(',').map(|word| word.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[theta, phi]) if (0.0..=180.0).contains(&theta) && (-360.0..=360.0).contains(&phi) => {
+            Ok(Angles([theta, phi]))
+        }
+        _ => Err("a polar angle of 0 to 180 degrees and an azimuth of -360 to 360 needed, as 45,0".into()),
     }
 }
 

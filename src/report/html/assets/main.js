@@ -117,7 +117,6 @@ function startViewer(tables, inside, sphere) {
   const modelled = names("model").length > 0;
   for (const id of ["which", "halves"]) element(id).parentElement.hidden = !modelled;
   const lobe = new LobeView(element("lobe"), tables, inside);
-  element("lobe").closest(".views").classList.toggle("halves", Boolean(back && through));
   if (through) {
     const label = document.createElement("span");
     label.className = "sides";
