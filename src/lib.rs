@@ -17,6 +17,7 @@
 //! table         tallies -> BRDF with error bars, in an EXR file
 //!    |
 //!    +-- interchange             other programs' formats, written and read
+//!    +-- render                  a sphere of the material in a sky
 //!    +-- report, cli             for people
 //!    +-- validate, fit, study    <-- theory (D, Lambda, G: formulas alone)
 //!    +-- bench                   run time against error
@@ -64,6 +65,8 @@ pub mod fit;
 pub mod study;
 
 pub mod albedo;
+
+pub mod render;
 
 pub mod report;
 

@@ -26,6 +26,7 @@ mod measure;
 mod merge;
 pub mod process;
 mod recolour;
+mod render;
 mod report;
 mod shell;
 mod streams;
@@ -88,6 +89,7 @@ enum Verb {
     Import(import::Arguments),
     Bench(bench::Arguments),
     Report(report::Arguments),
+    Render(render::Arguments),
     #[command(visible_alias = "recolor")]
     Recolour(recolour::Arguments),
     Albedo(albedo::Arguments),
@@ -123,6 +125,7 @@ impl Verb {
             Verb::Import(arguments) => import::run(arguments),
             Verb::Bench(arguments) => bench::run(arguments),
             Verb::Report(arguments) => report::run(arguments),
+            Verb::Render(arguments) => render::run(arguments),
             Verb::Recolour(arguments) => recolour::run(arguments),
             Verb::Albedo(arguments) => albedo::run(arguments),
             Verb::Init(arguments) => init::run(arguments),

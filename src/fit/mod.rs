@@ -12,6 +12,7 @@
 pub mod data;
 pub mod law;
 pub mod microfacet_law;
+mod nearest;
 pub mod nodes;
 pub mod pilot;
 mod ranking;
@@ -22,6 +23,7 @@ mod spread;
 pub use data::FitData;
 pub use law::{FitLaw, NAMES};
 pub use microfacet_law::MicrofacetLaw;
+pub use nearest::{NearestLaw, nearest};
 pub use report::{Fit, Fits, Parameters};
 
 use rayon::prelude::*;

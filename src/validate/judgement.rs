@@ -70,11 +70,6 @@ impl Judgement {
             reason: reason.into(),
         }
     }
-
-    /// One line: `energy: passed: ...`.
-    pub fn line(&self) -> String {
-        format!("{}: {}: {}", self.law, self.ruling, self.reason)
-    }
 }
 
 fn ruled(passes: bool) -> Ruling {

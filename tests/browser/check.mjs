@@ -97,12 +97,14 @@ async function changes(browser, id, value, pictures) {
 
 async function controls(browser) {
   const shown = await browser.evaluate("!document.getElementById('scene-figure').hidden");
+  const lit = await browser.evaluate("!document.getElementById('lamp').parentElement.hidden");
   const both = shown ? ["lobe", "scene"] : ["lobe"];
   await changes(browser, "theta", "15", both);
   await changes(browser, "phi", "40", both);
   await changes(browser, "radius", "linear", ["lobe"]);
   if (shown) {
-    await changes(browser, "lamp", "sky", ["scene"]);
+    for (const light of lit ? ["lamp", "both"] : []) await changes(browser, "lamp", light, ["scene"]);
+    await labels(browser);
     await changes(browser, "halves", "one", ["scene"]);
     await changes(browser, "exposure", "2", ["scene"]);
   }
@@ -114,6 +116,17 @@ async function controls(browser) {
   await browser.evaluate(`(() => { const scale = document.getElementById("scale"); scale.value = "linear";
     scale.dispatchEvent(new Event("input", { bubbles: true })); })()`);
   hold("the scale changes the hemispheres", (await browser.evaluate(hemispheres)) !== before);
+}
+
+// Each sphere has its name over it: measurement, model, best fit.
+async function labels(browser) {
+  const names = await browser.evaluate("[...document.getElementById('scene-labels').children].map((name) => name.textContent)");
+  const kinds = await browser.evaluate(`(({ table, through }) => ["measured", "model", "fit"].filter((kind) =>
+    [table, through].filter(Boolean).every(({ layers }) => layers.some((layer) => layer.kind === kind))))(JSON.parse(document.getElementById("data").textContent))`);
+  hold("every sphere is named", names.length === kinds.length && names[0].startsWith("measured")
+    && (!kinds.includes("fit") || names[names.length - 1].startsWith("best fit, ")), [names, kinds]);
+  const caption = await browser.evaluate("document.getElementById('scene-caption').textContent");
+  hold("the caption says which light, and that the exposure is one", caption.includes("soft sky") && caption.includes("One exposure for all"), caption);
 }
 
 const READY = "new Promise((done) => setTimeout(() => requestAnimationFrame(() => setTimeout(done, 0)), 0))";
@@ -166,14 +179,15 @@ async function glass(browser, id, value) {
   return browser.evaluate(shot("refraction"));
 }
 
-// The light of the brightest pixels in the middle of the left half, as a share of that of a white square (0.9).
+// The light of the brightest pixels in the middle of the first picture from the left, as a share of that of a white square (0.9).
 const WHITE = `(() => {
   const view = document.getElementById("refraction"), copy = document.createElement("canvas");
   [copy.width, copy.height] = [view.width, view.height];
   const g = copy.getContext("2d");
   g.drawImage(view, 0, 0);
-  const [w, h] = [Math.round(copy.width / 5), Math.round(copy.height / 5)];
-  const { data } = g.getImageData(Math.round(copy.width / 4 - w / 2), Math.round(copy.height / 2 - h / 2), w, h);
+  const first = copy.width / document.getElementById("scene-labels").children.length;
+  const [w, h] = [Math.round(first / 5), Math.round(copy.height / 5)];
+  const { data } = g.getImageData(Math.round(first / 2 - w / 2), Math.round(copy.height / 2 - h / 2), w, h);
   const greens = Array.from({ length: w * h }, (_, k) => data[4 * k + 1]).sort((a, b) => a - b);
   return (greens[Math.floor(0.9 * greens.length)] / 255) ** 2.2 / 0.9;
 })()`;
@@ -199,21 +213,22 @@ async function refraction(browser, data) {
   await glass(browser, "glass", "dome");
 }
 
-// Height over width of the highlight on the measured sphere, by second moments of its bright pixels, with the lamp
-// over the viewer's shoulder.
+// Height over width of the highlight on the measured sphere, the first from the left, by second moments of its bright pixels,
+// with the lamp over the viewer's shoulder.
 const HIGHLIGHT = `(() => {
   const scene = document.getElementById("scene"), copy = document.createElement("canvas");
   [copy.width, copy.height] = [scene.width, scene.height];
   const g = copy.getContext("2d");
   g.drawImage(scene, 0, 0);
   const { width, height } = copy, { data } = g.getImageData(0, 0, width, height);
+  const first = width / document.getElementById("scene-labels").children.length, radius = .5 * Math.min(first, height);
   const bright = [];
   let most = 0;
   const grey = (k) => data[4 * k + 1];
-  // A disc well inside the sphere on the left.
-  const inside = (x, y) => (x - width / 4) ** 2 + (y - height * .45) ** 2 < (width / 8) ** 2;
-  for (let y = 0; y < height; y += 1) for (let x = 0; x < width / 2; x += 1) if (inside(x, y)) most = Math.max(most, grey(y * width + x));
-  for (let y = 0; y < height; y += 1) for (let x = 0; x < width / 2; x += 1) if (inside(x, y) && grey(y * width + x) > .75 * most) bright.push([x, y]);
+  // A disc within the sphere, whose radius is 0.78 of half of the picture.
+  const inside = (x, y) => (x - first / 2) ** 2 + (y - height / 2) ** 2 < (.72 * radius) ** 2;
+  for (let y = 0; y < height; y += 1) for (let x = 0; x < first; x += 1) if (inside(x, y)) most = Math.max(most, grey(y * width + x));
+  for (let y = 0; y < height; y += 1) for (let x = 0; x < first; x += 1) if (inside(x, y) && grey(y * width + x) > .75 * most) bright.push([x, y]);
   const spread = (axis) => {
     const mean = bright.reduce((sum, p) => sum + p[axis], 0) / bright.length;
     return Math.sqrt(bright.reduce((sum, p) => sum + (p[axis] - mean) ** 2, 0) / bright.length);
@@ -258,12 +273,18 @@ async function reading(browser) {
 async function highlight(browser) {
   const alpha = await browser.evaluate("JSON.parse(document.getElementById('data').textContent).table.alpha");
   await set(browser, "phi", "50");
+  await set(browser, "theta", await browser.evaluate("document.getElementById('theta').max"));
+  await set(browser, "lamp", "lamp");
+  // Nothing is cut off at white.
+  await set(browser, "exposure", "-4");
   const ratio = await browser.evaluate(HIGHLIGHT);
   // Brushed along x: facets tilt alpha_y / alpha_x times as far across it. A round highlight is wider than high or
   // higher than wide by the light's height alone.
   if (alpha[1] >= 3 * alpha[0]) hold("brushed metal has a long highlight", ratio > 2, ratio);
   if (alpha[1] === alpha[0]) hold("an isotropic surface has a round highlight", ratio > 1 / 1.5 && ratio < 1.5, ratio);
   console.log(`highlight: ${ratio.toFixed(2)} times as high as wide`);
+  await set(browser, "exposure", "0");
+  await set(browser, "lamp", "sky");
 }
 
 // What a picture must have at any width: nothing beyond the page, no text of a plot upon another, none too small.
@@ -310,7 +331,7 @@ async function withViewer() {
   }
   if (summary) {
     await numbers(browser);
-    if (!(await browser.evaluate("document.getElementById('scene-figure').hidden"))) await highlight(browser);
+    if (await browser.evaluate("!document.getElementById('lamp').parentElement.hidden")) await highlight(browser);
     await set(browser, "phi", "0");
     await controls(browser);
   } else {

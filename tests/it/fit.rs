@@ -430,3 +430,20 @@ fn the_command_prints_json_and_says_what_is_missing() {
     assert!(said.contains("--model gxx: one of lambert"), "{said}");
     assert!(fs::read_dir(&folder).expect("a folder").count() == 1);
 }
+
+#[test]
+fn the_quick_fit_finds_the_law_of_its_table() {
+    let model = Microfacet { ndf: Ndf::Beckmann, alpha_x: 0.25, alpha_y: 0.25, rotation: 0.0 };
+    let grid = grid(&[0.0, 30.0, 60.0], &[0.0], true);
+    let table = microfacet_table(grid, &model, Masking::HeightCorrelated, &[0.9, 0.6, 0.3]);
+    let data = FitData::new(&table, None, None);
+    let found = fit::nearest(&data, &FitLaw::all(&data)).expect("a law");
+    assert_eq!(found.name, "beckmann, height-correlated, alpha 0.250");
+    for (means, colour) in found.means.iter().zip(&table.colours) {
+        let peak = f64::from(colour.total.iter().copied().fold(0.0, f32::max));
+        // The table is the model to 1e-5 (nodes of both quadratures), and its parameters are found to 1e-7.
+        let off = means.iter().zip(&colour.total).map(|(a, b)| (a - f64::from(*b)).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-4 * peak, "{off} of {peak}");
+    }
+    assert!(fit::nearest(&data, &[]).is_none());
+}

@@ -22,6 +22,7 @@ mod layering;
 mod layout;
 mod mentions;
 mod properties;
+mod render;
 mod report;
 mod report_through;
 mod streams;

@@ -198,6 +198,7 @@ fn page_of(made: &Made, name: &str, benches: &[BenchAnswer]) -> String {
         campaign: Some(campaign),
         masking: Some("direction_correlated"),
         summary: &summary.expect("a summary"),
+        best: None,
         specimen: Err("no patch: <none>".into()),
         benches,
     })
@@ -299,6 +300,7 @@ fn what_a_table_lacks_is_said() {
         campaign: None,
         masking: None,
         summary: &summary_of("imported", &arm.table),
+        best: None,
         specimen: Err("The table holds no campaign.".into()),
         benches: &[bench_of(json!([]), json!([]))],
     };
@@ -351,6 +353,7 @@ fn page_on(grid: Grid) -> String {
         campaign: None,
         masking: None,
         summary: &summary_of("other", &table),
+        best: None,
         specimen: Err("The table holds no campaign.".into()),
         benches: &[],
     })

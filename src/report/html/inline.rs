@@ -8,14 +8,14 @@ use base64::engine::general_purpose::STANDARD;
 use half::f16;
 use serde_json::{Value, json};
 
+use super::page::Page;
 use super::shown::{DrawnHemisphere, Places, Raster, shown};
 use crate::campaign::{Campaign, SurfaceKind};
+use crate::render::shown_colours;
 use crate::report::plot::plots::spread;
 use crate::report::slices::Scene;
 use crate::table::BrdfTable;
 
-/// The wavelengths that stand for R, G and B, nm.
-const RGB_NM: [f64; 3] = [650.0, 550.0, 450.0];
 /// Bytes of all layers in base64 that a page holds at most: its rest is below 1 MB.
 pub const LARGEST: usize = 4_500_000;
 /// Bins are merged down to about so many rows and columns before stops are left out.
@@ -51,13 +51,14 @@ struct Reduction {
     colours: Vec<usize>,
 }
 
-/// The table and its models for the page in so many bytes; `None` for grids that it does not know. `masking` is the model
-/// that stays where there is room for one only.
-pub fn inline(scene: &Scene, campaign: Option<&Campaign>, masking: usize, largest: usize) -> Option<Inline> {
+/// The table and its models for the page in so many bytes; `None` for grids that it does not know. Where there is room for one
+/// model only, it is that of the page's masking.
+pub fn inline(page: &Page, largest: usize) -> Option<Inline> {
+    let (scene, campaign, masking) = (&page.scene, page.campaign, page.masking_index());
     let shown = shown(&scene.table.grid, scene.table.gaps() > 0).filter(|shown| !shown.stops.is_empty())?;
-    let (plan, notes) = reduction(scene, &shown, masking, largest);
+    let (plan, notes) = reduction(page, &shown, largest);
     let notes = [shown.notes.clone(), notes].concat();
-    let layers = layers(scene, &shown, &plan);
+    let layers = layers(page, &shown, &plan);
     let highest = layers.iter().flat_map(|layer| &layer.values).copied().fold(0.0, f64::max);
     let scale = if highest > HALF { 2f64.powf((highest / HALF).log2().ceil()) } else { 1.0 };
     let pick = |values: &[f64], which: &[usize]| which.iter().map(|&k| values[k]).collect::<Vec<_>>();
@@ -99,20 +100,6 @@ fn is_mirrored(campaign: &Campaign, shown: &DrawnHemisphere, scene: &Scene) -> b
     symmetric && !scene.table.grid.phi_r_relative && last - first < 180.0
 }
 
-/// All colours of a plain table. Of wavelengths the three that stand for R, G and B; of two the longer one.
-fn shown_colours(table: &BrdfTable) -> Vec<usize> {
-    if !table.is_spectral() {
-        return (0..table.colours.len()).collect();
-    }
-    let nearest = |nm: f64| {
-        let off =
-            |colour: usize| table.colours[colour].wavelength_nm.map_or(f64::INFINITY, |at| (at - nm).abs());
-        (0..table.colours.len()).min_by(|&a, &b| off(a).total_cmp(&off(b))).unwrap_or(0)
-    };
-    let rgb = RGB_NM.map(nearest);
-    if rgb[0] > rgb[1] && rgb[1] > rgb[2] { rgb.to_vec() } else { vec![table.colours.len() / 2] }
-}
-
 fn shown_names(table: &BrdfTable, colours: &[usize]) -> Vec<String> {
     match colours.len() {
         1 => vec!["Y".into()],
@@ -122,12 +109,8 @@ fn shown_names(table: &BrdfTable, colours: &[usize]) -> Vec<String> {
 }
 
 /// Merges bins, leaves out stops, until the layers fit.
-fn reduction(
-    scene: &Scene,
-    shown: &DrawnHemisphere,
-    masking: usize,
-    largest: usize,
-) -> (Reduction, Vec<String>) {
+fn reduction(page: &Page, shown: &DrawnHemisphere, largest: usize) -> (Reduction, Vec<String>) {
+    let (scene, masking) = (&page.scene, page.masking_index());
     let [rows, columns] = match &shown.sensor {
         Places::Bins(raster) => [raster.theta_deg.len() - 1, raster.phi_deg.len() - 1],
         Places::Spots { directions_deg, .. } => [1, directions_deg.len()],
@@ -138,7 +121,7 @@ fn reduction(
     let (theta, phi) = (all(shown.theta_i_deg.len()), all(shown.phi_i_deg.len()));
     let colours = shown_colours(scene.table);
     let mut plan = Reduction { merge: [1, 1], theta, phi, maskings, colours };
-    let measured = 1 + usize::from(scene.has_multiple());
+    let measured = 1 + usize::from(scene.has_multiple()) + usize::from(page.best.is_some());
     let bytes = |plan: &Reduction| {
         let bins = rows.div_ceil(plan.merge[0]) * columns.div_ceil(plan.merge[1]);
         let values = bins * plan.theta.len() * plan.phi.len() * plan.colours.len();
@@ -202,7 +185,8 @@ impl Layer {
     }
 }
 
-fn layers(scene: &Scene, shown: &DrawnHemisphere, plan: &Reduction) -> Vec<Layer> {
+fn layers(page: &Page, shown: &DrawnHemisphere, plan: &Reduction) -> Vec<Layer> {
+    let scene = &page.scene;
     let table = scene.table;
     let bins = table.grid.bins();
     let stored = |pick: &dyn Fn(usize, usize) -> f32| {
@@ -225,6 +209,11 @@ fn layers(scene: &Scene, shown: &DrawnHemisphere, plan: &Reduction) -> Vec<Layer
             let name = model_name(&scene.maskings()[index]);
             layers.push(Layer { name, kind: "model", values: reduced(shown, plan, &value) });
         }
+    }
+    if let Some(best) = &page.best {
+        let value = |colour: usize, stop: usize, bin: usize| best.means[colour][stop * bins + bin];
+        let name = format!("best fit, {}", best.name);
+        layers.push(Layer { name, kind: "fit", values: reduced(shown, plan, &value) });
     }
     layers
 }

@@ -4,6 +4,8 @@ pub(crate) mod figures;
 pub(crate) mod head;
 pub mod inline;
 pub mod page;
+mod quantiles;
+mod relief;
 pub mod render;
 pub(crate) mod sections;
 pub(crate) mod shown;

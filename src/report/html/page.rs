@@ -2,12 +2,16 @@
 
 use super::specimen::ShownSpecimen;
 use crate::bench::BenchAnswer;
-use crate::campaign::Campaign;
-use crate::instrument::Grid;
+use crate::campaign::{Campaign, Optics};
+use crate::fit::{self, FitData, FitLaw, NearestLaw};
+use crate::instrument::{Grid, GridKind};
 use crate::report::slices::Scene;
 use crate::report::summary::Summary;
 use crate::table::BrdfTable;
 use crate::validate::{Prediction, expect};
+
+/// Values of a table at most for which a law is fitted to be shown.
+const MOST_FITTED: usize = 1 << 21;
 
 /// What a page is made of.
 pub struct Page<'a> {
@@ -21,6 +25,8 @@ pub struct Page<'a> {
     pub masking: Option<&'a str>,
     /// Its summary, as `measure` writes it.
     pub summary: &'a Summary,
+    /// The law nearest to order 1 of the table, for its sphere; none where nothing can be fitted.
+    pub best: Option<NearestLaw>,
     /// The first patch.
     pub specimen: ShownSpecimen,
     /// Answers of `gonio bench`, for the plots of error against samples.
@@ -44,6 +50,7 @@ impl<'a> Page<'a> {
             campaign,
             masking: campaign.map(expect::masking),
             summary,
+            best: best_fit(table, campaign),
             specimen,
             benches: &[],
         }
@@ -53,4 +60,17 @@ impl<'a> Page<'a> {
     pub fn masking_index(&self) -> usize {
         self.scene.prediction.map_or(0, |prediction| prediction.model.masking_index(self.masking))
     }
+}
+
+/// The law nearest to order 1 of a table, of those that `gonio fit` knows.
+fn best_fit(table: &BrdfTable, campaign: Option<&Campaign>) -> Option<NearestLaw> {
+    let values = table.grid.stops().saturating_mul(table.grid.bins()).saturating_mul(table.colours.len());
+    let layered = campaign.is_some_and(|campaign| matches!(campaign.optics, Optics::Layered { .. }));
+    if values > MOST_FITTED || layered || table.grid.kind == GridKind::HalfDifference {
+        return None;
+    }
+    let data = FitData::new(table, campaign, None);
+    let own = campaign.map_or(Vec::new(), |campaign| FitLaw::of_surface(&campaign.surface.kind, &data));
+    let laws: Vec<FitLaw> = FitLaw::all(&data).into_iter().chain(own).collect();
+    fit::nearest(&data, &laws)
 }

@@ -10,8 +10,12 @@ use super::inline::{Inline, LARGEST, inline};
 use super::page::Page;
 use super::{sections, through};
 use crate::error::seen_in_json;
+use crate::fit::NearestLaw;
+use crate::render::light::{LAMP, TOWARDS_DEG};
+use crate::render::{Camera, Sky};
 use crate::report::plot::escaped;
 use crate::report::slices::Scene;
+use crate::sphere;
 
 /// By this a page is recognised as one of ours.
 pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
@@ -57,13 +61,18 @@ pub fn page(page: &Page) -> String {
     let sides = [false, true].map(|below| {
         let half = table.half(below)?;
         let of_half = prediction.and_then(|prediction| prediction.half(&table.grid, below));
-        Some((half, of_half, page.summary.half(below)))
+        let bins = table.grid.half(below)?;
+        let best = page.best.as_ref().map(|best| NearestLaw {
+            name: best.name.clone(),
+            means: best.means.iter().map(|colour| bins.of(colour, table.grid.stops())).collect(),
+        });
+        Some((half, of_half, page.summary.half(below), best))
     });
     let shown = sides.each_ref().map(|side| {
-        let (table, prediction, summary) = side.as_ref()?;
+        let (table, prediction, summary, best) = side.as_ref()?;
         let scene = Scene { table, prediction: prediction.as_ref(), ..page.scene };
         let specimen = page.specimen.clone();
-        Some(Page { scene, summary, specimen, ..*page })
+        Some(Page { scene, summary, specimen, best: best.clone(), ..*page })
     });
     match &shown {
         [Some(back), Some(through)] => filled_page(back, &Shown::Both(through)),
@@ -76,7 +85,7 @@ pub fn page(page: &Page) -> String {
 
 /// The page of a table, or of one half of it that `page` is of.
 fn filled_page(page: &Page, shown: &Shown) -> String {
-    let of = |page: &Page, largest| inline(&page.scene, page.campaign, page.masking_index(), largest);
+    let of = |page: &Page, largest| inline(page, largest);
     let [back, through] = match shown {
         Shown::Back => [of(page, LARGEST), None],
         Shown::Both(through) => [of(page, LARGEST / 2), of(through, LARGEST / 2)],
@@ -84,7 +93,12 @@ fn filled_page(page: &Page, shown: &Shown) -> String {
     };
     let picture = page.specimen.as_ref().ok().map(sections::picture);
     let table = |inlined: &Option<Inline>| inlined.as_ref().map_or(Value::Null, |it| it.data.clone());
-    let mut data = json!({ "name": page.summary.name, "table": table(&back), "specimen": picture });
+    let mut data = json!({
+        "name": page.summary.name,
+        "table": table(&back),
+        "specimen": picture,
+        "sphere": sphere_scene(),
+    });
     let (mut view, mut hint, mut further, mut first) = ("", "", String::new(), Vec::new());
     let mut scripts = SCRIPTS.to_vec();
     if !matches!(shown, Shown::Back) {
@@ -117,6 +131,13 @@ fn filled_page(page: &Page, shown: &Shown) -> String {
         ("SCRIPT", format!("\"use strict\";\n{}", scripts.join("\n"))),
     ];
     filled(TEMPLATE, &parts)
+}
+
+/// Sky, lamp and camera of the spheres, as `gonio render` has them; its last step is where the light is.
+fn sphere_scene() -> Value {
+    let [theta_deg, phi_deg] = TOWARDS_DEG;
+    let sky = Sky::soft(sphere::direction_deg(theta_deg, phi_deg));
+    json!({ "sky": sky, "lamp": LAMP, "camera": Camera::beside(phi_deg) })
 }
 
 /// The template with its `{{NAME}}` marks replaced, once and from the left: no part is searched for marks.

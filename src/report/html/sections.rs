@@ -22,6 +22,10 @@ pub fn picture(specimen: &PatchPicture) -> Value {
         "rows": specimen.cells[1],
         "aspect": specimen.aspect,
         "shades": STANDARD.encode(&specimen.shades),
+        "heights": STANDARD.encode(&specimen.relief.heights),
+        "high": specimen.relief.high,
+        "bar": specimen.relief.bar_cells,
+        "bar_text": specimen.relief.bar_text,
     })
 }
 
@@ -82,12 +86,21 @@ pub fn specimen(page: &Page) -> String {
     let rows: String =
         rows.iter().map(|(what, value)| format!("<tr><th>{what}</th><td>{value}</td></tr>")).collect();
     let [columns, lines] = specimen.cells;
+    let charts: String = [Some(specimen.slopes()), specimen.quantiles()]
+        .iter()
+        .flatten()
+        .map(|chart| format!("<figure>{}</figure>\n", chart.svg()))
+        .collect();
     format!(
-        "<div class=\"charts\"><figure><canvas id=\"patch\" role=\"img\" aria-label=\"Shaded patch\"></canvas>\
-         <figcaption>{columns} x {lines} cells of patch 0, x to the right, lit from the upper left; slopes are scaled to a \
-         median of 0.45.</figcaption></figure>\n<figure>{}</figure>\n<div class=\"scroll\"><table class=\"facts\"><caption>\
+        "<div class=\"charts\"><figure><canvas id=\"relief\" role=\"img\" aria-label=\"Relief of the patch\"></canvas>\
+         <figcaption>{columns} x {lines} cells of patch 0 from above its corner at the smallest x and y, x to the right, y to the \
+         left, lit from the left; heights are drawn {} times {} than they are.</figcaption></figure>\n<figure><canvas id=\"patch\" \
+         role=\"img\" aria-label=\"Shaded patch\"></canvas><figcaption>The same from above, x to the right, lit from the upper left; \
+         slopes are scaled to a median of 0.45.</figcaption></figure>\n{}<div class=\"scroll\"><table class=\"facts\"><caption>\
          Certificate of patch 0</caption>{rows}</table></div></div>",
-        specimen.slopes().svg()
+        specimen.relief.times(),
+        if specimen.relief.exaggeration < 1.0 { "lower" } else { "higher" },
+        charts
     )
 }
 

@@ -2,6 +2,8 @@
 
 use glam::DVec2;
 
+use super::quantiles::{self, SlopeQuantiles};
+use super::relief::Relief;
 use crate::campaign::{Campaign, SurfaceKind};
 use crate::error::Result;
 use crate::measure;
@@ -28,12 +30,15 @@ pub struct PatchPicture {
     pub aspect: f64,
     /// Grey values, row 0 on top (largest y).
     pub shades: Vec<u8>,
+    /// Its heights.
+    pub relief: Relief,
     /// What the patch really has.
     pub certificate: Certificate,
     /// Whether slopes are ratios of lengths, as those of a measured map are, and heights in the map's unit.
     pub of_map: bool,
     law: Option<SlopeLaw>,
     histogram: Vec<f64>,
+    quantiles: Vec<SlopeQuantiles>,
     longest: f64,
 }
 
@@ -84,10 +89,18 @@ impl PatchPicture {
         let shades = shades(&patch.field, cells, [alpha.x * scale, alpha.y * scale]);
         let longest = LONGEST * if median > 0.0 { median } else { 1.0 };
         let histogram = histogram(&patch.field, shown, longest);
+        let pitch_um = match &campaign.surface.kind {
+            SurfaceKind::File(map) => map.pitch_x_um,
+            _ => None,
+        };
+        let relief = Relief::new(&patch.field, cells, alpha.x, scale, pitch_um);
+        let quantiles = law.map_or(Vec::new(), |law| quantiles::of(&patch.field, law));
         PatchPicture {
             cells,
             aspect: alpha.y / alpha.x,
             shades,
+            relief,
+            quantiles,
             certificate,
             of_map,
             law,
@@ -124,6 +137,13 @@ impl PatchPicture {
             y: ChartAxis::linear("density", [0.0, (1.08 * highest).max(1e-6)]),
             series,
         }
+    }
+}
+
+impl PatchPicture {
+    /// Quantiles of the slopes against the law's, where one is wanted.
+    pub fn quantiles(&self) -> Option<Chart> {
+        quantiles::chart(&self.quantiles)
     }
 }
 

@@ -11,12 +11,32 @@ function chosen(table, id) {
   return layers.find((layer) => layer.name === element(id).value) || layers[0] || null;
 }
 
+// What is shown side by side, each a layer of every table: measured, model, best fit, where all tables have them.
+function pairsOf(tables) {
+  const fits = tables.map((table) => table.layers.find((layer) => layer.kind === "fit") || null);
+  const kinds = [tables.map((table) => chosen(table, "layer")), tables.map((table) => chosen(table, "model")), fits];
+  return kinds.filter((layers) => layers.every(Boolean));
+}
+
+function fromLeft(layers) {
+  return `${layers.length > 1 ? "From left: " : ""}${layers.map((layer) => layer.name).join("; ")}.`;
+}
+
+// Names over the spheres.
+function label(layers) {
+  element("scene-labels").replaceChildren(...layers.map((layer) => {
+    const text = document.createElement("span");
+    text.textContent = layer.name;
+    return text;
+  }));
+}
+
 // The viewer's state from its controls.
 function viewerState() {
   const number = (id) => Number(element(id).value);
   return {
     theta: number("theta"), phi: number("phi"), exposure: number("exposure"),
-    log: element("radius").value === "log", which: element("which").value, sky: element("lamp").value === "sky",
+    log: element("radius").value === "log", which: element("which").value, light: element("lamp").value,
     two: element("halves").value === "two",
   };
 }
@@ -40,9 +60,21 @@ function captions(state, lobe, inside) {
     ? "; red-violet: refracted at the mean plane (Snell)" : (lobe.tables.some((table) => table.eta) ? "; the mean plane reflects all" : "");
   element("lobe-caption").textContent = `${nearest}${names}${lobe.lobes.length > 1 ? " (right)" : ""}. ${through}Radius ${radius}; 1 is ` +
     `${peaks}. ${through ? "Arrow" : "Solid line"}: light; dashed: mirror direction${onwards}; red: x, green: y.`;
-  const halves = state.model ? `Left: ${state.measured.name}; right: ${state.model.name}.` : `${state.measured.name}.`;
-  element("scene-caption").textContent = `${halves} ${state.sky ? "A soft sky, brightest in the light's direction." : "One lamp in the light's direction."} ` +
-    `On the sphere x runs level around it.${inside ? " Eye and lamp are in the medium." : through ? " What comes back of the light (R)." : ""}`;
+}
+
+const LIGHTS = {
+  sky: "A soft sky by formula, brightest in the light's direction",
+  both: "A soft sky by formula, brightest in the light's direction, and a lamp there",
+  lamp: "One lamp in the light's direction",
+};
+
+// What the spheres show. `layers` are those of one table.
+function sceneCaption(state, layers, scene, inside) {
+  const glass = !scene.through ? ""
+    : ` A sphere of ${inside ? "air in the medium" : `index ${scene.through.eta.toPrecision(4)}`}, rough (the table) towards the eye and smooth behind.`;
+  const sent = scene.back ? "" : " What comes back is not in the table.";
+  element("scene-caption").textContent = `${fromLeft(layers)} ${LIGHTS[state.light]}.${glass}${sent} On the sphere x runs level around it. ` +
+    "One exposure for all: linear values become sRGB, cut off at white. `gonio render` makes the same picture.";
 }
 
 // What the halves of a lobe are.
@@ -52,7 +84,21 @@ function sidesInWords(lobe, inside) {
   return `${halves.join("; ")} the surface. The light comes from ${inside ? "inside, below it" : "outside"}.`;
 }
 
-function startViewer(tables, inside) {
+// The spheres: of light that comes back, of light that goes through where the index is known, or both. Single directions say
+// nothing of all the others that a sphere needs.
+function startScene(back, through, sphere) {
+  const whole = (table) => (table && !table.spots ? table : null);
+  const clear = through && through.eta && through.eta !== 1 ? whole(through) : null;
+  const scene = whole(back) || clear ? new SceneView(element("scene"), sphere, whole(back), clear) : { gl: null };
+  element("scene-figure").hidden = !scene.gl;
+  element("no-sphere").hidden = !scene.tooMany;
+  // A lamp is seen in what comes back.
+  element("lamp").parentElement.hidden = !scene.gl || !scene.back;
+  element("exposure").parentElement.hidden = !scene.gl;
+  return scene;
+}
+
+function startViewer(tables, inside, sphere) {
   element("viewer").hidden = false;
   const [table] = tables, back = tables.find((table) => !table.below), through = tables.find((table) => table.below);
   const names = (kind) => {
@@ -71,7 +117,6 @@ function startViewer(tables, inside) {
   const modelled = names("model").length > 0;
   for (const id of ["which", "halves"]) element(id).parentElement.hidden = !modelled;
   const lobe = new LobeView(element("lobe"), tables, inside);
-  element("lobe").closest(".views").classList.toggle("halves", Boolean(back && through));
   if (through) {
     const label = document.createElement("span");
     label.className = "sides";
@@ -80,17 +125,11 @@ function startViewer(tables, inside) {
     const which = back ? "The lobes on both sides of the surface" : "The lobe beyond the surface";
     element("lobe").setAttribute("aria-label", `${which}. Arrow keys turn the view, plus and minus zoom.`);
   }
-  // Single directions say nothing of all the others that a sphere needs.
-  const scene = !back || back.spots ? { gl: null, show() {} } : new SceneView(element("scene"), back);
+  const scene = startScene(back, through, sphere);
   const refraction = through && new Refraction(through, inside);
   element("no-webgl").hidden = Boolean(lobe.gl);
   element("turning").hidden = !lobe.gl;
-  element("scene-figure").hidden = !scene.gl;
-  element("no-sphere").hidden = !scene.tooMany;
-  if (!scene.gl) for (const id of ["lamp", "exposure"]) element(id).parentElement.hidden = true;
   if (!scene.gl && !(lobe.gl && through)) element("halves").parentElement.hidden = true;
-  // Clear surfaces send little back.
-  if (through && scene.gl) element("exposure").value = 3;
   let asked = false;
   const update = () => {
     asked = false;
@@ -98,13 +137,18 @@ function startViewer(tables, inside) {
     const of = (id) => tables.map((table) => chosen(table, id));
     const [measured, model] = [of("layer"), of("model")], both = [measured, model].filter((layers) => layers.every(Boolean));
     lobe.show({ ...state, lobes: { both, measured: [measured], model: both.slice(-1) }[state.which] });
-    const layersOf = (table) => ({ measured: measured[tables.indexOf(table)], model: model[tables.indexOf(table)] });
-    const shaded = { ...state, ...layersOf(back || table) };
-    scene.show(shaded);
-    captions(shaded, lobe, inside);
+    const pairs = pairsOf(tables), seen = pairs.map((layers) => layers[tables.indexOf(back || table)]);
+    captions(state, lobe, inside);
+    if (scene.gl) {
+      const of = (layers, half) => (half ? layers[tables.indexOf(half)] : null);
+      scene.show({ ...state, pairs: pairs.map((layers) => [of(layers, scene.back), of(layers, scene.through)]) });
+      label(seen);
+      sceneCaption(state, seen, scene, inside);
+    }
     document.body.dataset.drawn = String(Number(document.body.dataset.drawn || 0) + 1);
     // After the others are on the screen: it takes the longest.
-    if (through) setTimeout(() => refraction.show({ ...state, ...layersOf(through) }), 0);
+    const layers = through && pairs.map((all) => all[tables.indexOf(through)]);
+    if (through) setTimeout(() => refraction.show({ ...state, layers }), 0);
   };
   const ask = () => {
     if (!asked) requestAnimationFrame(update);
@@ -129,11 +173,15 @@ function startPictures(tables) {
 
 function start() {
   const data = JSON.parse(element("data").textContent);
-  if (data.specimen) drawPatch(element("patch"), data.specimen);
+  if (data.specimen) {
+    drawPatch(element("patch"), data.specimen);
+    // After what stands above it.
+    setTimeout(() => drawRelief(element("relief"), data.specimen), 0);
+  }
   const { eta = null, inside = false } = data.interface || {};
   const halves = [data.table && new Table(data.table, false, eta), data.through && new Table(data.through, true, eta)].filter(Boolean);
   if (halves.length > 0) {
-    startViewer(halves, inside);
+    startViewer(halves, inside, data.sphere);
     startPictures(halves);
   }
   offerDownloads();

@@ -45,8 +45,10 @@ class Orbit {
   }
 }
 
-function program(gl, vertex, fragment) {
+// `first` is the name of the attribute 0, where there is one.
+function program(gl, vertex, fragment, first = null) {
   const made = gl.createProgram();
+  if (first) gl.bindAttribLocation(made, 0, first);
   for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
     const shader = gl.createShader(kind);
     gl.shaderSource(shader, `#version 300 es\nprecision highp float;\n${text}`);

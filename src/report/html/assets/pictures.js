@@ -95,6 +95,59 @@ function drawPatch(canvas, patch) {
   g.putImageData(image, 0, 0);
 }
 
+// Cells along a side of the relief that are drawn one by one.
+const RELIEF_CELLS = 128;
+
+// The relief seen from above the corner of the smallest x and y, from the back to the front, in grey values of the shaded patch.
+function drawRelief(canvas, patch) {
+  const { columns, rows, high } = patch, deep = rows / patch.aspect, [cos, sin] = [Math.cos(Math.PI / 6), 0.5];
+  const [heights, shades] = [bytesOf(patch.heights), bytesOf(patch.shades)], step = Math.ceil(Math.max(columns, rows) / RELIEF_CELLS);
+  const margin = 30, scale = 540 / ((columns + deep) * cos), width = 540 + 2 * margin;
+  const height = ((columns + deep) * sin + high) * scale + 2 * margin, ratio = 2;
+  canvas.style.aspectRatio = `${width} / ${height}`;
+  [canvas.width, canvas.height] = [ratio * width, ratio * height];
+  const g = canvas.getContext("2d");
+  g.scale(ratio, ratio);
+  g.fillStyle = "#fff";
+  g.fillRect(0, 0, width, height);
+  const place = (x, y, z) => [margin + (x - y + deep) * cos * scale, height - margin - ((x + y) * sin + z) * scale];
+  const z = (column, row) => heights[row * columns + column] / 255 * high;
+  const corner = (column, row) => place(column, (rows - 1 - row) / patch.aspect, z(column, row));
+  const fill = (points, grey) => {
+    g.fillStyle = g.strokeStyle = `rgb(${grey},${grey},${grey})`;
+    g.beginPath();
+    points.forEach(([x, y]) => g.lineTo(x, y));
+    g.closePath();
+    g.fill();
+    // Neighbours leave no seam.
+    g.stroke();
+  };
+  g.lineWidth = 0.7;
+  for (let row = 0; row + step < rows; row += step) {
+    for (let column = Math.floor((columns - 1) / step) * step - step; column >= 0; column -= step) {
+      const [c, r] = [column + step, row + step];
+      fill([corner(column, row), corner(c, row), corner(c, r), corner(column, r)], Math.round(45 + 0.8 * shades[row * columns + column]));
+    }
+  }
+  // The sides that face the eye, down to the lowest place.
+  const [lastRow, lastColumn] = [rows - 1, columns - 1].map((last) => Math.floor(last / step) * step);
+  const front = (rows - 1 - lastRow) / patch.aspect;
+  const along = Array.from({ length: lastColumn / step + 1 }, (_, k) => corner(k * step, lastRow));
+  fill([...along, place(lastColumn, front, 0), place(0, front, 0)], 120);
+  const across = Array.from({ length: lastRow / step + 1 }, (_, k) => corner(0, k * step));
+  fill([...across, place(0, front, 0), place(0, (rows - 1) / patch.aspect, 0)], 165);
+  const gap = 10 / (cos * scale), [from, to] = [place(0, -gap, 0), place(patch.bar, -gap, 0)];
+  g.strokeStyle = g.fillStyle = "#1a1a1a";
+  g.lineWidth = 2.5;
+  g.beginPath();
+  g.moveTo(...from);
+  g.lineTo(...to);
+  g.stroke();
+  g.font = "13px system-ui, 'Liberation Sans', sans-serif";
+  g.fillText(patch.bar_text, 0.5 * (from[0] + to[0]) + 8, 0.5 * (from[1] + to[1]) + 14);
+  for (const [name, end] of [["x", place(columns, 0, 0)], ["y", place(0, deep, 0)]]) g.fillText(name, end[0] - 4, end[1] + 18);
+}
+
 // The figure of the half at a place among the halves: that of the first is on the page, another is made after its likeness.
 function figureOf(place, id, label) {
   const first = document.getElementById(id).parentElement, made = document.getElementById(`${id}-${place}`);

@@ -70,7 +70,7 @@ function offerDownloads() {
     if (data) ways.push(text("csv", "text/csv", () => data.textContent.trimStart()));
     offer(svg.parentElement, ways);
   }
-  for (const id of ["patch", "lobe", "scene", "refraction", "slices", "slices-1"]) {
+  for (const id of ["relief", "patch", "lobe", "scene", "refraction", "slices", "slices-1"]) {
     const canvas = element(id);
     if (!canvas || !canvas.closest("figure")) continue;
     const title = (canvas.getAttribute("aria-label") || id).split(".")[0];

@@ -2,19 +2,19 @@
 
 const CORNERS_VERTEX = "in vec2 corner; out vec2 at; void main() { at = corner; gl_Position = vec4(corner, 0., 1.); }";
 const TABLE_FRAGMENT = `
-precision highp sampler2DArray;
+precision highp sampler2DArray; precision highp sampler2D;
 in vec2 at; out vec4 colour;
-uniform sampler2DArray measured, model;
-uniform int angles, azimuths; uniform bool relative, mirrored, split, two;
+uniform sampler2DArray values;
+uniform int angles, azimuths; uniform bool relative, mirrored;
 uniform float theta[64], phi[64];
 uniform vec3 right, up, towards;
 uniform vec2 view, alpha, slopes, size; uniform float turn, eta;
 const float PI = 3.14159265358979;
 
 // A stop's bins in a direction of the sample's frame.
-vec3 bins(bool left, vec3 w, int stop) {
+vec3 bins(vec3 w, int stop) {
   vec2 uv = vec2(atan(w.y, w.x) / (2. * PI) + .5 / size.x, (atan(length(w.xy), w.z) / (.5 * PI) * (size.y - 1.) + .5) / size.y);
-  return left ? texture(measured, vec3(uv, float(stop))).rgb : texture(model, vec3(uv, float(stop))).rgb;
+  return texture(values, vec3(uv, float(stop))).rgb;
 }
 
 // As in table.js.
@@ -65,44 +65,89 @@ void find(vec3 wi) {
   }
 }
 
-// Where the picture of one of two halves is looked at, from -1 to 1.
-float across_half(bool left) {
-  return two ? 2. * at.x + (left ? 1. : -1.) : at.x;
+float reflected(vec3 w, vec3 h) { return eta > 0. ? fresnel(abs(dot(w, h))) : 1.; }
+
+// BRDF between measured light directions: the same half vector at each neighbour, as table.js does it. Where an arm is beyond
+// the last light, both change places (reciprocity).
+vec3 brdf(vec3 wi, vec3 wo) {
+  if (acos(min(wi.z, 1.)) > theta[angles - 1] && wo.z > wi.z) { vec3 swapped = wi; wi = wo; wo = swapped; }
+  mat3 frame = frame_of(wi);
+  wi = frame * wi; wo = frame * wo;
+  vec3 h = normalize(wi + wo);
+  find(wi);
+  vec3 sum = vec3(0.); float weights = 0.;
+  for (int k = 0; k < 4; k += 1) {
+    if (weight[k] <= 0.) continue;
+    vec3 w = 2. * dot(h, near[k]) * h - near[k];
+    if (w.z <= 0.) continue;
+    sum += weight[k] * bins(w, layer[k]) * projected(near[k]) * projected(w);
+    weights += weight[k] * reflected(near[k], h);
+  }
+  return weights > 0. ? sum / weights / (projected(wi) * projected(wo)) * reflected(wi, h) : vec3(0.);
 }
+
+// Below the horizon; z = 0 where nothing goes there.
+vec3 refracted(vec3 w, vec3 h) {
+  float c = dot(w, h), squared = 1. - (1. - c * c) / (eta * eta);
+  return c > 0. && squared > 0. ? (c / eta - sqrt(squared)) * h - w / eta : vec3(0.);
+}
+
+vec3 upright(vec3 w) { return vec3(w.xy, -w.z); }
+
+float turning(float i, float o) {
+  float whole = i + eta * o;
+  return i * -o / (whole * whole);
+}
+
+float share(vec3 wi, vec3 w, vec3 h) {
+  float i = dot(wi, h);
+  return turning(i, dot(w, h)) * (1. - fresnel(i)) / (projected(wi) * projected(upright(w)));
+}
+
+// Half vector of refraction; z = 0 where no facet refracts wi to w.
+vec3 refracting(vec3 wi, vec3 w) {
+  vec3 h = normalize((eta > 1. ? -1. : 1.) * (wi + eta * w));
+  return h.z > 0. && dot(wi, h) > 0. && dot(w, h) < 0. ? h : vec3(0.);
+}
+
+// What a light that \`find\` was asked for sends to w, in the table's frame.
+vec3 btdf(vec3 wi, vec3 w, vec3 h) {
+  bool facet = h.z > 0.;
+  vec3 sum = vec3(0.); float shares = 0.;
+  for (int k = 0; k < 4; k += 1) {
+    if (weight[k] <= 0.) continue;
+    vec3 to = facet ? refracted(near[k], h) : w;
+    if (facet ? to.z >= 0. : refracting(near[k], w).z > 0.) continue;
+    sum += weight[k] * bins(upright(to), layer[k]);
+    shares += weight[k] * (facet ? share(near[k], to, h) : 1.);
+  }
+  float own = facet ? share(wi, w, h) : 1.;
+  return shares > 0. ? sum / max(shares, .1 * own) * own : vec3(0.);
+}
+
+vec3 ray_here() { return normalize(at.x * view.x * right + at.y * view.y * up - towards); }
 `;
 
-// A picture of a table's layers, the model's on the right.
-class TableView {
-  constructor(canvas, table, fragment, orbit) {
-    this.canvas = canvas;
-    this.table = table;
-    this.gl = canvas.getContext("webgl2", { preserveDrawingBuffer: true });
-    if (!this.gl) return;
-    const gl = this.gl;
-    this.tooMany = table.stops > gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS);
-    if (this.tooMany) this.gl = null;
-    if (this.tooMany) return;
-    this.program = program(gl, CORNERS_VERTEX, TABLE_FRAGMENT + fragment);
-    this.orbit = new Orbit(canvas, orbit, () => this.draw());
-    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), gl.STATIC_DRAW);
-    gl.enableVertexAttribArray(0);
-    gl.bindAttribLocation(this.program, 0, "corner");
-    gl.vertexAttribPointer(gl.getAttribLocation(this.program, "corner"), 2, gl.FLOAT, false, 0, 0);
+// Layers of a table as textures over (phi, theta) of the sample's frame, one slice for each stop; folded stops are unfolded here.
+class TableTextures {
+  constructor(gl, table) {
+    Object.assign(this, { gl, table });
     // Many light directions are taken coarser: all of them lie in the memory of the graphics.
     this.size = table.stops > 300 ? [90, 46] : [180, 91];
-    this.textures = [gl.createTexture(), gl.createTexture()];
-    this.loaded = [null, null];
+    this.slots = [];
   }
 
-  // A layer as textures over (phi, theta) of the sample's frame, one for each stop; folded stops are unfolded here.
-  load(unit, layer) {
-    const { gl, table } = this;
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.textures[unit]);
-    if (this.loaded[unit] === layer) return;
-    this.loaded[unit] = layer;
-    const [wide, high] = this.size;
+  // The texture of a layer, kept in one of a few slots.
+  of(slot, layer) {
+    const { gl, slots } = this;
+    slots[slot] = slots[slot] || { texture: gl.createTexture(), layer: null };
+    if (slots[slot].layer !== layer) this.load(slots[slot].texture, layer);
+    slots[slot].layer = layer;
+    return slots[slot].texture;
+  }
+
+  load(texture, layer) {
+    const { gl, table } = this, [wide, high] = this.size;
     const azimuths = table.relative ? [null] : table.azimuths;
     const data = new Float32Array(3 * wide * high * table.theta_i.length * azimuths.length);
     const rows = Array.from({ length: high }, (_, k) => table.rowsAt(90 * k / (high - 1)));
@@ -123,14 +168,12 @@ class TableView {
         }
       }
     }
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D_ARRAY, texture);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 4);
     const layers = table.theta_i.length * azimuths.length;
     gl.texImage3D(gl.TEXTURE_2D_ARRAY, 0, gl.RGB16F, wide, high, layers, 0, gl.RGB, gl.FLOAT, data);
-    const set = (name, value) => gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl[name], gl[value]);
-    set("TEXTURE_MIN_FILTER", "LINEAR");
-    set("TEXTURE_MAG_FILTER", "LINEAR");
-    set("TEXTURE_WRAP_S", "REPEAT");
-    set("TEXTURE_WRAP_T", "CLAMP_TO_EDGE");
+    smooth(gl);
   }
 
   // The azimuth of the table's bins for one of the folded sample's frame.
@@ -140,13 +183,61 @@ class TableView {
     return Math.atan2(fold.y * Math.sin(phi * RAD), fold.x * Math.cos(phi * RAD)) / RAD + this.table.rotation;
   }
 
-  // Width of the lobe for the choice of points.
+  // Whether the graphics take so many stops.
+  fit() {
+    return this.table.stops <= this.gl.getParameter(this.gl.MAX_ARRAY_TEXTURE_LAYERS);
+  }
+
+  // Width of the lobe for the choice of directions.
   alpha() {
     return this.table.slopes.map((alpha) => Math.min(Math.max(alpha, 0.02), 1));
   }
 
-  two() {
-    return Boolean(this.state.model) && this.state.two;
+  // What a program is told of the table.
+  describe(set) {
+    const { table } = this;
+    const azimuths = table.relative ? [0] : table.azimuths.map((a) => a.phi * RAD);
+    set("values", "1i", 0);
+    set("angles", "1i", table.theta_i.length);
+    set("azimuths", "1i", azimuths.length);
+    set("theta", "1fv", table.theta_i.map((t) => t * RAD));
+    set("phi", "1fv", azimuths);
+    set("relative", "1i", table.relative ? 1 : 0);
+    set("mirrored", "1i", table.mirrored ? 1 : 0);
+    set("alpha", "2fv", this.alpha());
+    set("slopes", "2fv", table.slopes);
+    set("size", "2fv", this.size);
+    set("turn", "1f", table.rotation * RAD);
+    set("eta", "1f", table.eta || 0);
+  }
+}
+
+// Linear between the texels of the bound array, round in the azimuth.
+function smooth(gl) {
+  const set = (name, value) => gl.texParameteri(gl.TEXTURE_2D_ARRAY, gl[name], gl[value]);
+  set("TEXTURE_MIN_FILTER", "LINEAR");
+  set("TEXTURE_MAG_FILTER", "LINEAR");
+  set("TEXTURE_WRAP_S", "REPEAT");
+  set("TEXTURE_WRAP_T", "CLAMP_TO_EDGE");
+}
+
+// Two triangles over everything, for all programs of a context.
+function corners(gl) {
+  gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+  gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 3, -1, -1, 3]), gl.STATIC_DRAW);
+  gl.enableVertexAttribArray(0);
+  gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
+}
+
+// Pictures of the same thing in several layers, side by side or in strips of one.
+class LayersView {
+  constructor(canvas, fragment, orbit) {
+    this.canvas = canvas;
+    this.gl = canvas.getContext("webgl2", { preserveDrawingBuffer: true });
+    if (!this.gl) return;
+    this.program = program(this.gl, CORNERS_VERTEX, TABLE_FRAGMENT + fragment, "corner");
+    this.orbit = new Orbit(canvas, orbit, () => this.draw());
+    corners(this.gl);
   }
 
   show(state) {
@@ -158,33 +249,31 @@ class TableView {
     this.gl[`uniform${kind}`](this.gl.getUniformLocation(this.program, name), ...values);
   }
 
-  // What both pictures set before they draw; `half` is the half height of what the eye sees.
-  prepare(half) {
-    const { gl, canvas, table, state } = this;
-    const ratio = canvas.clientHeight / canvas.clientWidth;
+  // Draws every layer in its place after `bind(k)`; `half` is the half height of what the eye sees.
+  drawEach(count, half, bind) {
+    const { gl, canvas } = this, side = this.state.two && count > 1;
     fitted(canvas, canvas.clientWidth, canvas.clientHeight);
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.useProgram(this.program);
-    this.load(0, state.measured);
-    this.load(1, state.model || state.measured);
-    const axes = this.orbit.axes();
-    for (const name of ["right", "up", "towards"]) this.set(name, "3fv", axes[name]);
-    const azimuths = table.relative ? [0] : table.azimuths.map((a) => a.phi * RAD);
-    this.set("measured", "1i", 0);
-    this.set("model", "1i", 1);
-    this.set("angles", "1i", table.theta_i.length);
-    this.set("azimuths", "1i", azimuths.length);
-    this.set("theta", "1fv", table.theta_i.map((t) => t * RAD));
-    this.set("phi", "1fv", azimuths);
-    const flags = { relative: table.relative, mirrored: table.mirrored, split: Boolean(state.model), two: this.two() };
-    for (const [name, flag] of Object.entries(flags)) this.set(name, "1i", flag ? 1 : 0);
-    // What is drawn fits the narrower side of what each of them has.
-    const width = (this.two() ? 0.5 : 1) / ratio, size = half / this.orbit.zoom / Math.min(1, width);
-    this.set("view", "2f", size * width, size);
-    this.set("alpha", "2fv", this.alpha());
-    this.set("slopes", "2fv", table.slopes);
-    this.set("size", "2fv", this.size);
-    this.set("turn", "1f", table.rotation * RAD);
-    this.set("eta", "1f", table.eta || 0);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.disable(gl.SCISSOR_TEST);
+    gl.clearColor(1, 1, 1, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    const at = (k) => Math.round(k * canvas.width / count);
+    for (let k = 0; k < count; k += 1) {
+      bind(k);
+      gl.enable(gl.SCISSOR_TEST);
+      // A white line between neighbours.
+      const [from, to] = [at(k) + (k > 0 ? 1 : 0), at(k + 1) - (k < count - 1 ? 1 : 0)];
+      gl.scissor(from, 0, to - from, canvas.height);
+      const [left, wide] = side ? [at(k), at(k + 1) - at(k)] : [0, canvas.width];
+      gl.viewport(left, 0, wide, canvas.height);
+      gl.useProgram(this.program);
+      const axes = this.orbit.axes();
+      for (const name of ["right", "up", "towards"]) this.set(name, "3fv", axes[name]);
+      // What is drawn fits the narrower side.
+      const width = wide / canvas.height, size = half / this.orbit.zoom / Math.min(1, width);
+      this.set("view", "2f", size * width, size);
+      gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+    gl.disable(gl.SCISSOR_TEST);
   }
 }

@@ -7,45 +7,6 @@
 const REFRACTION_FRAGMENT = `
 uniform bool pane; uniform float depth, pixel;
 
-// Below the horizon; z = 0 where nothing goes there.
-vec3 refracted(vec3 w, vec3 h) {
-  float c = dot(w, h), squared = 1. - (1. - c * c) / (eta * eta);
-  return c > 0. && squared > 0. ? (c / eta - sqrt(squared)) * h - w / eta : vec3(0.);
-}
-
-vec3 upright(vec3 w) { return vec3(w.xy, -w.z); }
-
-float turning(float i, float o) {
-  float whole = i + eta * o;
-  return i * -o / (whole * whole);
-}
-
-float share(vec3 wi, vec3 w, vec3 h) {
-  float i = dot(wi, h);
-  return turning(i, dot(w, h)) * (1. - fresnel(i)) / (projected(wi) * projected(upright(w)));
-}
-
-// Half vector of refraction; z = 0 where no facet refracts wi to w.
-vec3 refracting(vec3 wi, vec3 w) {
-  vec3 h = normalize((eta > 1. ? -1. : 1.) * (wi + eta * w));
-  return h.z > 0. && dot(wi, h) > 0. && dot(w, h) < 0. ? h : vec3(0.);
-}
-
-// What a light that \`find\` was asked for sends to w, in the table's frame.
-vec3 btdf(bool left, vec3 wi, vec3 w, vec3 h) {
-  bool facet = h.z > 0.;
-  vec3 sum = vec3(0.); float shares = 0.;
-  for (int k = 0; k < 4; k += 1) {
-    if (weight[k] <= 0.) continue;
-    vec3 to = facet ? refracted(near[k], h) : w;
-    if (facet ? to.z >= 0. : refracting(near[k], w).z > 0.) continue;
-    sum += weight[k] * bins(left, upright(to), layer[k]);
-    shares += weight[k] * (facet ? share(near[k], to, h) : 1.);
-  }
-  float own = facet ? share(wi, w, h) : 1.;
-  return shares > 0. ? sum / max(shares, .1 * own) * own : vec3(0.);
-}
-
 // Mean of the pattern over a square of the width w.
 float chequer(vec2 p, float w) {
   const float SQUARE = .25;
@@ -66,7 +27,7 @@ float floor_from(vec3 place, vec3 w, float solid) {
 }
 
 // Half vectors after GGX and cosines together (balance heuristic), the same points everywhere.
-vec3 seen(bool left, vec3 place, mat3 frame, vec3 eye) {
+vec3 seen(vec3 place, mat3 frame, vec3 eye) {
   const int FACETS = 56, COSINES = 12;
   mat3 to_table = frame_of(eye);
   vec3 wi = to_table * eye, sum = vec3(0.);
@@ -90,15 +51,14 @@ vec3 seen(bool left, vec3 place, mat3 frame, vec3 eye) {
       float d = 1. / (PI * alpha.x * alpha.y * pow(1. + dot(s, s), 2.) * pow(h.z, 4.)), i = dot(eye, h);
       pdf += float(FACETS) * d * h.z * eta * eta * turning(i, dot(w, h)) / i;
     }
-    sum += btdf(left, wi, to_table * w, to_table * h) * -w.z / pdf * floor_from(place, frame * w, 1.5 / pdf);
+    sum += btdf(wi, to_table * w, to_table * h) * -w.z / pdf * floor_from(place, frame * w, 1.5 / pdf);
   }
   return sum;
 }
 
 void main() {
-  bool left = !split || at.x < 0.;
   vec3 eye = vec3(0., 0., pane ? 0. : .3) + 5.2 * towards;
-  vec3 ray = normalize(across_half(left) * view.x * right + at.y * view.y * up - towards);
+  vec3 ray = ray_here();
   float b = dot(eye, ray), root = b * b - dot(eye, eye) + 1., ball = root > 0. ? -b - sqrt(root) : -1., plane = -eye.z / ray.z;
   bool on_ball = !pane && ball > 0. && eye.z + ball * ray.z > 0.;
   vec3 place = eye + (on_ball ? ball : plane) * ray;
@@ -107,26 +67,31 @@ void main() {
   vec3 n = on_ball ? place : vec3(0., 0., 1.);
   vec3 t = on_ball ? normalize(cross(vec3(0., 0., 1.), n) + vec3(1e-6, 0., 0.)) : vec3(1., 0., 0.);
   mat3 frame = mat3(t, cross(n, t), n);
-  vec3 light = on_ball || pane ? seen(left, place, frame, -ray * frame) : vec3(chequer(place.xy, pixel));
+  vec3 light = on_ball || pane ? seen(place, frame, -ray * frame) : vec3(chequer(place.xy, pixel));
   light = pow(min(light, vec3(1.)), vec3(1. / 2.2));
   colour = vec4(mix(light, vec3(.93), smoothstep(1.9, 2.2, edge)), 1.);
-  if (split && abs(at.x) < .004) colour = vec4(1., 1., 1., 1.);
 }`;
 
-class RefractionView extends TableView {
+class RefractionView extends LayersView {
   constructor(canvas, table) {
-    super(canvas, table, REFRACTION_FRAGMENT, { azimuth: table.phi_i[0] * RAD + 0.9, height: 0.8, zoom: 1 });
+    super(canvas, REFRACTION_FRAGMENT, { azimuth: table.phi_i[0] * RAD + 0.9, height: 0.8, zoom: 1 });
+    if (this.gl) this.textures = new TableTextures(this.gl, table);
+    if (this.gl && !this.textures.fit()) this.gl = null;
   }
 
   draw() {
     if (!this.gl || !this.state) return;
-    const { gl, state } = this;
-    const half = state.pane ? 0.3 : 0.27;
-    this.prepare(half);
-    this.set("pane", "1i", state.pane ? 1 : 0);
-    this.set("depth", "1f", 0.25 * state.depth);
-    this.set("pixel", "1f", 2 * 5.2 * half / this.orbit.zoom / this.canvas.height);
-    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    const { gl, state, textures } = this, half = state.pane ? 0.3 : 0.27;
+    this.drawEach(state.layers.length, half, (k) => {
+      const values = textures.of(k, state.layers[k]);
+      gl.useProgram(this.program);
+      textures.describe((...all) => this.set(...all));
+      gl.activeTexture(gl.TEXTURE0);
+      gl.bindTexture(gl.TEXTURE_2D_ARRAY, values);
+      this.set("pane", "1i", state.pane ? 1 : 0);
+      this.set("depth", "1f", 0.25 * state.depth);
+      this.set("pixel", "1f", 2 * 5.2 * half / this.orbit.zoom / this.canvas.height);
+    });
   }
 }
 
@@ -170,7 +135,7 @@ class Refraction {
 
   caption(pane) {
     const { table, inside, state } = this;
-    const names = state.model ? `Left: ${state.measured.name}; right: ${state.model.name}. ` : `${state.measured.name}. `;
+    const names = `${fromLeft(state.layers)} `;
     const shape = pane ? "a pane" : "half a ball", index = (inside ? 1 / table.eta : table.eta).toPrecision(4);
     const what = inside ? `${shape} of air, seen out of a medium of index ${index}` : `${shape} of index ${index}, seen from outside`;
     return `${names}What goes through (T): ${what}, on a shining pattern that it touches. There is one interface, the table's, ` +

@@ -1,0 +1,44 @@
+//! The law nearest to a table, for a picture of it: one quick fit of each, without errors.
+
+use super::law::FitLaw;
+use super::solve::{FitLayout, Problem};
+use super::{FitData, first_pass, pilot, started};
+
+/// A law at its best parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NearestLaw {
+    /// Its name, masking and shape: `ggx, direction-correlated, alpha 0.299`.
+    pub name: String,
+    /// Its means over the bins, [colour][stop * bins + bin].
+    pub means: Vec<Vec<f64>>,
+}
+
+/// The nearest of `laws`, fitted to some stops, 2,048 values of one colour or eight stops; `None` where there are no laws or the
+/// table holds no light.
+// Tested by `the_quick_fit_finds_the_law_of_its_table` (tests/it/fit.rs).
+pub fn nearest(data: &FitData, laws: &[FitLaw]) -> Option<NearestLaw> {
+    if laws.is_empty() || data.is_empty() || data.value.iter().flatten().all(|&value| value == 0.0) {
+        return None;
+    }
+    let (starts, lobe) = started(data, laws, &pilot::pilot(data), &first_pass(data));
+    let usable = starts.into_iter().filter(|fit| fit.divergence.is_finite());
+    let best = usable.min_by(|a, b| a.divergence.total_cmp(&b.divergence))?;
+    let all: Vec<usize> = (0..data.grid.stops()).collect();
+    let layout = FitLayout::new(data, &all, lobe);
+    let problem = Problem::new(data, &layout, best.law);
+    let means = problem.model(&problem.at(best.params.clone()));
+    let found = means.iter().flatten().all(|value| value.is_finite());
+    found.then(|| NearestLaw { name: name(data, best.law, &best.params[..best.shapes]), means })
+}
+
+fn name(data: &FitData, law: FitLaw, shape: &[f64]) -> String {
+    let masking = law.masking().map(|masking| masking.replace('_', "-"));
+    let values = law.shape_names().into_iter().zip(law.decode(shape, data.rotation));
+    let values = values.map(|(name, value)| format!("{} {value:.3}", name.replace('_', " ")));
+    [Some(law.name().replace('_', " ")), masking]
+        .into_iter()
+        .flatten()
+        .chain(values)
+        .collect::<Vec<_>>()
+        .join(", ")
+}
