@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::parse::run_lists::RunLists;
+use super::parse::lists::run_lists::RunLists;
 use super::{Campaign, Parsed, Preset, parse_with, read_bytes};
 use crate::error::Result;
 
