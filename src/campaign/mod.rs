@@ -24,8 +24,8 @@ pub use schema::*;
 pub use to_toml::to_toml;
 
 use parse::faults::Report;
+use parse::lists::run_lists::RunLists;
 use parse::reader::TableReader;
-use parse::run_lists::RunLists;
 
 /// Largest campaign file, bytes: two axes of 100,000 angles with room to spare.
 const LARGEST_FILE: u64 = 16 << 20;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::parse::run_lists::RunLists;
+use super::parse::lists::run_lists::RunLists;
 use super::{Campaign, Parsed, Preset, name_for_messages, parse_with, read_bytes};
 use crate::error::Result;
 

@@ -1,6 +1,8 @@
 """What programs that this project did not write see in its exports. Run by .ci/run; prints one line a figure."""
 
+import csv
 import pathlib
+import subprocess
 import sys
 import tempfile
 
@@ -12,7 +14,7 @@ import radiance
 import readers
 import through
 import wincalc
-from tables import check, ggx, gonio, pairs, table
+from tables import GONIO, check, ggx, gonio, pairs, table
 
 
 def rgl(folder):
@@ -102,11 +104,34 @@ def albedos(folder):
     return ok & check("albedo exr: largest difference", in_image, 0)
 
 
+def sweep(folder):
+    """SciPy's reader of NetCDF sees what the CSV of the same tables says."""
+    from scipy.io import netcdf_file
+
+    exr = [table(folder, f"sweep_{alpha}", alpha, alpha, [0.0, 40.0], None, 18, 36) for alpha in (0.3, 0.5)]
+    for end in ("csv", "nc"):
+        subprocess.run([GONIO, "report", *exr, "--fit", "-o", folder / f"sweep.{end}"], check=True, capture_output=True)
+    with open(folder / "sweep.csv", newline="") as file:
+        head, *rows = csv.reader(file)
+    off = 0.0
+    with netcdf_file(folder / "sweep.nc", mmap=False, maskandscale=True) as file:
+        for name, cells in zip(head, zip(*rows)):
+            values = file.variables["".join(c if c.isalnum() else "_" for c in name)][:]
+            if values.dtype.kind == "S":
+                off += sum(b"".join(row).rstrip(b"\0").decode() != cell for row, cell in zip(values, cells))
+            else:
+                wanted = np.array([float(cell) if cell else np.nan for cell in cells])
+                off += (np.ma.filled(values.astype("f8"), np.nan) != wanted)[~np.isnan(wanted)].sum()
+                off += (np.ma.getmaskarray(values) != np.isnan(wanted)).sum()
+        variables = len(file.variables)
+    return check(f"netcdf: values of {variables} variables that differ from the CSV", off + abs(variables - len(head)), 0)
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         parts = (rgl, energy.between, measured.pairs_and_sphere, radiance.matrices, radiance.trees, radiance.normal,
-                 radiance.colours, radiance.tools, through.blocks, wincalc.matrices, plain, albedos)
+                 radiance.colours, radiance.tools, through.blocks, wincalc.matrices, plain, albedos, sweep)
         ok = [part(folder) for part in parts]
     sys.exit(0 if all(ok) else 1)
 

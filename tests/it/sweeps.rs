@@ -98,6 +98,9 @@ enum Found {
     Texts(Vec<String>),
 }
 
+/// A variable of a NetCDF file: its name, its attributes and its values.
+type Variable = (String, Vec<String>, Found);
+
 /// What is read of a NetCDF file.
 struct Reader<'a> {
     bytes: &'a [u8],
@@ -143,7 +146,7 @@ impl Reader<'_> {
 
 /// The global attributes and the variables of a file of the classic format, with their attributes, read after the NetCDF
 /// User's Guide.
-fn netcdf_of(bytes: &[u8]) -> (Vec<String>, Vec<(String, Vec<String>, Found)>) {
+fn netcdf_of(bytes: &[u8]) -> (Vec<String>, Vec<Variable>) {
     assert_eq!(&bytes[..4], b"CDF\x01");
     let mut reader = Reader { bytes, at: 4 };
     assert_eq!(reader.word(), 0, "no records");

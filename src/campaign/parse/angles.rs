@@ -1,6 +1,6 @@
 //! Angle axes: a list or a range, into strictly increasing degrees.
 
-use super::ranges::{range, refuse_at};
+use super::lists::ranges::{range, refuse_at};
 use super::reader::{Bounds, GivenValue, plain};
 use crate::sphere::reduced_deg;
 

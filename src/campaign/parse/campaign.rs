@@ -3,9 +3,9 @@
 
 use std::path::Path;
 
-use super::ranges::{self, whole_numbers};
+use super::lists::ranges::{self, whole_numbers};
+use super::lists::run_lists::{MOST_RUNS, RunLists};
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
-use super::run_lists::{MOST_RUNS, RunLists};
 use super::{arms, optics, surface};
 use crate::campaign::presets;
 use crate::campaign::presets::Preset;

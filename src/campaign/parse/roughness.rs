@@ -1,6 +1,6 @@
 //! Roughnesses: the keys that every surface with a law has.
 
-use super::ranges::{range, rounded};
+use super::lists::ranges::{range, rounded};
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use crate::campaign::schema::Alpha;
 

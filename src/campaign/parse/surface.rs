@@ -6,10 +6,10 @@ use super::angles::AZIMUTH;
 use super::artist;
 use super::grains::grains;
 use super::height_map::height_map;
-use super::ranges;
+use super::lists::ranges;
+use super::lists::run_lists::{MOST_RUNS, RunLists};
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use super::roughness::{alphas, alphas_of};
-use super::run_lists::{MOST_RUNS, RunLists};
 use crate::campaign::schema::{Alpha, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind};
 use crate::sphere::reduced_deg;
 

@@ -39,28 +39,26 @@ impl SweptTable {
 impl ParameterSweep {
     /// The fitted roughness against that of the campaign, a row of points for each model, and the line where both are equal.
     pub(super) fn fitted_alpha(&self) -> Option<Chart> {
-        let mut rows: Vec<(String, Vec<[f64; 2]>, Vec<f64>)> = Vec::new();
+        let mut rows: Vec<Series> = Vec::new();
         for table in &self.tables {
             let Some((name, point, half)) = point(table) else { continue };
-            match rows.iter_mut().find(|row| row.0 == name) {
-                Some(row) => {
-                    row.1.push(point);
-                    row.2.push(half);
-                }
-                None => rows.push((name, vec![point], vec![half])),
-            }
+            let at = rows.iter().position(|row| row.label == name).unwrap_or_else(|| {
+                rows.push(Series::new(name, Vec::new(), ratio_style(rows.len())));
+                rows.len() - 1
+            });
+            rows[at].points.push(point);
+            rows[at].error.push(half);
         }
-        let ends = rows.iter().flat_map(|row| row.1.iter().map(|point| point[0]));
+        let ends = rows.iter().flat_map(|row| row.points.iter().map(|point| point[0]));
         let (low, high) = ends.fold((f64::INFINITY, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
         if low >= high {
             return None;
         }
+        // Room for the outermost points.
+        let room = 0.05 * (high - low);
+        let (low, high) = ((low - room).max(0.0), high + room);
         let equal = Series::new("fitted = the campaign's", vec![[low, low], [high, high]], model_style(5));
-        let row = |(k, (name, points, error)): (usize, (String, Vec<[f64; 2]>, Vec<f64>))| Series {
-            error,
-            ..Series::new(name, points, ratio_style(k))
-        };
-        let series = std::iter::once(equal).chain(rows.into_iter().enumerate().map(row)).collect();
+        let series = std::iter::once(equal).chain(rows).collect();
         let axis = ChartAxis::linear("alpha of the campaign (along x)", [low, high]);
         chart_of("Fitted roughness".into(), axis, "alpha of the best fit", series)
     }

@@ -2,21 +2,12 @@
 
 use std::sync::Arc;
 
-use super::incidences::{SharedIncidence, some_of};
+use super::common_bins::{CommonBins, at_incidences};
+use super::incidences::SharedIncidence;
 use super::nesting::{Rings, nested};
 use super::totals::Sources;
 use super::{positions, words};
 use crate::instrument::{Grid, GridKind};
-
-/// A grid whose bins are means of both tables' bins.
-pub struct CommonBins {
-    /// The grid, at the common incidences.
-    pub grid: Grid,
-    /// For A and B, at each incidence, the bins of each bin.
-    pub bins: [Vec<Arc<Vec<Sources>>>; 2],
-    /// What was done.
-    pub steps: Vec<String>,
-}
 
 /// Common bins at the shared incidences; `None` where neither grid's bins are unions of the other's.
 pub fn in_common(grids: [&Grid; 2], shared: &[SharedIncidence]) -> Option<CommonBins> {
@@ -32,14 +23,6 @@ pub fn in_common(grids: [&Grid; 2], shared: &[SharedIncidence]) -> Option<Common
             [0, 1].into_iter().filter_map(|k| words::averaged(k, grids[k], &grid, &bins[k])).collect();
         Some(CommonBins { grid, bins, steps })
     })
-}
-
-/// The sensor of one grid at the shared incidences; these have the azimuths of the grid where they differ.
-pub fn at_incidences(sensor: &Grid, grids: [&Grid; 2], shared: &[SharedIncidence]) -> Grid {
-    let own = if grids[1].is_isotropic() && !grids[0].is_isotropic() { 0 } else { 1 };
-    let stops: Vec<usize> = shared.iter().map(|shared| shared.stops[own]).collect();
-    let Grid { theta_i_deg, phi_i_deg, stops_deg, .. } = some_of(grids[own], &stops);
-    Grid { theta_i_deg, phi_i_deg, stops_deg, ..sensor.clone() }
 }
 
 /// Sensors that may be unions of both, the likeliest first: of two hemispheres the fewer rows with the fewer columns, and

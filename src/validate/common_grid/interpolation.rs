@@ -10,15 +10,16 @@ use crate::interchange::resample::{resample_spectrum, thirds};
 use crate::stats;
 use crate::table::{BrdfTable, RealisationPart, Realisations};
 
-/// Which of two tables is interpolated, 0 or 1: bins that cover a side rather than single directions, and of two such the one
-/// with more bins, which are averaged over the other's.
-pub fn which(grids: [&Grid; 2]) -> Checked<usize> {
+/// Which of two tables is interpolated, 0 or 1, and which where that one cannot be: bins that cover a side rather than single
+/// directions, and of two such the one with more bins, which are averaged over the other's.
+pub fn order(grids: [&Grid; 2]) -> Checked<Vec<usize>> {
     let covers = grids.map(|grid| matches!(grid.kind, GridKind::Hemisphere | GridKind::Patches));
     match covers {
-        [true, false] => Ok(0),
-        [false, true] => Ok(1),
+        [true, false] => Ok(vec![0]),
+        [false, true] => Ok(vec![1]),
         [false, false] => Err("no direction in common, and single directions are not interpolated".into()),
-        [true, true] => Ok(usize::from(grids[1].bins() > grids[0].bins())),
+        [true, true] if grids[1].bins() > grids[0].bins() => Ok(vec![1, 0]),
+        [true, true] => Ok(vec![0, 1]),
     }
 }
 

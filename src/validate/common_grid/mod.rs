@@ -10,12 +10,15 @@
 
 mod bins;
 mod colours;
+mod common_bins;
 mod incidences;
 mod interpolation;
 mod nesting;
 mod positions;
 mod totals;
 mod words;
+
+use std::sync::Arc;
 
 use crate::error::Checked;
 use crate::instrument::Grid;
@@ -69,15 +72,37 @@ pub fn compared(a: &ComparedTable, b: &ComparedTable) -> Checked<TableDifference
 }
 
 /// One table interpolated to the bins of the other, at the common incidences, or at all of the other's within reach.
+///
+/// Where the one that should be cannot be interpolated, as with a single azimuth of an absolute table, the other is.
 fn interpolated<'a>(
     tables: [Totals<'a>; 2],
     shared: &[SharedIncidence],
-    mut steps: Vec<String>,
+    steps: Vec<String>,
 ) -> Checked<OnCommonGrid<'a>> {
+    let order = interpolation::order(tables.each_ref().map(|side| &side.table.grid))?;
+    let mut first = None;
+    for from in order {
+        match interpolated_from(from, &tables, shared) {
+            Ok((tables, further)) => {
+                let steps = steps.into_iter().chain(further).collect();
+                return Ok(OnCommonGrid { tables, steps, interpolated: true });
+            }
+            Err(why) => first = first.or(Some(why)),
+        }
+    }
+    Err(first.unwrap_or_else(|| "neither table can be interpolated".into()))
+}
+
+/// The table `from` on the grid of the other, and the sentences on it.
+fn interpolated_from<'a>(
+    from: usize,
+    tables: &[Totals<'a>; 2],
+    shared: &[SharedIncidence],
+) -> Checked<([Totals<'a>; 2], Vec<String>)> {
     let grids = tables.each_ref().map(|side| &side.table.grid);
-    let from = interpolation::which(grids)?;
     let to = 1 - from;
-    let stops = if shared.is_empty() {
+    let mut steps = Vec::new();
+    let stops: Vec<usize> = if shared.is_empty() {
         let within = incidences::within(grids[from], grids[to])?;
         steps.push(words::between_incidences(from, grids[to], &within));
         within
@@ -88,10 +113,9 @@ fn interpolated<'a>(
     steps.push(words::interpolated(from, grids, !shared.is_empty()));
     let found = interpolation::on(&tables[from], &grid)
         .map_err(|why| why.at(format_args!("{} cannot be interpolated", words::NAMES[from])))?;
-    let same = std::sync::Arc::new((0..grid.bins()).map(|bin| vec![(bin, 1.0)]).collect::<Vec<_>>());
+    let same = Arc::new((0..grid.bins()).map(|bin| vec![(bin, 1.0)]).collect::<Vec<_>>());
     let chosen = stops.iter().map(|&stop| (stop, same.clone())).collect();
     let kept = WeightedMeans::of_bins(&tables[to].table, chosen).of(&tables[to], &grid);
     steps.push(words::interpolation_error(from, &found));
-    let both = if from == 0 { [found, kept] } else { [kept, found] };
-    Ok(OnCommonGrid { tables: both, steps, interpolated: true })
+    Ok((if from == 0 { [found, kept] } else { [kept, found] }, steps))
 }

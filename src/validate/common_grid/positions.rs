@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::bins::{CommonBins, at_incidences};
+use super::common_bins::{CommonBins, at_incidences};
 use super::incidences::{SAME_DEG, SharedIncidence, same_azimuth};
 use super::totals::Sources;
 use super::words;
@@ -38,7 +38,8 @@ pub fn in_common(grids: [&Grid; 2], shared: &[SharedIncidence]) -> Option<Common
     let grid = at_incidences(&sensor, grids, shared);
     let chosen = |k: usize| {
         let bins: Vec<Sources> = pairs.iter().map(|pair| vec![(pair[k], 1.0)]).collect();
-        vec![Arc::new(bins); shared.len()]
+        let bins = Arc::new(bins);
+        shared.iter().map(|_| bins.clone()).collect()
     };
     Some(CommonBins { grid, bins: [chosen(0), chosen(1)], steps: words::positions(grids, pairs.len()) })
 }

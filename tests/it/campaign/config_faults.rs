@@ -264,8 +264,8 @@ fn ranges_are_checked() {
     let (to, step) = ("light.theta_i_deg.to", "light.theta_i_deg.step");
     each_row_is_one_fault(&[
         (theta, "theta_i_deg = { from = 30, to = 0, step = 5 }", to, "must not lie below from = 30"),
-        (theta, "theta_i_deg = { from = 0, to = 30, step = 0 }", step, "must lie in (0, 3600]"),
-        (theta, "theta_i_deg = { from = 0, to = 30, step = -5 }", step, "must lie in (0, 3600]"),
+        (theta, "theta_i_deg = { from = 0, to = 30, step = 0 }", step, "must lie in (0, 1e6]"),
+        (theta, "theta_i_deg = { from = 0, to = 30, step = -5 }", step, "must lie in (0, 1e6]"),
         (theta, "theta_i_deg = { from = 0, to = 30, step = nan }", step, "must be finite"),
         (theta, "theta_i_deg = { from = 0, to = 30, step = 1e-9 }", key, "more than 100000 points"),
         (theta, "theta_i_deg = { from = 0, to = 30, step = 1e-320 }", key, "more than 100000 points"),

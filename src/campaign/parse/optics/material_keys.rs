@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::campaign::materials;
 use crate::campaign::parse::index_file;
 use crate::campaign::parse::index_file::{Dispersion, ETA, K, WAVELENGTH};
-use crate::campaign::parse::ranges::{self, refuse_at};
+use crate::campaign::parse::lists::ranges::{self, refuse_at};
 use crate::campaign::parse::reader::{Bounds, GivenValue, Slot, plain};
 use crate::campaign::schema::{FresnelLaw, LightSide, Medium, Optics, Polarisation, RefractiveIndex};
 

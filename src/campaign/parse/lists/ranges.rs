@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use super::reader::{Bounds, GivenValue, plain};
+use crate::campaign::parse::reader::{Bounds, GivenValue, Slot, plain};
 
 /// Where a range may be said to end; its last point has bounds of its own.
 const END: Bounds = Bounds::closed(-1e6, 1e6);
@@ -85,7 +85,7 @@ pub(crate) fn whole_numbers(
     }
     let [from, to, step] = item.table()?.keys(["from", "to", "step"]);
     let what = "a range is { from = 1, to = 9, step = 2 }";
-    let end = |slot: &super::reader::Slot<'_>| slot.required(what).and_then(|i| i.whole(range.clone()));
+    let end = |slot: &Slot<'_>| slot.required(what).and_then(|i| i.whole(range.clone()));
     let (first, last, width) = (end(&from), end(&to), step.or(1, |i| i.whole(1..=u64::MAX)));
     let (first, last, width) = (first?, last?, width?);
     if last < first {

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use super::reader::GivenValue;
+use crate::campaign::parse::reader::GivenValue;
 
 /// Most entries of such a list.
 pub(crate) const MOST_RUNS: usize = 1000;
