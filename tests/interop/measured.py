@@ -1,8 +1,10 @@
 """A table that the program has measured, read and rendered by Mitsuba."""
 
+import subprocess
+
 import numpy as np
 
-from tables import check, direction, gonio
+from tables import GONIO, check, direction, gonio
 
 CAMPAIGN = """
 name = "measured"
@@ -62,7 +64,8 @@ def pairs_and_sphere(folder):
         inside += abs(mean(15.0 * stop, row, column) - value) <= T_95 * se
         count += 1
     ok = check(f"rgl measured: share of {count} pairs outside their 95 % interval in Mitsuba", 1 - inside / count, 0.05)
-    return ok & sphere(mi, folder, summary)
+    ok &= sphere(mi, folder, summary)
+    return ok & picture(mi, folder, exr)
 
 
 def sphere(mi, folder, summary):
@@ -82,6 +85,27 @@ def sphere(mi, folder, summary):
                 float((~np.isfinite(image)).sum() + (image[12:36, 12:36] <= 0).sum()), 0)
     # Pixels are means of 64 samples; towards the limb the albedo falls.
     return ok & check("  (mean of the sphere's inner half, above the middle)", image[16:32, 16:32].mean() / middle - 1, 0.01)
+
+
+def picture(mi, folder, exr):
+    """Mitsuba's picture of the scene that `gonio render --scene mitsuba` writes is the PNG of `gonio render`."""
+    size = 96
+    ok = True
+    for light, allowed in (("sky", 0.01), ("lamp", 0.01)):
+        render = [GONIO, "render", str(exr), "--size", str(size), "--light", light]
+        subprocess.run([*render, "-o", str(folder / f"{light}.png"), "--exposure=-3"], check=True, capture_output=True)
+        subprocess.run([*render, "-o", str(folder / light), "--scene", "mitsuba"], check=True, capture_output=True)
+        scene = mi.load_file(str(folder / light / "scene.xml"))
+        image = np.array(mi.render(scene, spp=1024))[..., :3]
+        bytes_ = np.array(mi.Bitmap(str(folder / f"{light}.png")).convert(
+            mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, srgb_gamma=False)) * 8
+        y, x = np.mgrid[:size, :size] - 0.5 * (size - 1)
+        # Within the sphere and away from its edge, whose pixels are cut otherwise; blocks of 8 x 8 against the noise of 1,024 rays.
+        inside = (np.hypot(x, y) < 0.72 * size / 2)[..., None]
+        blocks = [(a * inside).reshape(size // 8, 8, size // 8, 8, 3).mean(axis=(1, 3)) for a in (bytes_, image)]
+        rms = np.sqrt(((blocks[0] - blocks[1]) ** 2).mean() / (blocks[1] ** 2).mean())
+        ok &= check(f"render: Mitsuba's picture under the {light} against the PNG, relative rms", rms, allowed)
+    return ok
 
 
 def summary_of(answer):
