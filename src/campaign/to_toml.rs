@@ -4,8 +4,9 @@ use std::fmt::{Debug, Display};
 
 use super::parse::{arms, campaign, grains, height_map, optics, surface};
 use super::schema::{
-    Alpha, Azimuth, Campaign, Expect, GrainShape, Grains, HeightMap, LightArm, LightSide, Medium, Optics,
-    Polarisation, RefractiveIndex, SensorArm, SensorSide, Surface, SurfaceKind,
+    Alpha, Azimuth, Campaign, Detrend, Expect, Gaps, GrainShape, Grains, HeightMap, LightArm, LightSide,
+    Medium, Optics, Outliers, Polarisation, Preparation, RefractiveIndex, SensorArm, SensorSide, Surface,
+    SurfaceKind,
 };
 
 /// The campaign as resolved, in the schema that [`parse`](super::parse()) reads: parsing it gives the campaign again.
@@ -155,6 +156,9 @@ fn grains_table(text: &mut Text, grains: &Grains) {
 fn file_table(text: &mut Text, map: &HeightMap) {
     text.table("surface.file");
     text.line("path", quoted(&map.path));
+    if let Some(channel) = &map.channel {
+        text.line("channel", quoted(channel));
+    }
     let lengths = [
         ("pitch_x_um", map.pitch_x_um),
         ("pitch_y_um", map.pitch_y_um),
@@ -166,9 +170,30 @@ fn file_table(text: &mut Text, map: &HeightMap) {
         }
     }
     text.line("periodic", map.periodic);
-    text.line("detrend", word(&height_map::DETREND, &map.detrend));
+    if let Detrend::Polynomial(degree) = map.detrend {
+        text.line("detrend", quoted("polynomial"));
+        text.line("degree", degree);
+    } else {
+        text.line("detrend", word(&height_map::DETREND, &map.detrend));
+    }
     text.line("refine", map.refine.map_or(quoted("auto"), |steps| steps.to_string()));
     text.line("tiles", map.tiles);
+    preparation(text, &map.preparation);
+}
+
+/// What is done to a map besides: keys that say nothing new are left out, as in files from before they were there.
+fn preparation(text: &mut Text, steps: &Preparation) {
+    if steps.gaps != Gaps::default() {
+        text.line("gaps", word(&height_map::GAPS, &steps.gaps));
+    }
+    if steps.outliers != Outliers::default() {
+        text.line("outliers", word(&height_map::OUTLIERS, &steps.outliers));
+    }
+    for (key, cut_off) in [("s_filter_um", steps.s_filter_um), ("l_filter_um", steps.l_filter_um)] {
+        if let Some(cut_off) = cut_off {
+            text.floats(key, cut_off);
+        }
+    }
 }
 
 fn light_table(text: &mut Text, light: &LightArm, sides: &[LightSide]) {

@@ -13,18 +13,20 @@ use super::text::certificate;
 use super::text::certificate::{MapFigures, PatchEntry, Pooled, RayBound};
 use super::text::output::{Output, json_text, parsed_json, to_json, warn};
 use super::text::progress::RunProgress;
-use crate::campaign::{self, Campaign, Parsed};
+use super::text::roughness::RoughnessEntry;
+use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::job::paths;
 use crate::measure::{self, Patch, Patches, Specimen, patches::patch_name};
-use crate::surface::io::export;
+use crate::report::plot::roughness;
+use crate::surface::io::{export, import};
 use crate::surface::{Certificate, SlopeCounts};
 
 /// Make the patches of a campaign and certify their slopes and heights
 #[derive(Args)]
 #[command(after_help = "Writes patch_000.exr ... (height, pitch_x, pitch_y) and, last, \
-    certificate.json.\n\nExample: gonio surface configs/quickstart.toml -o patches --npy")]
+    certificate.json; of a measured map roughness.svg too.\n\nExample: gonio surface configs/quickstart.toml -o patches --npy")]
 pub struct Arguments {
     /// The campaign, a TOML file
     campaign: PathBuf,
@@ -51,6 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     measure::plan(&campaign)?;
     let (folder, _claim) = paths::open_folder(arguments.output.as_deref(), &campaign)?;
     let job = PatchJob::new(arguments, &campaign, folder, &mut notes)?;
+    let areal = job.roughness(&mut notes)?;
     notes.iter().for_each(warn);
     job.check_folder(&arguments.campaign)?;
     let progress = RunProgress::new(job.count, "patches");
@@ -59,7 +62,12 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let pooled = Pooled::of(&entries, slopes.and_then(|slopes| slopes.ks()));
     let bounds = job.ray_bounds(&entries);
     let figures = job.figures(&entries);
-    let document = job.document(&entries, &pooled, (&bounds, figures.as_ref()), &notes)?;
+    let mut document = job.document(&entries, &pooled, (&bounds, figures.as_ref()), &notes)?;
+    if let Some(areal) = &areal {
+        document["roughness"] = to_json(areal)?;
+        let picture = roughness::picture(&areal.before, &areal.after, areal.unit_um);
+        job.put(&job.folder.join(ROUGHNESS), picture.as_bytes())?;
+    }
     files::write_atomically(&job.certificate(), format!("{}\n", json_text(&document)?).as_bytes())?;
     let mut out = Output::default();
     if arguments.json {
@@ -70,10 +78,12 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         let (last, pitch) = (job.name(job.count - 1, "exr"), job.pitch);
         out.line("")?;
         out.lines(figures.iter().flat_map(MapFigures::lines))?;
+        out.lines(areal.iter().flat_map(RoughnessEntry::lines))?;
         out.lines(certificate::grain_lines(&entries))?;
         out.lines(RayBound::lines(&bounds))?;
+        let plots = if areal.is_some() { format!(", {ROUGHNESS}") } else { String::new() };
         out.line(format_args!(
-            "files   {} to {last}{npy}, certificate.json in {}",
+            "files   {} to {last}{npy}{plots}, certificate.json in {}",
             job.name(0, "exr"),
             job.folder.display()
         ))?;
@@ -83,6 +93,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     Ok(0)
 }
+
+/// The plots of a measured map.
+const ROUGHNESS: &str = "roughness.svg";
 
 /// Everything that the patches share.
 struct PatchJob<'a> {
@@ -137,6 +150,19 @@ impl<'a> PatchJob<'a> {
         Ok(PatchJob { campaign, patches, folder, count, pitch: alpha.map(|alpha| 1.0 / alpha), npy, force })
     }
 
+    /// The areal parameters of a measured map; `None` of another surface, or where they do not fit into memory, which `notes`
+    /// then says.
+    fn roughness(&self, notes: &mut Vec<String>) -> Result<Option<RoughnessEntry>> {
+        let SurfaceKind::File(map) = &self.campaign.surface.kind else { return Ok(None) };
+        match RoughnessEntry::of(&import::load_steps(map)?) {
+            Ok(areal) => Ok(Some(areal)),
+            Err(why) => {
+                notes.push(format!("{}: no areal parameters: {why}", map.path));
+                Ok(None)
+            }
+        }
+    }
+
     fn name(&self, index: u64, end: &str) -> String {
         patch_name(index, end)
     }
@@ -155,6 +181,9 @@ impl<'a> PatchJob<'a> {
     fn check_folder(&self, file: &Path) -> Result<()> {
         let mut outputs: Vec<PathBuf> = self.names().iter().map(|name| self.folder.join(name)).collect();
         outputs.push(self.certificate());
+        if self.campaign.surface.kind.is_map() {
+            outputs.push(self.folder.join(ROUGHNESS));
+        }
         let paths: Vec<&Path> = outputs.iter().map(PathBuf::as_path).collect();
         paths::spare_inputs(&paths, file, self.campaign)?;
         if !self.force {
@@ -257,9 +286,10 @@ impl<'a> PatchJob<'a> {
             }
         };
         let [pitch_x, pitch_y] = self.pitch;
-        self.put(index, "exr", &export::encode_exr(&patch.field, pitch_x, pitch_y)?)?;
+        let file = |end: &str| self.folder.join(self.name(index, end));
+        self.put(&file("exr"), &export::encode_exr(&patch.field, pitch_x, pitch_y)?)?;
         if self.npy {
-            self.put(index, "npy", &export::encode_npy(&patch.field)?)?;
+            self.put(&file("npy"), &export::encode_npy(&patch.field)?)?;
         }
         let law = Patches::law(self.campaign);
         let slopes = law.map(|law| {
@@ -278,13 +308,12 @@ impl<'a> PatchJob<'a> {
     }
 
     /// Writes a file, unless the same bytes are there already.
-    fn put(&self, index: u64, end: &str, bytes: &[u8]) -> Result<()> {
-        let path = self.folder.join(self.name(index, end));
-        if !self.force && files::is_there(&path) {
-            let same = files::read(&path)? == bytes;
-            return if same { Ok(()) } else { Err(paths::already_exists(&path, "is another patch")) };
+    fn put(&self, path: &Path, bytes: &[u8]) -> Result<()> {
+        if !self.force && files::is_there(path) {
+            let same = files::read(path)? == bytes;
+            return if same { Ok(()) } else { Err(paths::already_exists(path, "is another patch")) };
         }
-        files::write_atomically(&path, bytes)
+        files::write_atomically(path, bytes)
     }
 
     /// What a ray of the campaign's light costs at most, for each of its roughnesses.

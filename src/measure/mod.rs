@@ -5,6 +5,7 @@ pub mod blocks;
 mod context;
 pub mod cost;
 pub mod driver;
+mod gap_crossings;
 pub mod optics;
 mod pass;
 pub mod patches;

@@ -6,6 +6,7 @@ use glam::DVec2;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
+use super::gap_crossings;
 use super::plan::KEPT_FRACTION;
 use crate::campaign::{Alpha, Campaign, GrainShape, HeightSpectrum, SmithHeights, SmithNdf, SurfaceKind};
 use crate::error::{Error, Result};
@@ -13,6 +14,7 @@ use crate::rng::{self, Purpose, StreamId};
 use crate::surface::grains::{self, GrainField};
 use crate::surface::io::import;
 use crate::surface::io::import::ImportedMap;
+use crate::surface::io::prepare::cell_mask::CellMask;
 use crate::surface::{Heightfield, SlopeLaw, Synthesiser};
 use crate::trace::Window;
 
@@ -112,6 +114,8 @@ pub struct Patch {
     pub own_alpha: Option<DVec2>,
     /// Where paths start.
     pub window: Window,
+    /// Cells of the window where none does.
+    pub excluded: Option<CellMask>,
 }
 
 impl Patches {
@@ -172,6 +176,16 @@ impl Patches {
                         format!("{shortest} cells are too few for {tiles} x {tiles} start regions"),
                     ));
                 }
+                let empty = (0..tiles * tiles)
+                    .find(|&k| tile(&map, tiles, margin, k).cells_outside(map.excluded.as_ref()) == 0);
+                if let Some(empty) = empty {
+                    let why = format!(
+                        "start region {empty} of {tiles} x {tiles} is all gaps: lower surface.file.tiles, or set \
+                         surface.file.gaps = \"interpolate\""
+                    );
+                    return Err(Error::format(&height_map.resolved_path, why));
+                }
+                notes.extend(gap_crossings::note(&map, margin, campaign));
                 Patches::Map { map: Box::new(map), tiles, margin }
             }
         })
@@ -241,21 +255,23 @@ impl Patches {
             Patches::Random { synthesiser, seed } => {
                 let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop: 0, block: 0 };
                 let field = synthesiser.patch(&mut rng::stream(id));
-                Patch { window: Window::all(&field), own_alpha: None, field }
+                Patch { window: Window::all(&field), own_alpha: None, excluded: None, field }
             }
             Patches::Files { folder, cells } => {
                 let field = load(&folder.join(patch_name(realisation, "exr")), *cells)?;
-                Patch { window: Window::all(&field), own_alpha: None, field }
+                Patch { window: Window::all(&field), own_alpha: None, excluded: None, field }
             }
             Patches::Held(fields) => {
                 let field = fields[realisation as usize].clone();
-                Patch { window: Window::all(&field), own_alpha: None, field }
+                Patch { window: Window::all(&field), own_alpha: None, excluded: None, field }
             }
             Patches::Exact { field, alpha } => {
-                Patch { window: Window::all(field), own_alpha: Some(*alpha), field: field.clone() }
+                let (window, field) = (Window::all(field), field.clone());
+                Patch { window, own_alpha: Some(*alpha), excluded: None, field }
             }
             Patches::Map { map, tiles, margin } => Patch {
-                window: tile(&map.field, *tiles, *margin, realisation as usize),
+                window: tile(map, *tiles, *margin, realisation as usize),
+                excluded: map.excluded.clone(),
                 own_alpha: Some(DVec2::new(map.alpha_x, map.alpha_y)),
                 field: map.field.clone(),
             },
@@ -316,7 +332,7 @@ impl Patch {
     /// Grains as heights of `cells` x `cells` cells.
     pub fn of_grains(grains: &GrainField, cells: usize) -> Self {
         let field = grains.as_heights(cells);
-        Patch { window: Window::all(&field), own_alpha: None, field }
+        Patch { window: Window::all(&field), own_alpha: None, excluded: None, field }
     }
 
     /// World slope per canonical slope, with the campaign's `alpha` where the surface has none of its own.
@@ -358,11 +374,40 @@ fn grooves() -> Heightfield {
     Heightfield::new(8, 8, true, (0..64).map(|i| f64::from(i % 2)).collect())
 }
 
-/// Start region `index` of tiles x tiles equal ones inside the margin.
-fn tile(field: &Heightfield, tiles: usize, margin: usize, index: usize) -> Window {
-    let part = |cells: usize, k: usize| {
-        let inner = cells - 2 * margin;
-        (margin + k * inner / tiles, margin + (k + 1) * inner / tiles)
+/// Start region `index` of tiles x tiles inside the margin: equal ones, or where cells are excluded ones of about as many
+/// cells that are left, so that each group of paths stands for as much of the map.
+fn tile(map: &ImportedMap, tiles: usize, margin: usize, index: usize) -> Window {
+    let field = &map.field;
+    let Some(excluded) = &map.excluded else {
+        let part = |cells: usize, k: usize| {
+            let inner = cells - 2 * margin;
+            (margin + k * inner / tiles, margin + (k + 1) * inner / tiles)
+        };
+        return Window { x: part(field.cells_x(), index % tiles), y: part(field.cells_y(), index / tiles) };
     };
-    Window { x: part(field.cells_x(), index % tiles), y: part(field.cells_y(), index / tiles) }
+    let whole = Window { x: (margin, field.cells_x() - margin), y: (margin, field.cells_y() - margin) };
+    let row = |y: usize| Window { y: (y, y + 1), ..whole }.cells_outside(Some(excluded));
+    let band = Window { y: share(whole.y, tiles, index / tiles, row), ..whole };
+    let column = |x: usize| Window { x: (x, x + 1), ..band }.cells_outside(Some(excluded));
+    Window { x: share(band.x, tiles, index % tiles, column), ..band }
+}
+
+/// Part `k` of `parts` of a range of lines, all of about as many cells as `cells` says that each line has.
+fn share(
+    (first, end): (usize, usize),
+    parts: usize,
+    k: usize,
+    cells: impl Fn(usize) -> usize,
+) -> (usize, usize) {
+    let counts: Vec<usize> = (first..end).map(cells).collect();
+    let all: usize = counts.iter().sum();
+    let cut = |k: usize| {
+        let mut before = 0;
+        let line = counts.iter().position(|count| {
+            before += count;
+            before * parts > k * all
+        });
+        first + if k == 0 { 0 } else { line.unwrap_or(counts.len()) }
+    };
+    (cut(k), if k + 1 == parts { end } else { cut(k + 1) })
 }

@@ -1,5 +1,6 @@
 //! The explicit microgeometry: heights, facets, the wanted slope law, and the measured properties of a patch.
 
+pub mod areal;
 pub mod certificate;
 pub mod grains;
 pub mod heightfield;

@@ -40,9 +40,12 @@ mod campaign {
     mod config_round_trip;
 }
 mod surface {
+    mod areal;
     mod certificate;
     mod height_maps;
     mod mirrored_maps;
+    mod prepared_maps;
+    mod scans;
 }
 mod trace {
     mod corridors;

@@ -139,12 +139,20 @@ fn without_heights() -> impl Strategy<Value = SurfaceKind> {
 
 fn height_map() -> impl Strategy<Value = HeightMap> {
     let length = || 1e-9..=1e9;
-    let name = "([a-z é]{1,6}/)?[a-z \"'\\\\é]{1,12}\\.(exr|gsf|xyz|txt|asc|npy)";
-    let detrend = select(vec![Detrend::Plane, Detrend::None]);
+    let name = "([a-z é]{1,6}/)?[a-z \"'\\\\é]{1,12}\\.(exr|gsf|xyz|txt|asc|npy|x3p|csv)";
+    let detrend = select(vec![
+        Detrend::Plane,
+        Detrend::None,
+        Detrend::Polynomial(2),
+        Detrend::Polynomial(10),
+        Detrend::Sphere,
+        Detrend::Cylinder,
+    ]);
     let refine = proptest::option::of((0u32..=6).prop_map(|power| 1 << power));
     let lengths = proptest::option::of([length(), length(), length()]);
-    (name, lengths, any::<bool>(), detrend, refine, 1u32..=64).prop_map(
-        |(path, lengths, periodic, detrend, refine, tiles)| {
+    let channel = proptest::option::of("[A-Za-z0-9 \"\\\\é]{1,12}");
+    (name, channel, lengths, any::<bool>(), detrend, refine, 1u32..=64, preparation()).prop_map(
+        |(path, channel, lengths, periodic, detrend, refine, tiles, preparation)| {
             // An NPY file has no pitches of its own.
             let lengths = lengths.or(path.ends_with(".npy").then_some([0.5, 0.25, 1e-3]));
             let [pitch_x_um, pitch_y_um, height_unit_um] = [0, 1, 2].map(|k| lengths.map(|all| all[k]));
@@ -153,6 +161,7 @@ fn height_map() -> impl Strategy<Value = HeightMap> {
             HeightMap {
                 path,
                 resolved_path,
+                channel,
                 pitch_x_um,
                 pitch_y_um,
                 height_unit_um,
@@ -160,9 +169,22 @@ fn height_map() -> impl Strategy<Value = HeightMap> {
                 detrend,
                 refine,
                 tiles,
+                preparation,
             }
         },
     )
+}
+
+fn preparation() -> impl Strategy<Value = Preparation> {
+    let gaps = select(vec![Gaps::Refuse, Gaps::Interpolate, Gaps::Exclude]);
+    let outliers = select(vec![Outliers::Keep, Outliers::Fill, Outliers::Exclude]);
+    let cut_offs = (proptest::option::of(0.1..=10.0), proptest::option::of(10.5..=1e3));
+    (gaps, outliers, cut_offs).prop_map(|(gaps, outliers, (s_filter_um, l_filter_um))| Preparation {
+        gaps,
+        outliers,
+        s_filter_um,
+        l_filter_um,
+    })
 }
 
 /// Angles that increase, in steps of 1e-4 degrees.

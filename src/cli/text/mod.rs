@@ -10,6 +10,7 @@ pub(crate) mod output;
 pub(crate) mod plan;
 pub(crate) mod progress;
 pub(crate) mod resolution;
+pub(crate) mod roughness;
 pub(crate) mod study;
 pub(crate) mod terminal;
 pub(crate) mod verdict;

@@ -81,7 +81,8 @@ impl Context<'_> {
         let mut rng = rng::stream(self.starts_stream(work, block));
         let sample = heights.sample(&arms);
         let light = sample.to_field(arms.wi);
-        let starts = AreaSampler::new(&heights.patch.field, heights.patch.window, light);
+        let patch = heights.patch;
+        let starts = AreaSampler::outside(&patch.field, patch.window, light, patch.excluded.as_ref());
         let flux = starts.flux_fraction(plan.block_starts);
         let mut followed = BlockTracer::one(self, work, arms, flux, tally);
         if flux == 0.0 {

@@ -43,7 +43,7 @@ pub fn picture(bench: &BenchAnswer) -> String {
 }
 
 /// A picture that stands alone.
-fn document(inner: &str, [width, height]: [f64; 2]) -> String {
+pub(super) fn document(inner: &str, [width, height]: [f64; 2]) -> String {
     let style: String = PAGE_STYLE.lines().filter(|rule| rule.starts_with(".chart ")).collect();
     format!(
         "<svg {MARK} xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \

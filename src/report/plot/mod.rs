@@ -8,6 +8,7 @@ pub mod ladders;
 pub mod masking;
 pub mod plots;
 pub mod polar;
+pub mod roughness;
 pub mod style;
 
 pub use axis::ChartAxis;

@@ -1,6 +1,6 @@
 //! What a height map must have to be measured: positive lengths, enough cells and digits, slopes that units allow.
 
-use super::refine::Cuts;
+use super::prepare::refine::Cuts;
 use super::samples::{MapSamples, Stored};
 use crate::campaign::HeightMap;
 

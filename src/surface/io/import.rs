@@ -1,23 +1,23 @@
 //! Measured height maps: from a file to a heightfield whose slopes are those of the sample.
 //!
-//! Input: `[surface.file]`. Output: heights in the file's unit with the mean (and, where asked, the mean plane)
-//! taken off, on a grid that is fine enough (`refine`), and the factors that turn a difference of neighbouring heights
-//! into a slope.
+//! Input: `[surface.file]`. Output: heights in the file's unit, prepared as the campaign asks for (`chain`), on a grid that is
+//! fine enough (`refine`), and the factors that turn a difference of neighbouring heights into a slope.
 
 use std::path::Path;
 
 use glam::DVec2;
 
-use crate::campaign::{Detrend, HeightMap};
+use crate::campaign::HeightMap;
 use crate::error::{Checked, Error, Result};
 use crate::files;
 use crate::files::memory;
 
-use super::checks::{check_precision, check_size, check_slopes, positive, slope_factor};
+use super::checks::{check_size, check_slopes, positive, slope_factor};
 use super::map_file;
-use super::outliers;
-use super::refine;
-use super::refine::{AGREEMENT, AUTO_CELLS, Cuts, Refined};
+use super::prepare::Grid;
+use super::prepare::cell_mask::CellMask;
+use super::prepare::chain;
+use super::prepare::refine::{self, AGREEMENT, AUTO_CELLS, Cuts, Refined};
 use super::samples::{MapSamples, Stored};
 use crate::surface::Heightfield;
 
@@ -37,6 +37,8 @@ pub struct ImportedMap {
     pub steps: usize,
     /// Slopes of the refined map.
     pub cuts: Cuts,
+    /// Cells that no path starts on: those round gaps that are excluded.
+    pub excluded: Option<CellMask>,
     /// One unit of height, um; `None` where neither campaign nor file says.
     pub unit_um: Option<f64>,
     /// What was done to the map, and what to know about it.
@@ -61,13 +63,38 @@ pub struct PatchFile {
 // `an_offset_in_f64_changes_nothing_and_in_f32_is_refused`.
 pub fn load(map: &HeightMap) -> Result<ImportedMap> {
     let path = &map.resolved_path;
-    let file = read(path)?;
+    let file = read(path, map.channel.as_deref())?;
     import(map, file).map_err(|why| Error::format(path, why))
+}
+
+/// The heights of a measured map on the file's own grid, as its file has them (their mean taken off, gaps filled) and as
+/// they are measured, before any refinement.
+pub fn load_steps(map: &HeightMap) -> Result<MapSteps> {
+    let path = &map.resolved_path;
+    let file = read(path, map.channel.as_deref())?;
+    steps(map, file).map_err(|why| Error::format(path, why))
+}
+
+/// A measured map before and after its preparation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MapSteps {
+    /// Where the heights lie.
+    pub grid: Grid,
+    /// One unit of height, um; `None` where neither campaign nor file says.
+    pub unit_um: Option<f64>,
+    /// As the file has them.
+    pub before: Vec<f64>,
+    /// As they are measured.
+    pub after: Vec<f64>,
 }
 
 /// Reads a patch that this program wrote, with its pitches.
 pub fn load_patch(path: &Path) -> Result<PatchFile> {
-    let file = read(path)?;
+    let file = read(path, None)?;
+    if let Some(at) = file.heights.iter().position(|height| !height.is_finite()) {
+        let (row, column, height) = (at / file.columns, at % file.columns, file.heights[at]);
+        return Err(Error::format(path, format!("height at row {row}, column {column} is {height}")));
+    }
     let pitch = |name: &str, value: Option<f64>| {
         let value = value.ok_or_else(|| format!("no attribute `{name}`"))?;
         positive(name, value)
@@ -79,57 +106,76 @@ pub fn load_patch(path: &Path) -> Result<PatchFile> {
     Ok(PatchFile { field, pitch_x, pitch_y })
 }
 
-fn read(path: &Path) -> Result<MapSamples> {
+fn read(path: &Path, channel: Option<&str>) -> Result<MapSamples> {
     let bytes = files::read(path)?;
     let wrong = |why| Error::format(path, why);
     memory::check_file(path, map_file::needed(&bytes).map_err(wrong)?)?;
-    map_file::read(&bytes).map_err(wrong)
+    map_file::read_channel(&bytes, channel).map_err(wrong)
 }
 
-fn import(map: &HeightMap, mut file: MapSamples) -> Checked<ImportedMap> {
+/// Slope of one unit of height a cell, along x and y.
+fn slope_factors(map: &HeightMap, file: &MapSamples) -> Checked<DVec2> {
     let [own_x, own_y] = file.pitch;
     let no_pitch = |name: &str| match &file.no_pitch {
         Some(why) => format!("{why}; give surface.file.pitch_x_um, pitch_y_um and height_unit_um"),
         None => format!("the file has no attribute `{name}`; give surface.file.{name}_um"),
     };
     let alpha = |name: &str, pitch_um, own| slope_factor(name, pitch_um, map.height_unit_um, own, no_pitch);
-    let alpha_x = alpha("pitch_x", map.pitch_x_um, own_x)?;
-    let alpha_y = alpha("pitch_y", map.pitch_y_um, own_y)?;
+    Ok(DVec2::new(alpha("pitch_x", map.pitch_x_um, own_x)?, alpha("pitch_y", map.pitch_y_um, own_y)?))
+}
+
+/// What one unit of height is, um.
+fn unit_um(map: &HeightMap, file: &MapSamples) -> Option<f64> {
+    if map.pitch_x_um.is_some() { map.height_unit_um } else { file.unit_um }
+}
+
+fn grid_of(map: &HeightMap, file: &MapSamples, alpha: DVec2) -> Grid {
+    Grid { columns: file.columns, pitch: [1.0 / alpha.x, 1.0 / alpha.y], periodic: map.periodic }
+}
+
+fn steps(map: &HeightMap, mut file: MapSamples) -> Checked<MapSteps> {
+    let (grid, unit_um) = (grid_of(map, &file, slope_factors(map, &file)?), unit_um(map, &file));
+    check_size(&file, map.periodic)?;
+    let before = chain::as_they_are(&grid, file.heights.clone())?;
+    chain::prepare(map, &grid, unit_um, &mut file)?;
+    Ok(MapSteps { grid, unit_um, before, after: file.heights })
+}
+
+fn import(map: &HeightMap, mut file: MapSamples) -> Checked<ImportedMap> {
+    let alpha = slope_factors(map, &file)?;
     let (cells_x, cells_y) = check_size(&file, map.periodic)?;
-    if let Some(why) = outliers::refused(&file.heights, file.columns) {
-        return Err(why.into());
-    }
-    check_precision(&file)?;
+    let (grid, unit_um) = (grid_of(map, &file, alpha), unit_um(map, &file));
     let mut notes = vec![format!("{} x {} samples, {cells_x} x {cells_y} cells", file.columns, file.rows)];
-    if file.stored == Stored::Half {
-        notes.push("heights are half floats of 11 bits: slopes are coarse".into());
+    notes.append(&mut file.notes);
+    match file.stored {
+        Stored::Byte => notes.push("heights are whole numbers of 8 bits: slopes are coarse".into()),
+        Stored::Half => notes.push("heights are half floats of 11 bits: slopes are coarse".into()),
+        Stored::Single | Stored::Exact => {}
     }
-    let mean = take_off_mean(&mut file.heights);
-    notes.push(format!("mean height {mean:.3e} taken off"));
-    match (map.detrend, map.periodic) {
-        (Detrend::None, _) => {}
-        (Detrend::Plane, true) => {
-            notes.push("the map is periodic and cannot be tilted: only its mean was taken off".into());
-        }
-        (Detrend::Plane, false) => {
-            let [x, y] = take_off_plane(&mut file.heights, file.columns);
-            notes.push(format!("plane with slopes {:.2e} and {:.2e} taken off", x * alpha_x, y * alpha_y));
-        }
-    }
-    notes.extend(outliers::named(&file.heights, file.columns));
+    let mut prepared = chain::prepare(map, &grid, unit_um, &mut file)?;
+    notes.append(&mut prepared.notes);
     let field = Heightfield::new(cells_x, cells_y, map.periodic, file.heights);
     let (low, high) = field.range();
-    let unit_um = if map.pitch_x_um.is_some() { map.height_unit_um } else { file.unit_um };
-    let refined = refine::refine(field, DVec2::new(alpha_x, alpha_y), map.refine)?;
+    let refined = refine::refine(field, alpha, map.refine)?;
     let steps = refined.steps as f64;
-    let (alpha_x, alpha_y, cuts) = (alpha_x * steps, alpha_y * steps, refined.after);
+    let (alpha_x, alpha_y, cuts) = (alpha.x * steps, alpha.y * steps, refined.after);
     if low == high {
         notes.push("the map is flat: a mirror".into());
     } else {
         check_slopes(map, &refined.before, &mut notes)?;
         notes.extend(refinement(&refined));
     }
-    Ok(ImportedMap { field: refined.field, alpha_x, alpha_y, steps: refined.steps, cuts, unit_um, notes })
+    let excluded = prepared.excluded.map(|mask| mask.refined(refined.steps));
+    Ok(ImportedMap {
+        field: refined.field,
+        alpha_x,
+        alpha_y,
+        steps: refined.steps,
+        cuts,
+        excluded,
+        unit_um,
+        notes,
+    })
 }
 
 impl ImportedMap {
@@ -187,52 +233,17 @@ fn refinement(refined: &Refined) -> Vec<String> {
     notes
 }
 
-/// Takes the mean off and returns it.
-///
-/// The sum is compensated, so that its error does not grow with the number of heights.
-fn take_off_mean(heights: &mut [f64]) -> f64 {
-    let (mut sum, mut rest) = (0.0_f64, 0.0_f64);
-    for &height in heights.iter() {
-        let next = sum + height;
-        rest += if sum.abs() >= height.abs() { (sum - next) + height } else { (height - next) + sum };
-        sum = next;
-    }
-    let mean = (sum + rest) / heights.len() as f64;
-    heights.iter_mut().for_each(|height| *height -= mean);
-    mean
-}
-
-/// Takes the least-squares plane off heights of mean zero; returns its slopes per column and per row.
-///
-/// Coordinates count from the centre, where the normal equations of a full grid are diagonal:
-/// slope = sum u h / sum u^2 along each axis.
-fn take_off_plane(heights: &mut [f64], columns: usize) -> [f64; 2] {
-    let rows = heights.len() / columns;
-    let centred = |i: usize, n: usize| i as f64 - 0.5 * (n - 1) as f64;
-    let squares = |n: usize| (0..n).map(|i| centred(i, n).powi(2)).sum::<f64>();
-    let (mut along_x, mut along_y) = (0.0, 0.0);
-    for (y, row) in heights.chunks(columns).enumerate() {
-        along_x += row.iter().enumerate().map(|(x, h)| centred(x, columns) * h).sum::<f64>();
-        along_y += centred(y, rows) * row.iter().sum::<f64>();
-    }
-    let slope_x = along_x / (squares(columns) * rows as f64);
-    let slope_y = along_y / (squares(rows) * columns as f64);
-    for (y, row) in heights.chunks_mut(columns).enumerate() {
-        for (x, height) in row.iter_mut().enumerate() {
-            *height -= slope_x * centred(x, columns) + slope_y * centred(y, rows);
-        }
-    }
-    [slope_x, slope_y]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::campaign::{Detrend, Preparation};
 
     fn map() -> HeightMap {
         HeightMap {
             path: "scan.npy".into(),
             resolved_path: "scan.npy".into(),
+            channel: None,
+            preparation: Preparation::default(),
             pitch_x_um: Some(0.5),
             pitch_y_um: Some(0.25),
             height_unit_um: Some(0.001),

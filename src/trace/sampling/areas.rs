@@ -10,6 +10,7 @@ use rand_pcg::Pcg64Dxsm;
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::surface::Heightfield;
+use crate::surface::io::prepare::cell_mask::CellMask;
 use crate::trace::ray::surface_point::{Facet, SurfacePoint};
 
 /// Surface samples in a block.
@@ -34,6 +35,13 @@ impl Window {
     pub fn cells(&self) -> usize {
         (self.x.1 - self.x.0) * (self.y.1 - self.y.0)
     }
+
+    /// Number of cells that `excluded` does not hold.
+    pub fn cells_outside(&self, excluded: Option<&CellMask>) -> usize {
+        let Some(excluded) = excluded else { return self.cells() };
+        let row = |y: usize| (self.x.0..self.x.1).filter(|&x| !excluded.holds(x, y)).count();
+        (self.y.0..self.y.1).map(row).sum()
+    }
 }
 
 /// Cells whose projected areas are summed together: a sample evaluates one such group.
@@ -44,6 +52,10 @@ const GROUP: usize = 4;
 pub struct AreaSampler<'a> {
     field: &'a Heightfield,
     window: Window,
+    /// Cells of the window that no sample lies on.
+    excluded: Option<&'a CellMask>,
+    /// The others.
+    cells: usize,
     /// Canonical light direction in field coordinates.
     light: DVec3,
     /// `before[k]` = area of the groups before group k, row by row; one entry more than groups.
@@ -54,7 +66,19 @@ impl<'a> AreaSampler<'a> {
     /// Sums the projected areas of `field`'s facets in `window` towards `light` (canonical, field coordinates): that of
     /// a facet of slope (p, q) is max(0, light.z - light.x p - light.y q)/2 of a cell's.
     pub fn new(field: &'a Heightfield, window: Window, light: DVec3) -> Self {
-        let mut starts = AreaSampler { field, window, light, before: vec![0.0] };
+        Self::outside(field, window, light, None)
+    }
+
+    /// The same without the cells that `excluded` holds: the window is what is left of it.
+    // Tested by `excluded_cells_have_no_samples_and_no_area` (tests/it/surface/prepared_maps.rs).
+    pub fn outside(
+        field: &'a Heightfield,
+        window: Window,
+        light: DVec3,
+        excluded: Option<&'a CellMask>,
+    ) -> Self {
+        let cells = window.cells_outside(excluded);
+        let mut starts = AreaSampler { field, window, excluded, cells, light, before: vec![0.0] };
         let mut areas = vec![[0.0; 2]; window.x.1 - window.x.0];
         let (mut near, mut far) = (vec![0.0; areas.len() + 1], vec![0.0; areas.len() + 1]);
         copy_heights(field, window.y.0, window.x.0, &mut far);
@@ -63,6 +87,7 @@ impl<'a> AreaSampler<'a> {
             std::mem::swap(&mut near, &mut far);
             copy_heights(field, y + 1, window.x.0, &mut far);
             projected_areas(&near, &far, light, &mut areas);
+            starts.leave_out(window.x.0, y, &mut areas);
             for group in areas.chunks(GROUP) {
                 sum += group.as_flattened().iter().sum::<f64>();
                 starts.before.push(sum);
@@ -80,7 +105,7 @@ impl<'a> AreaSampler<'a> {
     /// area over light.z x cells x count. Over all samples it sums to at least 1: those that are shadowed
     /// are counted, and dropped.
     pub fn flux_fraction(&self, count: u64) -> f64 {
-        self.total() / (self.light.z * self.window.cells() as f64 * count as f64)
+        self.total() / (self.light.z * self.cells as f64 * count as f64)
     }
 
     fn total(&self) -> f64 {
@@ -125,7 +150,15 @@ impl<'a> AreaSampler<'a> {
         let mut areas = [[0.0; 2]; GROUP];
         projected_areas(&near, &far, self.light, &mut areas);
         areas[cells..].fill([0.0; 2]);
+        self.leave_out(first, y, &mut areas[..cells]);
         Facets { first, y, areas }
+    }
+
+    /// Takes the areas of excluded cells away; the first is cell (first, y).
+    fn leave_out(&self, first: usize, y: usize, areas: &mut [[f64; 2]]) {
+        let Some(excluded) = self.excluded else { return };
+        let out = areas.iter_mut().enumerate().filter(|(k, _)| excluded.holds(first + k, y));
+        out.for_each(|(_, areas)| *areas = [0.0; 2]);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gonio::campaign::{Detrend, HeightMap};
+use gonio::campaign::{Detrend, HeightMap, Preparation};
 use gonio::error::{Error, Result};
 use gonio::files::image::{self, Attribute, ImagePart, Samples};
 use gonio::surface::Heightfield;
@@ -24,6 +24,8 @@ fn map(path: &Path, periodic: bool) -> HeightMap {
     HeightMap {
         path: path.display().to_string(),
         resolved_path: path.to_path_buf(),
+        channel: None,
+        preparation: Preparation::default(),
         pitch_x_um: None,
         pitch_y_um: None,
         height_unit_um: None,
@@ -283,13 +285,14 @@ fn maps_of_other_programs_read_as_what_they_are_or_are_refused_by_what_they_lack
     }
     assert!((arc.pitch()[0] - 1.0).abs() < 1e-12 && (1e6 * matrix.pitch()[1] - 1.0).abs() < 1e-12);
     let reason = |name: &str| load_bytes(&case(name), own).expect_err("must be refused").to_string();
-    assert!(
-        reason("map_zygo.xyz").contains("no data at column and row 5 1; fill the gaps"),
-        "{}",
-        reason("map_zygo.xyz")
-    );
+    // The instrument's points have no size, and one of them has no data.
+    assert!(reason("map_zygo.xyz").contains("x and y count pixels"), "{}", reason("map_zygo.xyz"));
+    let zygo =
+        load_bytes(&case("map_zygo.xyz"), |path| with_pitch(map(path, false), 1.0)).expect_err("a gap");
+    let asked = "no data at row 1, column 5 (1 such of 144): set surface.file.gaps";
+    assert!(zygo.to_string().contains(asked), "{zygo}");
     let missing = reason("xyz_missing_line.txt");
-    assert!(missing.contains("no point at x = 5, y = 1 (column 5, row 1 of 12 x 12)"), "{missing}");
+    assert!(missing.contains(asked), "{missing}");
     // A mark before the first number is no word, and the point of that line is read.
     let filled = String::from_utf8(case("xyz_missing_line.txt"))
         .expect("text")

@@ -140,10 +140,14 @@ fn maps() -> Vec<Row> {
         row("map prime or oblong", npy(102, 30, |i| ((i * i) % 17) as f64 * 0.01)).exits(0, &["verdict"]),
         row("map flat", npy(33, 33, |_| 7.0)).exits(0, &["the map is flat: a mirror"]),
         // A fault of a file's content, not of the campaign: 3.
-        row("map with a hole", hole(f64::NAN))
-            .exits(3, &["error: scan.npy: height at row 2, column 5 is NaN"]),
-        row("map with a hole", hole(f64::INFINITY))
-            .exits(3, &["error: scan.npy: height at row 2, column 5 is inf"]),
+        row("map with a hole", hole(f64::NAN)).exits(
+            3,
+            &["error: scan.npy: no data at row 2, column 5 (1 such of 400): set surface.file.gaps"],
+        ),
+        row("map with a hole", hole(f64::INFINITY)).exits(
+            3,
+            &["error: scan.npy: no data at row 2, column 5 (1 such of 400): set surface.file.gaps"],
+        ),
         row("cells out of range", npy(8, 30, |i| i as f64))
             .exits(3, &["error: scan.npy: 7 x 29 cells; at least 8 x 8"]),
         row("table damaged", table_bytes()).exits(3, &["error: scan.npy: "]),

@@ -2,11 +2,11 @@
 //!
 //! Gwyddion's lines `# Width: 12.00 µm`, `# Height: ...` and `# Value units: m` give size and unit; without them the
 //! campaign must. An Arc grid has its size at the head (`ncols`, `nrows`, `cellsize` or `dx`, `dy`, `NODATA_value`);
-//! its first row is the one of largest y, and its cell size is in the unit of its heights.
+//! its first row is the one of largest y, and its cell size is in the unit of its heights. Cells without data become NaN.
 
-use super::fields::{fields, is_passed_over};
+use super::fields::{cells, is_passed_over};
+use crate::surface::io::readers::units;
 use crate::surface::io::samples::{MapSamples, Stored};
-use crate::surface::io::units;
 
 /// Fewest columns of a matrix: fewer are no map.
 pub const FEWEST_COLUMNS: usize = 8;
@@ -19,8 +19,8 @@ pub fn read(text: &str) -> Result<MapSamples, String> {
     let (mut heights, mut columns, mut rows) = (Vec::new(), 0, 0);
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !is_passed_over(line)) {
         let before = heights.len();
-        for field in fields(line) {
-            match field.parse::<f64>() {
+        for field in cells(line) {
+            match height(field) {
                 Ok(height) => heights.push(height),
                 // Words above the first row.
                 Err(_) if rows == 0 => break,
@@ -53,6 +53,12 @@ pub fn read(text: &str) -> Result<MapSamples, String> {
         Err(why) => map.no_pitch = Some(format!("a matrix of {columns} x {rows} heights: {why}")),
     }
     Ok(map)
+}
+
+/// A height, or NaN where a cell is empty or says that it has none.
+fn height(field: &str) -> Result<f64, std::num::ParseFloatError> {
+    const NONE: [&str; 5] = ["", "bad", "n/a", "nodata", "no data"];
+    if NONE.iter().any(|word| word.eq_ignore_ascii_case(field)) { Ok(f64::NAN) } else { field.parse() }
 }
 
 /// Width and height in the unit of the values, and that unit in um, of Gwyddion's comments; `None` without them.
@@ -104,12 +110,7 @@ pub fn read_arc_grid(text: &str) -> Result<MapSamples, String> {
         let height: f64 = word
             .parse()
             .map_err(|_| format!("Arc grid: row {row}, column {column}: `{word:.40}` is no number"))?;
-        if height == gap {
-            return Err(format!(
-                "Arc grid: no data ({gap}) at row {row}, column {column}; fill the gaps of the scan first"
-            ));
-        }
-        heights.push(height);
+        heights.push(if height == gap { f64::NAN } else { height });
     }
     if columns.checked_mul(rows) != Some(heights.len()) {
         return Err(format!("Arc grid: {} heights do not make {columns} x {rows}", heights.len()));
@@ -156,14 +157,31 @@ mod tests {
     }
 
     #[test]
+    fn cells_without_data_are_gaps() {
+        for (line, gaps) in [
+            ("0,1,,3,4,5,6,7", vec![2]),
+            ("0;1;2;NaN;4;5;6;", vec![3, 7]),
+            ("0\t1\tno data\t3\t4\tBAD\t6\t7", vec![2, 5]),
+            ("0 1 nan 3 4 5 n/a 7", vec![2, 6]),
+        ] {
+            let map = read(&format!("{}\n{line}\n", rows(",")[0])).expect("a matrix");
+            let found: Vec<usize> = (0..8).filter(|at| map.heights[8 + at].is_nan()).collect();
+            assert_eq!((found, map.rows), (gaps, 2), "{line}");
+        }
+    }
+
+    #[test]
     fn an_arc_grid_begins_at_the_top_and_names_its_gaps() {
         let [first, second] = rows(" ");
         let head = "ncols 8\nNROWS 2\nxllcorner 0\nyllcorner 0\ncellsize 0.5\nNODATA_value -9999\n";
         let map = read_arc_grid(&format!("{head}{second}\n{first}\n")).expect("a grid");
         assert_eq!((map.heights, map.pitch), (expected(), [Some(0.5), Some(0.5)]));
         let reason = |text: String| read_arc_grid(&text).expect_err("must be refused");
-        let gap = second.replace("13", "-9999");
-        assert!(reason(format!("{head}{gap}\n{first}\n")).contains("no data (-9999) at row 0, column 3"));
+        // The grid begins at the top: row 1 of the map.
+        let gap =
+            read_arc_grid(&format!("{head}{}\n{first}\n", second.replace("13", "-9999"))).expect("a grid");
+        let gaps: Vec<usize> = (0..16).filter(|at| gap.heights[*at].is_nan()).collect();
+        assert_eq!(gaps, [8 + 3]);
         assert!(reason(format!("{head}{second}\n")).contains("8 heights do not make 8 x 2"));
         assert!(reason(format!("ncols 8\ncellsize 1\n{first}\n")).contains("no nrows"));
         assert!(reason("ncols 1e300\nnrows 2\n1\n".into()).contains("must be a whole number"));

@@ -16,6 +16,22 @@ pub fn fields(line: &str) -> impl Iterator<Item = &str> {
     line.split(parted).map(|field| field.trim_matches(',')).filter(|field| !field.is_empty())
 }
 
+/// The cells of a line of a matrix, empty ones too where a mark parts them (`;`, a tab or a comma); where that mark also
+/// ends the line, nothing follows it.
+pub fn cells(line: &str) -> Box<dyn Iterator<Item = &str> + '_> {
+    let line = line.trim_end_matches(['\r', ' ']);
+    // Numbers that blanks part: the mark is not all that does.
+    let parts_all = |mark: &char| {
+        let is_one =
+            |cell: &str| !cell.contains(char::is_whitespace) || cell.starts_with(char::is_alphabetic);
+        line.contains(*mark) && line.split(*mark).all(|cell| is_one(cell.trim()))
+    };
+    match [';', '\t', ','].into_iter().find(parts_all) {
+        Some(mark) => Box::new(line.split(mark).map(str::trim)),
+        None => Box::new(fields(line)),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,23 +3,44 @@
 //! The header is the line `Gwyddion Simple Field 1.0` and lines `name = value`: XRes, YRes (samples), XReal, YReal
 //! (size of the field), XYUnits, ZUnits. Source: the format's specification in Gwyddion's user guide.
 
-use super::samples::{MapSamples, Stored};
-use super::units;
+use super::{MapReader, units};
+use crate::error::Checked;
+use crate::surface::io::samples::{MapSamples, Stored};
 use crate::text_decoding::decode_text_or_latin1;
 
 /// The first line.
-pub const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
+const MAGIC: &[u8] = b"Gwyddion Simple Field 1.0\n";
 /// The keys that are read.
 const KEYS: [&str; 6] = ["XRes", "YRes", "XReal", "YReal", "XYUnits", "ZUnits"];
 /// Longest header that is looked through.
 const LONGEST_HEADER: usize = 1 << 16;
+
+pub struct Gsf;
+
+impl MapReader for Gsf {
+    fn name(&self) -> &'static str {
+        "GSF"
+    }
+
+    fn accepts(&self, bytes: &[u8]) -> bool {
+        bytes.starts_with(MAGIC)
+    }
+
+    fn needed(&self, bytes: &[u8]) -> Checked<u64> {
+        Ok(4 * bytes.len() as u64)
+    }
+
+    fn read(&self, bytes: &[u8], _: Option<&str>) -> Checked<MapSamples> {
+        Ok(read(bytes)?)
+    }
+}
 
 /// Reads a field; row 0 of the file is y = 0.
 ///
 /// Pitches are XReal/XRes and YReal/YRes in the unit of the heights: both units must be lengths (with an SI prefix), or
 /// both be left out.
 // Tested by `a_gwyddion_field_reads_with_its_pitches`.
-pub fn read(bytes: &[u8]) -> Result<MapSamples, String> {
+fn read(bytes: &[u8]) -> Result<MapSamples, String> {
     let head = &bytes[..bytes.len().min(LONGEST_HEADER)];
     let end = head.iter().position(|&byte| byte == 0).ok_or("GSF: the header does not end")?;
     let text = decode_text_or_latin1(&head[..end])?;

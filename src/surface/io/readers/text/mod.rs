@@ -4,18 +4,43 @@
 //! Text that has no byte order mark and is not UTF-8 is read as Latin-1, which is what older instruments write their
 //! `µm` in.
 
-pub(crate) mod fields;
-pub(crate) mod matrix;
-pub(crate) mod xyz;
+mod fields;
+mod matrix;
+mod xyz;
 
-use super::samples::MapSamples;
+use super::{MapReader, UNKNOWN};
+use crate::error::Checked;
+use crate::files::memory;
+use crate::surface::io::samples::MapSamples;
+use crate::text_decoding::decode_text_or_latin1;
 use fields::{fields, is_passed_over};
 
 /// Lines looked at for the first numbers.
 const LONGEST_HEADING: usize = 64;
 
+pub struct Text;
+
+impl MapReader for Text {
+    fn name(&self) -> &'static str {
+        "text"
+    }
+
+    fn accepts(&self, _: &[u8]) -> bool {
+        true
+    }
+
+    fn needed(&self, bytes: &[u8]) -> Checked<u64> {
+        // A text of another encoding, and a list of f64 that grows.
+        Ok(2 * bytes.len() as u64 + 3 * 8 * memory::words(bytes))
+    }
+
+    fn read(&self, bytes: &[u8], _: Option<&str>) -> Checked<MapSamples> {
+        Ok(read(&decode_text_or_latin1(bytes)?).ok_or(UNKNOWN)??)
+    }
+}
+
 /// Reads a map from text; `None` where nothing in it looks like one.
-pub fn read(text: &str) -> Option<Result<MapSamples, String>> {
+fn read(text: &str) -> Option<Result<MapSamples, String>> {
     let beginning = text.trim_start();
     if beginning.starts_with("Zygo XYZ") {
         return Some(xyz::read_zygo(text));

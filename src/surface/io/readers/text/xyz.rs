@@ -3,7 +3,7 @@
 //!
 //! Fields are parted as `fields` says; empty lines and those that begin with # are passed over, and so is a
 //! first line of words. All three share one unit. The text is read twice, and only heights are kept. Files of Zygo's
-//! `XYZ Data File` have a head and count pixels in x and y.
+//! `XYZ Data File` have a head and count pixels in x and y. Points that are not there, or have no data, become NaN.
 
 use super::fields::{fields, is_passed_over};
 use crate::surface::io::samples::{MapSamples, Stored};
@@ -32,22 +32,20 @@ pub fn read(text: &str) -> Result<MapSamples, String> {
 /// Reads the points of a Zygo instrument: column, row, height, or `No Data`.
 pub fn read_zygo(text: &str) -> Result<MapSamples, String> {
     let heads = text.lines().take(LONGEST_HEAD);
-    let is_point = |line: &str| point(line).is_some() || line.trim_end().ends_with("No Data");
+    let is_point = |line: &str| point(line).is_some();
     // The head ends with a line #, or where the points begin.
     let marked = heads.clone().position(|line| line.trim() == "#").map(|index| index + 1);
     let begin = marked.or_else(|| heads.clone().position(is_point)).ok_or("Zygo XYZ: no points")?;
-    let gap = text.lines().enumerate().skip(begin).find(|(_, line)| line.trim_end().ends_with("No Data"));
-    if let Some((index, line)) = gap {
-        let place = line.trim().trim_end_matches("No Data").trim();
-        return Err(format!(
-            "Zygo XYZ: line {}: no data at column and row {place:.40}; fill the gaps of the scan first",
-            index + 1
-        ));
-    }
-    let mut map = gridded("Zygo XYZ", points(text, begin))?;
-    map.pitch = [None, None];
-    map.no_pitch = Some("Zygo XYZ: x and y count pixels".into());
-    Ok(map)
+    let map = gridded("Zygo XYZ", points(text, begin))?;
+    // Line 8: source, scale, wavelength, aperture, obliquity, magnification, metres a pixel.
+    let camera = text.lines().nth(7).and_then(|line| line.split_whitespace().nth(6)).filter(|_| begin > 7);
+    Ok(match camera.and_then(|text| text.parse::<f64>().ok()) {
+        Some(pitch) if pitch > 0.0 => map.with_units("Zygo XYZ", [pitch; 2], ["m", "m"], "um"),
+        _ => {
+            let no_pitch = Some("Zygo XYZ: x and y count pixels, of which the head has no size".into());
+            MapSamples { pitch: [None, None], no_pitch, unit_um: Some(1.0), ..map }
+        }
+    })
 }
 
 /// Puts points on the grid that they spell out; `kind` begins every reason.
@@ -59,7 +57,7 @@ fn gridded(
         layout(all.clone()).map_err(|why| format!("{kind}: {why}"))?;
     let cells = columns.checked_mul(rows).ok_or_else(|| format!("{kind}: the points are no grid"))?;
     let mut lines = vec![0u32; cells];
-    let mut heights = vec![0.0; cells];
+    let mut heights = vec![f64::NAN; cells];
     for found in all {
         let (line, [x, y, z]) = found.map_err(|why| format!("{kind}: {why}"))?;
         let place = |value: f64, axis: usize| {
@@ -77,14 +75,6 @@ fn gridded(
             return Err(format!("{kind}: line {line}: {x} {y} is there twice, as in line {}", lines[at]));
         }
         (lines[at], heights[at]) = (u32::try_from(line).unwrap_or(u32::MAX), z);
-    }
-    if let Some(at) = lines.iter().position(|line| *line == 0) {
-        let (row, column) = (at / columns, at % columns);
-        let [x, y] = [(column, 0), (row, 1)].map(|(index, axis)| origin[axis] + index as f64 * step[axis]);
-        return Err(format!(
-            "{kind}: no point at x = {x}, y = {y} (column {column}, row {row} of {columns} x {rows}); fill the gaps of \
-             the scan first"
-        ));
     }
     let pitch = step.map(Some);
     Ok(MapSamples { pitch, ..MapSamples::new(columns, rows, heights, Stored::Exact) })
@@ -141,15 +131,24 @@ fn layout(all: impl Iterator<Item = Result<(usize, [f64; 3]), String>>) -> Resul
 fn points(text: &str, begin: usize) -> impl Iterator<Item = Result<(usize, [f64; 3]), String>> + Clone + '_ {
     let lines = text.lines().enumerate().skip(begin).filter(|(_, line)| !is_passed_over(line));
     let read = |(k, (index, line)): (usize, (usize, &str))| match point(line) {
-        Some(point) if point.iter().all(|value| value.is_finite()) => Some(Ok((index + 1, point))),
+        Some([x, y, z]) if x.is_finite() && y.is_finite() && !z.is_infinite() => {
+            Some(Ok((index + 1, [x, y, z])))
+        }
         None if k == 0 && !line.trim().starts_with(|c: char| c.is_ascii_digit() || c == '-') => None,
         _ => Some(Err(format!("line {}: three finite numbers x y z are expected", index + 1))),
     };
     lines.enumerate().filter_map(read)
 }
 
-/// A line of exactly three numbers.
+/// A line of exactly three numbers, of which the last may be missing: `No Data` and `BAD` are NaN.
 fn point(line: &str) -> Option<[f64; 3]> {
+    let line = line.trim_end();
+    if let Some(place) = ["No Data", "BAD"].iter().find_map(|word| line.strip_suffix(word)) {
+        let mut fields = fields(place);
+        let mut number = || fields.next()?.parse::<f64>().ok();
+        let point = [number()?, number()?, f64::NAN];
+        return fields.next().is_none().then_some(point);
+    }
     let mut fields = fields(line);
     let mut number = || fields.next()?.parse::<f64>().ok();
     let point = [number()?, number()?, number()?];
@@ -198,13 +197,6 @@ mod tests {
         assert!(reason(&good.replace("8 0 12", "8 0")).contains("line 6: three finite numbers"));
         assert!(reason(&good.replace("12", "inf")).contains("line 6"));
         assert!(
-            reason(&good.replace("\n8 0 12", ""))
-                .contains("no point at x = 8, y = 0 (column 2, row 1 of 3 x 2)")
-        );
-        assert!(
-            reason(&good.replace("\n7.5 -2 1", "")).contains("no point at x = 7.5, y = -2 (column 1, row 0")
-        );
-        assert!(
             reason(&good.replace("8 0 12", "7.5 0 12"))
                 .contains("line 6: 7.5 0 is there twice, as in line 5")
         );
@@ -215,7 +207,22 @@ mod tests {
     }
 
     #[test]
-    fn the_points_of_a_zygo_instrument_count_pixels_and_name_their_gaps() {
+    fn points_that_are_not_there_are_gaps() {
+        let good = text(&[(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1)], " ");
+        for (from, to, at) in [
+            ("\n8 0 12", "", 5),
+            ("\n7.5 -2 1", "", 1),
+            ("7.5 0 11", "7.5 0 nan", 4),
+            ("7 0 10", "7 0 No Data", 3),
+        ] {
+            let map = read(&good.replace(from, to)).expect("a grid");
+            let gaps: Vec<usize> = (0..6).filter(|at| map.heights[*at].is_nan()).collect();
+            assert_eq!(gaps, [at], "{from:?} -> {to:?}");
+        }
+    }
+
+    #[test]
+    fn the_points_of_a_zygo_instrument_count_pixels_and_have_gaps() {
         let head = "Zygo XYZ Data File - Format 1\n0 0 0 0 \"\"\n0 0 3 2\n\"text\"\n";
         let points = "0 0 0.5\n1 0 1\n2 0 2\n0 1 10\n1 1 11\n2 1 12\n";
         for end in ["", "#\n"] {
@@ -224,8 +231,7 @@ mod tests {
             assert_eq!(map.heights, [0.5, 1.0, 2.0, 10.0, 11.0, 12.0]);
             assert!(map.no_pitch.is_some_and(|why| why.contains("count pixels")));
         }
-        let gap =
-            read_zygo(&format!("{head}{}", points.replace("1 1 11", "1 1 No Data"))).expect_err("a gap");
-        assert!(gap.contains("line 9: no data at column and row 1 1; fill"), "{gap}");
+        let gap = read_zygo(&format!("{head}{}", points.replace("1 1 11", "1 1 No Data"))).expect("points");
+        assert!(gap.heights[4].is_nan() && gap.heights[5] == 12.0);
     }
 }

@@ -1,0 +1,156 @@
+//! Promise: scans of every format that is read have the heights, pitches and gaps that other programs read in them.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use gonio::surface::io::map_file;
+use gonio::surface::io::samples::MapSamples;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/maps/scans")
+}
+
+/// The files of a kind of map, with the lines of `heights.csv` on each.
+fn scans() -> BTreeMap<String, Vec<Vec<f64>>> {
+    let text = fs::read_to_string(folder().join("heights.csv")).expect("readable");
+    let mut scans: BTreeMap<String, Vec<Vec<f64>>> = BTreeMap::new();
+    for line in text.lines().skip(1) {
+        let (file, numbers) = line.split_once(',').expect("a file");
+        let numbers = numbers.split(',').map(|number| number.parse().expect("a number")).collect();
+        scans.entry(file.into()).or_default().push(numbers);
+    }
+    scans
+}
+
+fn read(file: &str) -> MapSamples {
+    let bytes = fs::read(folder().join(file)).expect("a scan");
+    map_file::read(&bytes).unwrap_or_else(|why| panic!("{file}: {why}"))
+}
+
+#[test]
+fn every_scan_has_the_heights_that_other_programs_read() {
+    let scans = scans();
+    assert!(scans.len() >= 18, "{}", scans.len());
+    for (file, lines) in scans {
+        let map = read(&file);
+        let unit = map.unit_um.unwrap_or(1.0);
+        let known: Vec<f64> = map.heights.iter().copied().filter(|height| !height.is_nan()).collect();
+        let mean = known.iter().sum::<f64>() / known.len() as f64;
+        for line in lines {
+            let [columns, rows, pitch_x, pitch_y, gaps, row, column, height, range] = line[..] else {
+                panic!("{file}")
+            };
+            assert_eq!((map.columns as f64, map.rows as f64), (columns, rows), "{file}");
+            assert_eq!((map.heights.len() - known.len()) as f64, gaps, "{file}");
+            for (found, wanted) in map.pitch.iter().zip([pitch_x, pitch_y]) {
+                match found {
+                    // Nine digits, and pitches that files hold in f32.
+                    Some(found) => {
+                        assert!((unit * found / wanted - 1.0).abs() < 1e-6, "{file}: {found} {wanted}")
+                    }
+                    None => assert_eq!(wanted, 0.0, "{file}: {:?}", map.no_pitch),
+                }
+            }
+            let found = unit * (map.heights[row as usize * map.columns + column as usize] - mean);
+            assert!(
+                (found - height).abs() < 1e-6 * range,
+                "{file}: row {row}, column {column}: {found} {height}"
+            );
+        }
+    }
+}
+
+/// Cut short or with some bytes changed, a scan is refused or read as a map; nothing panics, and a reason is one line.
+#[test]
+fn damaged_scans_are_errors_in_one_line_and_never_panic() {
+    let mut state = 5_u64;
+    let mut random = |n: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((state >> 33) % n as u64) as usize
+    };
+    for file in scans().into_keys() {
+        let bytes = fs::read(folder().join(&file)).expect("a scan");
+        let mut answers = [0; 2];
+        let mut judge = |bytes: &[u8]| {
+            let needed = map_file::needed(bytes).map(|_| ());
+            match needed.and_then(|()| map_file::read(bytes)) {
+                Ok(map) => {
+                    assert_eq!(map.heights.len(), map.columns * map.rows, "{file}");
+                    answers[0] += 1;
+                }
+                Err(why) => {
+                    let why = why.to_string();
+                    assert!(!why.is_empty() && !why.contains('\n') && why.len() < 600, "{file}: {why:?}");
+                    answers[1] += 1;
+                }
+            }
+        };
+        for length in (0..bytes.len()).step_by(1 + bytes.len() / 200) {
+            judge(&bytes[..length]);
+        }
+        for _ in 0..600 {
+            let mut damaged = bytes.clone();
+            for _ in 0..1 + random(3) {
+                let at = if random(2) == 0 { random(bytes.len()) } else { random(bytes.len().min(700)) };
+                damaged[at] = if random(2) == 0 { random(256) as u8 } else { damaged[at] ^ (1 << random(8)) };
+            }
+            judge(&damaged);
+        }
+        // Power: damage is met. Behind a checksum all of it is.
+        assert!(answers[1] > 50, "{file}: {answers:?}");
+    }
+}
+
+/// What each format holds that is no height map, and what to do about it.
+#[test]
+fn what_is_not_read_is_told_what_to_do() {
+    let reason = |bytes: &[u8]| map_file::read(bytes).expect_err("must be refused").to_string();
+    let scan = |file: &str| fs::read(folder().join(file)).expect("a scan");
+    let changed = |file: &str, at: usize, to: &[u8]| {
+        let mut bytes = scan(file);
+        bytes[at..at + to.len()].copy_from_slice(to);
+        reason(&bytes)
+    };
+    for (found, wanted) in [
+        (
+            reason(b"\x89HDF\r\n\x1a\n and so on"),
+            "HDF5 file, as .datx and .plux are, is not read: save the map as .x3p",
+        ),
+        (reason(b"\x1f\x8b\x08"), "gunzip it first"),
+        (reason(b"\xff\xd8\xff\xe0 a JPEG"), "none of the height maps that are read"),
+        (changed("plain.sur", 18, &[5, 0]), "SUR: a series of surfaces; save one of them"),
+        (changed("plain.sur", 18, &[12, 0]), "no surface (2)"),
+        (changed("plain.sur", 108, &[0xff; 4]), "SUR: -1 points in a line"),
+        (changed("plain.sur", 98, &[12, 0]), "12 bits a point; 16 and 32 are read"),
+        (changed("iso2_int16.sdf", 5, b"3.0"), "SDF: version \"ISO-3.0\" is not read"),
+        (changed("iso2_int16.sdf", 82, &[1]), "compressed data"),
+        (changed("mountains_iso1_int32.sdf", 42, &[0xff, 0xff]), "do not make 65535 x 20 heights of 4 bytes"),
+        (changed("metropro.dat", 218, &[0, 9]), "phase resolution 9; 0, 1 and 2 are known"),
+        (changed("metropro.dat", 164, &[0; 4]), "scale factor 0"),
+        (changed("by_gwyddion.gwy", 4, b"GwyDataField\0"), "no GwyContainer"),
+    ] {
+        assert!(found.contains(wanted), "{found}");
+    }
+    let picture = |file: &str| read(file).no_pitch.expect("says so");
+    assert!(picture("counts.png").contains("knows neither pitch nor unit"));
+}
+
+#[test]
+fn a_channel_is_chosen_by_its_title_its_number_or_its_unit() {
+    let bytes = fs::read(folder().join("two_channels.gwy")).expect("a scan");
+    let choose = |channel: &str| map_file::read_channel(&bytes, Some(channel));
+    let only = map_file::read(&bytes).expect("one of the two has a length");
+    assert_eq!(choose("Height").expect("a title"), only);
+    assert_eq!(choose("1").expect("a number"), only);
+    let phase = choose("Phase").expect("a title");
+    assert!(phase.no_pitch.is_some_and(|why| why.contains("one unit is given and the other is not")));
+    let why = choose("Amplitude").expect_err("none of that name").to_string();
+    assert!(
+        why.contains("no channel `Amplitude` among 0 `Phase`, 1 `Height`: see surface.file.channel"),
+        "{why}"
+    );
+    let sur = fs::read(folder().join("plain.sur")).expect("a scan");
+    let why = map_file::read_channel(&sur, Some("Height")).expect_err("one map").to_string();
+    assert!(why.contains("SUR holds one map; leave the key out"), "{why}");
+}
