@@ -1,6 +1,5 @@
 //! What the commands print.
 
-pub(crate) mod certificate;
 pub(crate) mod layout;
 pub mod lobes;
 pub(crate) mod measured;
@@ -10,7 +9,6 @@ pub(crate) mod output;
 pub(crate) mod plan;
 pub(crate) mod progress;
 pub(crate) mod resolution;
-pub(crate) mod roughness;
 pub(crate) mod study;
 pub(crate) mod terminal;
 pub(crate) mod verdict;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::layout::columns;
+use crate::cli::text::layout::columns;
 use crate::surface::areal::{Parameters, Roughness};
 use crate::surface::io::import::MapSteps;
 

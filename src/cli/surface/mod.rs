@@ -1,5 +1,8 @@
 //! `gonio surface`: the patches of a campaign as files, with the certificate of what they really have.
 
+mod certificate;
+mod roughness;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -8,18 +11,17 @@ use glam::DVec2;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use self::certificate::{MapFigures, PatchEntry, Pooled, RayBound};
+use self::roughness::RoughnessEntry;
 use super::streams::folder;
-use super::text::certificate;
-use super::text::certificate::{MapFigures, PatchEntry, Pooled, RayBound};
 use super::text::output::{Output, json_text, parsed_json, to_json, warn};
 use super::text::progress::RunProgress;
-use super::text::roughness::RoughnessEntry;
 use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::job::paths;
 use crate::measure::{self, Patch, Patches, Specimen, patches::patch_name};
-use crate::report::plot::roughness;
+use crate::report::plot;
 use crate::surface::io::{export, import};
 use crate::surface::{Certificate, SlopeCounts};
 
@@ -65,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut document = job.document(&entries, &pooled, (&bounds, figures.as_ref()), &notes)?;
     if let Some(areal) = &areal {
         document["roughness"] = to_json(areal)?;
-        let picture = roughness::picture(&areal.before, &areal.after, areal.unit_um);
+        let picture = plot::roughness::picture(&areal.before, &areal.after, areal.unit_um);
         job.put(&job.folder.join(ROUGHNESS), picture.as_bytes())?;
     }
     files::write_atomically(&job.certificate(), format!("{}\n", json_text(&document)?).as_bytes())?;

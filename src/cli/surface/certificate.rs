@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::layout::columns;
-use super::numbers::or_na;
+use crate::cli::text::layout::columns;
+use crate::cli::text::numbers::or_na;
 use crate::stats;
 use crate::surface::Certificate;
 use crate::surface::grains::GrainFigures;
