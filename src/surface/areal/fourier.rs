@@ -49,8 +49,8 @@ fn transposed(values: &[Complex64], columns: usize) -> Vec<Complex64> {
 pub fn quick_length(least: usize) -> usize {
     let is_quick = |length: &usize| {
         let mut rest = *length;
-        for factor in [2, 3, 5] {
-            while rest % factor == 0 {
+        for factor in [2usize, 3, 5] {
+            while rest.is_multiple_of(factor) {
                 rest /= factor;
             }
         }

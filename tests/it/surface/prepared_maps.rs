@@ -202,7 +202,7 @@ fn each_step_says_what_it_did_and_what_it_lacks() {
 
 #[test]
 fn keys_of_the_preparation_are_checked_with_their_range() {
-    let faults = |keys: &str| match campaign::parse(&campaign_text(keys), "c.toml", Path::new("")) {
+    let faults = |keys: &str| match campaign::parse(campaign_text(keys), "c.toml", Path::new("")) {
         Ok(_) => panic!("{keys} is taken"),
         Err(why) => why.to_string(),
     };

@@ -132,6 +132,29 @@ fn what_is_not_read_is_told_what_to_do() {
     ] {
         assert!(found.contains(wanted), "{found}");
     }
+    // Behind the checksum of the archive: as text, in a member that is not packed.
+    let x3p = |from: &str, to: &str| {
+        let mut archive =
+            zip::ZipArchive::new(std::io::Cursor::new(scan("as_text.x3p"))).expect("an archive");
+        let main = std::io::read_to_string(archive.by_name("main.xml").expect("there")).expect("text");
+        let mut made = zip::ZipWriter::new(std::io::Cursor::new(Vec::new()));
+        made.start_file("main.xml", zip::write::SimpleFileOptions::default()).expect("begun");
+        std::io::Write::write_all(&mut made, main.replacen(from, to, 1).as_bytes()).expect("written");
+        reason(&made.finish().expect("whole").into_inner())
+    };
+    for (found, wanted) in [
+        (x3p(">SUR<", ">PCL<"), "X3P: a cloud of points (PCL); resample it to a surface (SUR)"),
+        (
+            x3p("<AxisType>I<", "<AxisType>A<"),
+            "X3P: CX is absolute: the points need not lie on a grid; resample them",
+        ),
+        (x3p("<SizeZ>1<", "<SizeZ>3<"), "X3P: 3 layers; save one of them"),
+        (x3p("<SizeX>120<", "<SizeX>121<"), "X3P: 10800 heights do not make 121 x 90"),
+        (x3p("</Datum>", " 1;2</Datum>"), "1;2` is no number"),
+        (x3p("<DataType>L<", "<DataType>Q<"), "CZ DataType `Q`: I, L, F or D needed"),
+    ] {
+        assert!(found.contains(wanted), "{found}");
+    }
     let picture = |file: &str| read(file).no_pitch.expect("says so");
     assert!(picture("counts.png").contains("knows neither pitch nor unit"));
 }

@@ -177,7 +177,7 @@ mod tests {
 
     #[test]
     fn a_filled_height_lies_between_those_of_its_border() {
-        let (_, mut heights) = holed(|x, y| ((x * 12.9898 + y * 78.233).sin() * 43_758.5453).fract());
+        let (_, mut heights) = holed(|x, y| ((x * 12.9898 + y * 78.233).sin() * 43758.5453).fract());
         let (low, high) = heights
             .iter()
             .filter(|h| !h.is_nan())

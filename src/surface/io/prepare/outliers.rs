@@ -266,7 +266,7 @@ mod tests {
     fn what_stands_out_of_its_neighbours_is_found_and_a_scratch_is_not() {
         // Spikes of a tenth of the height of the whole, between its own crests.
         let mut heights = smooth();
-        let rough = |at: usize| 1e-3 * ((at as f64 * 12.9898).sin() * 43_758.5453).fract();
+        let rough = |at: usize| 1e-3 * ((at as f64 * 12.9898).sin() * 43758.5453).fract();
         heights.iter_mut().enumerate().for_each(|(at, height)| *height += rough(at));
         let spikes = [5 * 64 + 7, 9 * 64 + 3, 0, 63 * 64 + 63, 30 * 64 + 31];
         spikes.iter().enumerate().for_each(|(k, at)| heights[*at] += [0.9, -0.8, 0.7, -0.6, 0.5][k]);

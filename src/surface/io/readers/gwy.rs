@@ -88,9 +88,7 @@ fn channels(components: Components<'_>) -> Result<Vec<Channel<'_>>, String> {
             channels.len() - 1
         });
         match (rest, value) {
-            ("data", Value::Object(name, field)) if name == "GwyDataField" => {
-                channels[at].field = Some(field)
-            }
+            ("data", Value::Object("GwyDataField", field)) => channels[at].field = Some(field),
             ("data/title", Value::Text(title)) => channels[at].title = Some(title),
             ("mask", Value::Object(..)) => channels[at].has_mask = true,
             _ => {}

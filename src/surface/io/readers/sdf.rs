@@ -84,7 +84,7 @@ fn binary(bytes: &[u8], revision: &str) -> Result<MapSamples, String> {
     let length = header.columns.saturating_mul(header.rows).saturating_mul(header.number.size());
     let data = bytes.get(start..).unwrap_or_default();
     let [_, _, z] = header.scale;
-    let to = |height: f64| if height == header.missing { f64::NAN } else { z * height };
+    let to = |height: f64| if header.is_missing(height) { f64::NAN } else { z * height };
     let data = &data[..length.min(data.len())];
     let heights = header.number.read(data, [header.columns, header.rows], to)?;
     Ok(header.map(heights))
@@ -127,7 +127,7 @@ fn text(bytes: &[u8], revision: &str) -> Result<MapSamples, String> {
                 .parse()
                 .map_err(|_| format!("height {}: `{word:.40}` is no number", heights.len() + 1))?,
         };
-        heights.push(if height == header.missing { f64::NAN } else { z * height });
+        heights.push(if header.is_missing(height) { f64::NAN } else { z * height });
     }
     if header.columns.checked_mul(header.rows) != Some(heights.len()) {
         return Err(format!("{} heights do not make {} x {}", heights.len(), header.columns, header.rows));
@@ -192,6 +192,14 @@ impl Header {
         let [lowest, highest] = number.ends();
         let missing = if revision == "BCR-1.0" { highest } else { lowest };
         Ok(Header { columns, rows, scale: [x, y, z], number, missing })
+    }
+
+    /// Whether a number is none: of floats by six digits, for a text rounds the largest of them, and beyond.
+    fn is_missing(&self, height: f64) -> bool {
+        match self.number {
+            Number::F32 | Number::F64 => height.is_infinite() || (height / self.missing - 1.0).abs() < 1e-6,
+            _ => height == self.missing,
+        }
     }
 
     fn map(&self, heights: Vec<f64>) -> MapSamples {

@@ -95,12 +95,16 @@ fn read(bytes: &[u8]) -> Result<MapSamples, String> {
     let main = archive.member("main.xml").map_err(|why| format!("no X3P archive: {why}"))?;
     let document = Document::read(&main)?;
     let [columns, rows] = document.counts()?;
+    let pitch = [document.increment("CX")?, document.increment("CY")?];
     let number = document.number()?;
     let increment = match document.number_at("CZ/Increment")? {
         Some(value) if value > 0.0 && value.is_finite() => value,
         Some(value) => return Err(format!("CZ Increment {value}: must be positive and finite")),
         None => 1.0,
     };
+    if let Some(wrong) = &document.wrong_datum {
+        return Err(wrong.clone());
+    }
     let heights = if document.data.is_empty() {
         let data = archive.member(document.need("DataLink/PointDataLink")?)?;
         let mut heights = number.read(&data, [columns, rows], |value| increment * value)?;
@@ -113,16 +117,6 @@ fn read(bytes: &[u8]) -> Result<MapSamples, String> {
     } else {
         return Err(format!("{} heights do not make {columns} x {rows}", document.data.len()));
     };
-    let pitch = |axis: &str| match document.text(&format!("{axis}/AxisType")) {
-        Some("I") => {
-            document.number_at(&format!("{axis}/Increment"))?.ok_or_else(|| format!("no Increment of {axis}"))
-        }
-        Some("A") => Err(format!(
-            "{axis} is absolute: the points need not lie on a grid; resample them to a regular one"
-        )),
-        other => Err(format!("{axis} AxisType {:?}: I or A needed", other.unwrap_or(""))),
-    };
-    let pitch = [pitch("CX")?, pitch("CY")?];
     let stored = if number == Number::F32 { Stored::Single } else { Stored::Exact };
     Ok(MapSamples::new(columns, rows, heights, stored).with_units("X3P", pitch, ["m", "m"], "m"))
 }
@@ -147,6 +141,8 @@ struct Document {
     texts: Vec<(String, String)>,
     /// Heights as text.
     data: Vec<f64>,
+    /// The first that is none.
+    wrong_datum: Option<String>,
 }
 
 impl Document {
@@ -170,7 +166,7 @@ impl Document {
                 Event::Empty(empty) if empty.local_name().as_ref() == "Datum" => document.data.push(f64::NAN),
                 Event::Text(text) => content.push_str(&text),
                 Event::End(_) => {
-                    document.close(&path, content.trim())?;
+                    document.close(&path, content.trim());
                     path.pop();
                     content.clear();
                 }
@@ -182,24 +178,18 @@ impl Document {
     }
 
     /// Takes in an element that ends.
-    fn close(&mut self, path: &[String], text: &str) -> Result<(), String> {
+    fn close(&mut self, path: &[String], text: &str) {
         const PARENTS: [&str; 6] = ["CX", "CY", "CZ", "Record1", "MatrixDimension", "DataLink"];
-        let [.., parent, name] = path else { return Ok(()) };
+        let [.., parent, name] = path else { return };
         if name == "Datum" {
-            let height = match text {
-                "" => f64::NAN,
-                text => text.parse().map_err(|_| {
-                    format!(
-                        "height {}: `{text:.40}` is no number (x and y must be incremental)",
-                        self.data.len() + 1
-                    )
-                })?,
-            };
-            self.data.push(height);
+            let height = if text.is_empty() { Ok(f64::NAN) } else { text.parse() };
+            if height.is_err() && self.wrong_datum.is_none() {
+                self.wrong_datum = Some(format!("height {}: `{text:.40}` is no number", self.data.len() + 1));
+            }
+            self.data.push(height.unwrap_or(f64::NAN));
         } else if PARENTS.contains(&parent.as_str()) {
             self.texts.push((format!("{parent}/{name}"), text.into()));
         }
-        Ok(())
     }
 
     fn text(&self, path: &str) -> Option<&str> {
@@ -237,6 +227,19 @@ impl Document {
         match count("SizeZ")? {
             1 => Ok([count("SizeX")?, count("SizeY")?]),
             layers => Err(format!("{layers} layers; save one of them")),
+        }
+    }
+
+    /// Metres between samples along an axis.
+    fn increment(&self, axis: &str) -> Result<f64, String> {
+        match self.need(&format!("{axis}/AxisType"))? {
+            "I" => self
+                .number_at(&format!("{axis}/Increment"))?
+                .ok_or_else(|| format!("main.xml: no {axis}/Increment")),
+            "A" => Err(format!(
+                "{axis} is absolute: the points need not lie on a grid; resample them to a regular one"
+            )),
+            other => Err(format!("{axis} AxisType `{other:.40}`: I or A needed")),
         }
     }
 
