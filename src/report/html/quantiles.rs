@@ -58,11 +58,16 @@ pub fn chart(all: &[SlopeQuantiles]) -> Option<Chart> {
     }
     let points = all.iter().map(|both| [both.law, both.patch]).collect();
     let style = SeriesStyle { marker: Marker::Ring, line: false, ..MEASURED };
-    let x = ChartAxis::decades("slope of the law at the same share", [low, high]);
+    let axis = |label: &str| {
+        let ChartAxis { range: [first, last], .. } = ChartAxis::decades(label, [low, high]);
+        // The first numbers of both axes would stand upon each other in the corner.
+        ChartAxis { range: [0.6 * first, last], ..ChartAxis::decades(label, [low, high]) }
+    };
+    let x = axis("slope of the law at the same share");
     let line = vec![[x.range[0]; 2], [x.range[1]; 2]];
     Some(Chart {
         title: "Quantiles of the slopes".into(),
-        y: ChartAxis::decades("slope of the patch", [low, high]),
+        y: axis("slope of the patch"),
         x,
         series: vec![
             Series::new("equal", line, SeriesStyle { dashes: "", ..model_style(1) }),

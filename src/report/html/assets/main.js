@@ -141,9 +141,12 @@ function startViewer(tables, inside, sphere) {
     captions(state, lobe, inside);
     if (scene.gl) {
       const of = (layers, half) => (half ? layers[tables.indexOf(half)] : null);
-      scene.show({ ...state, pairs: pairs.map((layers) => [of(layers, scene.back), of(layers, scene.through)]) });
+      const shown = { ...state, pairs: pairs.map((layers) => [of(layers, scene.back), of(layers, scene.through)]) };
       label(seen);
       sceneCaption(state, seen, scene, inside);
+      // At first the lobe and all that stands below come before the spheres, whose programs are long.
+      if (scene.state) scene.show(shown);
+      else setTimeout(() => scene.show(shown), 0);
     }
     document.body.dataset.drawn = String(Number(document.body.dataset.drawn || 0) + 1);
     // After the others are on the screen: it takes the longest.

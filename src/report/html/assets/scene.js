@@ -5,7 +5,10 @@
 // eye's direction and interpolated: no random numbers, the same picture every time.
 
 // Directions of each kind; nodes of the eye's polar angle, and of its azimuth where azimuths differ.
-const RULE_COUNT = 56, RULE_POLAR = 61, RULE_AROUND = 36;
+const RULE_COUNT = 40, RULE_POLAR = 61, RULE_AROUND = 36;
+
+// Pixels of the whole picture at first, and milliseconds within which graphics must draw them to be asked for all.
+const FIRST_PIXELS = 120000, QUICK_MS = 60;
 
 const RULE_FRAGMENT = `
 uniform ivec2 nodes; uniform vec4 entry; uniform bool below; uniform float count;
@@ -214,8 +217,23 @@ class SceneView extends LayersView {
   // What the page sees of a layer: that of the half which comes back, and that which goes through.
   draw() {
     if (!this.gl || !this.state) return;
-    const { state, scene } = this;
-    this.drawEach(state.pairs.length, scene.camera.half, (k) => this.bind(k, state.pairs[k]));
+    const { state, scene } = this, all = () => this.drawEach(state.pairs.length, scene.camera.half, (k) => this.bind(k, state.pairs[k]));
+    // Weights are made before the time is taken.
+    if (this.pixels === undefined) state.pairs.forEach((pair, k) => this.bind(k, pair));
+    const begin = this.finished();
+    this.pixels = this.pixels ?? FIRST_PIXELS;
+    all();
+    if (this.pixels !== FIRST_PIXELS || this.asked) return;
+    this.asked = true;
+    if (this.finished() - begin > QUICK_MS) return;
+    this.pixels = Infinity;
+    all();
+  }
+
+  // The time when all that was asked for is drawn.
+  finished() {
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+    return performance.now();
   }
 
   bind(k, pair) {

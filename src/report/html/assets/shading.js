@@ -252,7 +252,8 @@ class LayersView {
   // Draws every layer in its place after `bind(k)`; `half` is the half height of what the eye sees.
   drawEach(count, half, bind) {
     const { gl, canvas } = this, side = this.state.two && count > 1;
-    fitted(canvas, canvas.clientWidth, canvas.clientHeight);
+    const share = Math.min(1, Math.sqrt((this.pixels ?? Infinity) / (canvas.clientWidth * canvas.clientHeight * Math.min(window.devicePixelRatio || 1, 2) ** 2)));
+    fitted(canvas, share * canvas.clientWidth, share * canvas.clientHeight);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.disable(gl.SCISSOR_TEST);
     gl.clearColor(1, 1, 1, 1);
