@@ -21,9 +21,8 @@ use crate::measure::{Cost, Pace, Part, Plan, RunFiles};
 #[derive(Args)]
 #[command(
     after_help = "Writes <name>.exr, <name>.realisations.exr, <name>.html (the page), <name>.card.md and, last,\n\
-    <name>.json; several roughnesses or materials give one set each, <name>_alpha_<value>, ...,\n\
-    as do lists of seeds or correlation lengths, each a run of its own: <name>_seed_<value>, ...\n\
-    Several tables end in <name>.sweep.csv, .nc and .html.\n\n\
+    <name>.json; lists of roughnesses, materials, seeds or correlation lengths give one set each\n\
+    (<name>_alpha_<value>, ...) and, together, <name>.sweep.csv, .nc and .html.\n\n\
     Example: gonio measure configs/quickstart.toml --threads 2"
 )]
 pub struct Arguments {
