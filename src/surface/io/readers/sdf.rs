@@ -194,10 +194,10 @@ impl Header {
         Ok(Header { columns, rows, scale: [x, y, z], number, missing })
     }
 
-    /// Whether a number is none: of floats by six digits, for a text rounds the largest of them, and beyond.
+    /// Whether a number is none. Writers do not agree on the largest float (1.7e308, 1.797e308): no height comes near it.
     fn is_missing(&self, height: f64) -> bool {
         match self.number {
-            Number::F32 | Number::F64 => height.is_infinite() || (height / self.missing - 1.0).abs() < 1e-6,
+            Number::F32 | Number::F64 => height / self.missing > 0.9,
             _ => height == self.missing,
         }
     }
