@@ -467,12 +467,15 @@ fn height_maps_are_described_completely() {
     let partial = exr("pitch_x_um = 1\npitch_y_um = 1\n");
     one_fault(&partial, heading, "surface.file.height_unit_um", "or none of them");
     one_fault(&exr("tiles = 65\n"), "tiles", "surface.file.tiles", "[1, 64]");
-    one_fault(&exr("detrend = \"sphere\"\n"), "detrend", "surface.file.detrend", "\"plane\" or \"none\"");
+    one_fault(&exr("detrend = \"ring\"\n"), "detrend", "surface.file.detrend", "\"cylinder\"");
+    let degree = "surface.file.degree";
+    one_fault(&exr("detrend = \"polynomial\"\ndegree = 1\n"), "degree", degree, "[2, 10]");
+    one_fault(&exr("detrend = \"sphere\"\ndegree = 3\n"), "degree", degree, "leave it out");
     let path = "surface.file.path";
-    for name in ["scan.gsf", "scan.xyz", "scan.txt", "scan.exr"] {
+    for name in ["scan.gsf", "scan.xyz", "scan.txt", "scan.exr", "scan.x3p", "scan.tif"] {
         accepted(&text("scan.npy", name));
     }
-    one_fault(&text("scan.npy", "scan.png"), "path", path, "must end in .exr, .npy, .gsf");
+    one_fault(&text("scan.npy", "scan.bmp"), "path", path, "must end in .x3p, .sur, .sdf");
     one_fault(&text("scan.npy", ""), "path", path, "must be a file name");
     one_fault(&text("path = \"scan.npy\"\n", ""), heading, path, "required");
 }
