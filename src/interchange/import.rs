@@ -29,7 +29,7 @@ pub fn import(
     like: Option<&Grid>,
 ) -> Result<(BrdfTable, Vec<String>)> {
     let wrong = |why: ContentError| Error::format(path, why.at(format.name()));
-    let length = std::fs::metadata(path).map_err(|e| Error::io(path, e))?.len();
+    let length = files::open(path)?.length().map_err(|e| Error::io(path, e))?;
     if length > LARGEST_FILE {
         return Err(wrong(format!("{length} bytes; at most {LARGEST_FILE} are read").into()));
     }

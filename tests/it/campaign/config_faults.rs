@@ -459,7 +459,12 @@ fn height_maps_are_described_completely() {
         one_fault(&text, "pitch_x_um", pitch, "lie in [1e-9, 1e9]");
     }
     let heading = "[surface.file]";
-    one_fault(&text("pitch_x_um = 1\n", ""), heading, pitch, "a .npy file holds no pitches");
+    one_fault(
+        &text("pitch_x_um = 1\n", ""),
+        heading,
+        pitch,
+        "arrays and pictures (.npy, .tif, .png) hold no pitches",
+    );
     let exr = |rest: &str| text(FILE, &format!("{heading}\npath = \"a/scan.EXR\"\n{rest}"));
     let SurfaceKind::File(map) = accepted(&exr("")).campaign.surface.kind else { panic!() };
     assert_eq!((map.pitch_x_um, map.tiles, map.periodic), (None, 4, false));

@@ -323,14 +323,15 @@ fn bins_that_mirror_each_other_have_equal_means() {
 #[test]
 fn alike_bins_have_the_means_of_each_by_itself() {
     let campaign = |surface: &str, light: &str, sensor: &str| {
-        let text = format!("name = \"alike\"\n{surface}\n[light]\n{light}\n{sensor}\n");
+        let text =
+            format!("name = \"alike\"\n{surface}\n[light]\n{light}\n{sensor}\n[stop]\nsamples = 65536\n");
         campaign::parse(&text, "alike", Path::new(".")).expect("a good campaign").campaign
     };
     let bins = "[sensor.hemisphere]\ntheta_r_bins = 6\nphi_r_bins = 10\nbins = \"aligned\"";
     let arm = "[sensor.arm]\ntheta_r_deg = [-60, 10, 45]\nphi_r_deg = [0, 20, 90]\naperture_deg = 3";
     let brushed = "[surface]\nrotation_deg = 18\n[surface.ggx]\nalpha_x = 0.15\nalpha_y = 0.5";
     let even = "[surface.beckmann]\nalpha = 0.3";
-    let all_round = "theta_i_deg = [0, 50]\nphi_i_deg = [18, 48, 348, 108, 168, 228]";
+    let all_round = "theta_i_deg = [0, 50]\nphi_i_deg = [18, 48, 108, 168, 228, 348]";
     for (campaign, classes) in [
         (campaign(brushed, all_round, bins), 4),
         (campaign(brushed, &format!("{all_round}\naperture_deg = 2"), arm), 4),
