@@ -58,9 +58,9 @@ fn blocks(most: usize, headings: &[&str], widths: &[usize]) -> Vec<Vec<usize>> {
     let names = if headings.get(1) == Some(&"phi_i") { 2 } else { 1 }.min(headings.len());
     let taken = |columns: &[usize]| columns.iter().map(|&k| widths[k] + GAP).sum::<usize>();
     let mut blocks: Vec<Vec<usize>> = vec![(0..names).collect()];
-    for column in names..headings.len() {
+    for (column, width) in widths.iter().enumerate().skip(names) {
         let last = blocks.len() - 1;
-        let fits = taken(&blocks[last]) + widths[column] <= most;
+        let fits = taken(&blocks[last]) + width <= most;
         if fits || blocks[last].len() == names {
             blocks[last].push(column);
         } else {
