@@ -91,6 +91,7 @@ fn surroundings() -> Vec<Row> {
             .exits(0, &["verdict"]),
         measure("colours of the terminal", "--nonsense")
             .environment("CLICOLOR_FORCE", "1")
+            .environment("NO_COLOR", "1")
             .exits(2, &["error: unexpected argument"]),
         measure("locale", "").environment("LC_ALL", "de_DE.UTF-8").exits(0, &["0.87"]),
     ]
