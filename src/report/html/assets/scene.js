@@ -7,8 +7,9 @@
 // Directions of each kind; nodes of the eye's polar angle, and of its azimuth where azimuths differ.
 const RULE_COUNT = 40, RULE_POLAR = 61, RULE_AROUND = 36;
 
-// Pixels of the whole picture at first, and milliseconds within which graphics must draw them to be asked for all.
-const FIRST_PIXELS = 120000, QUICK_MS = 60;
+// Pixels of the whole picture at first, and milliseconds within which graphics must draw them to be asked for all; of those that
+// take longer than a second, as without a graphics processor, fewer are asked for from then on.
+const FIRST_PIXELS = 120000, QUICK_MS = 60, SLOW_MS = 1000, FEW_PIXELS = 24000;
 
 const RULE_FRAGMENT = `
 uniform ivec2 nodes; uniform vec4 entry; uniform bool below; uniform float count;
@@ -225,7 +226,9 @@ class SceneView extends LayersView {
     all();
     if (this.pixels !== FIRST_PIXELS || this.asked) return;
     this.asked = true;
-    if (this.finished() - begin > QUICK_MS) return;
+    const taken = this.finished() - begin;
+    if (taken > SLOW_MS) this.pixels = FEW_PIXELS;
+    if (taken > QUICK_MS) return;
     this.pixels = Infinity;
     all();
   }
