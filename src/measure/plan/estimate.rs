@@ -170,12 +170,11 @@ fn written(campaign: &Campaign, plan: &Plan) -> f64 {
     if campaign.surface.kind.alphas().is_none() {
         return bins * NS_PER_WRITTEN_BIN;
     }
-    // Incidences at further azimuths of an isotropic surface, and mirror images, are not worked out again.
+    // Mirror images are not worked out again.
     let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
-    let lights = if campaign.is_isotropic() { plan.stops / plan.grid.azimuths().max(1) } else { plan.stops };
     let turns = if averaged { 36.0 } else { 1.0 };
     let nodes = if campaign.light.aperture_deg > 0.0 { 78.0 } else { 1.0 };
-    let predicted = 0.5 * (lights.max(1) * plan.bins) as f64 * turns * nodes;
+    let predicted = 0.5 * (plan.stops * plan.bins) as f64 * turns * nodes;
     predicted * NS_PER_PREDICTED_BIN + bins * NS_PER_WRITTEN_BIN
 }
 

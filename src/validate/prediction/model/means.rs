@@ -1,4 +1,4 @@
-//! The means of a model over the bins of a table: of all incidences at once, those that are alike worked out once.
+//! The means of a model over the bins of a table, those of an incidence that are alike worked out once.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Means, Model, StopMeans};
 use crate::campaign::{Azimuth, Campaign};
-use crate::instrument::{Grid, Region, SurfaceSymmetry, alike_incidences};
+use crate::instrument::{AlikeIncidences, Grid, Region, SurfaceSymmetry, alike_incidences};
 use crate::measure::optics::reflectances_of;
 use crate::optics::reflectance::Reflectance;
 use crate::theory::empirical::LAMBERT;
@@ -42,8 +42,7 @@ impl Model {
             values.iter_mut().flatten().flatten().for_each(|value| *value /= turns as f64);
             Some(values)
         };
-        let alike =
-            self.symmetry(averaged).map(|symmetry| alike_incidences(grid, symmetry)).unwrap_or_default();
+        let alike = self.symmetry(averaged).map(|symmetry| alike_bins(grid, symmetry)).unwrap_or_default();
         let smooth = alike.par_iter().flat_map_iter(|alike| {
             let means = turned(&|turn| self.smooth_means(turn, alike.wi, &alike.regions, &light));
             alike
@@ -139,6 +138,18 @@ impl Model {
             })]),
         }
     }
+}
+
+/// Each incidence by itself, with its bins that are alike: those of others differ by rounding, and a table in bands has the bits of
+/// the whole.
+// Tested by `a_campaign_measured_in_bands_gives_the_same_bytes` (tests/it/table/large_tables.rs).
+fn alike_bins(grid: &Grid, symmetry: SurfaceSymmetry) -> Vec<AlikeIncidences> {
+    let alone = |stop: usize| {
+        let mut alike = grid.of_stops([stop]).map(|one| alike_incidences(&one, symmetry)).unwrap_or_default();
+        alike.iter_mut().flat_map(|alike| &mut alike.stops).for_each(|(index, _)| *index = stop);
+        alike
+    };
+    (0..grid.stops()).flat_map(alone).collect()
 }
 
 /// What falls on the surface.
