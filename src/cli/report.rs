@@ -96,14 +96,14 @@ fn side_by_side(arguments: &Arguments) -> Result<u8> {
             "several tables need a name for their page: -o FILE.html, or FILE.csv or FILE.nc for their figures".into(),
         ));
     };
-    if arguments.output.as_ref().is_some_and(|output| output.extension().is_some_and(|end| end == "md")) {
+    let ending = output.extension().unwrap_or_default().to_string_lossy();
+    if ending == "md" {
         return Err(Error::Usage("a card is of one table: -o FILE.html, FILE.csv or FILE.nc".into()));
     }
     if !arguments.bench.is_empty() {
         return Err(Error::Usage("--bench belongs to the page of one table".into()));
     }
     paths::spare(output, tables, "command")?;
-    let ending = output.extension().unwrap_or_default().to_string_lossy();
     let own = match &*ending {
         "csv" => (CSV_MARK, "CSV of tables"),
         "nc" => (NETCDF_MARK, "NetCDF of tables"),

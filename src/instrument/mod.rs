@@ -10,7 +10,7 @@ pub mod halves;
 pub mod klems;
 pub mod symmetry;
 
-pub use alike::{AlikeIncidences, SurfaceSymmetry, alike_incidences};
+pub use alike::{AlikeBins, SurfaceSymmetry};
 pub use angle_text::{StopAngles, angle_decimals};
 pub use arms::grid_of;
 pub use bins::Sensor;

@@ -59,7 +59,7 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    fn not_judged(law: &'static str, reason: impl Into<String>) -> Self {
+    pub(super) fn not_judged(law: &'static str, reason: impl Into<String>) -> Self {
         let ruling = Ruling::NotJudged;
         Judgement {
             law: law.into(),

@@ -91,14 +91,7 @@ mod tests {
     use super::*;
 
     fn judgement(law: &'static str, ruling: Ruling) -> Judgement {
-        Judgement {
-            law: law.into(),
-            ruling,
-            figure: None,
-            limit: None,
-            allowance: None,
-            reason: String::new(),
-        }
+        Judgement { ruling, ..Judgement::not_judged(law, "") }
     }
 
     #[test]

@@ -182,15 +182,10 @@ fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolu
     if !surface.kind.is_random_heights() {
         lengths.absent("belongs to heights on a grid; grains have a size of their own")?;
     }
-    let whole = |i: &GivenValue<'_>| {
-        let all = whole_numbers(i, 8..=16384, MOST_LADDER)?;
-        if all.is_empty() {
-            i.refuse("at least one number")
-        } else {
-            all.into_iter().map(|n| u32::try_from(n).ok()).collect()
-        }
-    };
-    let sizes: Option<Vec<u32>> = cells.or(vec![surface.cells], whole);
+    let sizes: Option<Vec<u32>> = cells.or(vec![surface.cells], |i| {
+        let all = not_empty(i, whole_numbers(i, 8..=16384, MOST_LADDER)?)?;
+        all.into_iter().map(|n| u32::try_from(n).ok()).collect()
+    });
     let longest = sizes.iter().flatten().min().map_or(2048.0, |&cells| f64::from(cells) / 8.0);
     let bounds = Bounds::closed(longest.min(2.0), longest).advice(
         "a shorter correlation is not resolved by the cells",
@@ -205,9 +200,11 @@ fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolu
             plain(own)
         ));
     }
-    let correlation_cells = lengths.or(vec![own], |i| {
-        let all = ranges::numbers(i, &bounds, MOST_LADDER)?;
-        if all.is_empty() { i.refuse("at least one number") } else { Some(all) }
-    });
+    let correlation_cells =
+        lengths.or(vec![own], |i| not_empty(i, ranges::numbers(i, &bounds, MOST_LADDER)?));
     Some(Resolution { cells: sizes?, correlation_cells: correlation_cells? })
+}
+
+fn not_empty<T>(item: &GivenValue<'_>, all: Vec<T>) -> Option<Vec<T>> {
+    if all.is_empty() { item.refuse("at least one number") } else { Some(all) }
 }

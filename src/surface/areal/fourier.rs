@@ -6,6 +6,7 @@ use rustfft::num_complex::Complex64;
 
 use crate::error::Checked;
 use crate::files::memory;
+use crate::surface::transpose::transpose;
 
 /// Bytes for each place: the values, and their transposition.
 const NEEDED: u64 = 2 * 16;
@@ -27,7 +28,8 @@ impl Plane {
     /// The transform, not divided by anything; rows and columns of the result are exchanged.
     pub fn transformed(mut self, inverse: bool) -> Self {
         lines(&mut self.values, self.columns, inverse);
-        let mut turned = transposed(&self.values, self.columns);
+        let mut turned = vec![Complex64::default(); self.values.len()];
+        transpose(&self.values, self.columns, &mut turned);
         lines(&mut turned, self.rows, inverse);
         Plane { columns: self.rows, rows: self.columns, values: turned }
     }
@@ -37,12 +39,6 @@ fn lines(values: &mut [Complex64], width: usize, inverse: bool) {
     let mut planner = FftPlanner::new();
     let transform = if inverse { planner.plan_fft_inverse(width) } else { planner.plan_fft_forward(width) };
     values.par_chunks_mut(width).for_each(|line| transform.process(line));
-}
-
-fn transposed(values: &[Complex64], columns: usize) -> Vec<Complex64> {
-    let rows = values.len() / columns;
-    let column = |x: usize| (0..rows).map(move |y| values[y * columns + x]);
-    (0..columns).flat_map(column).collect()
 }
 
 /// The smallest length from `least` on that has no other factors than 2, 3 and 5.

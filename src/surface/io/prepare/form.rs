@@ -146,24 +146,42 @@ impl<'a> Points<'a> {
 
     /// The normal equations of a step: derivatives of the form by central differences.
     fn equations(&self, quadric: Quadric, fit: &[f64]) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
-        let terms = fit.len();
         let beside = |k: usize, step: f64| {
             let mut fit = fit.to_vec();
             fit[k] += step;
             fit
         };
-        let near: Vec<[Vec<f64>; 2]> = (0..terms).map(|k| [beside(k, -STEP), beside(k, STEP)]).collect();
+        let near: Vec<[Vec<f64>; 2]> = (0..fit.len()).map(|k| [beside(k, -STEP), beside(k, STEP)]).collect();
+        self.normal_equations(fit.len(), |[x, y, z]| {
+            let off = z - quadric.height(fit, x, y)?;
+            let slope = |[before, after]: &[Vec<f64>; 2]| {
+                Some((quadric.height(after, x, y)? - quadric.height(before, x, y)?) / (2.0 * STEP))
+            };
+            Some((near.iter().map(slope).collect::<Option<Vec<f64>>>()?, off))
+        })
+    }
+
+    /// The least-squares coefficients of 1, x, y, x^2, x y, y^2.
+    fn paraboloid(&self) -> Option<Vec<f64>> {
+        let terms = |[x, y, z]: [f64; 3]| Some((vec![1.0, x, y, x * x, x * y, y * y], z));
+        let (squares, right) = self.normal_equations(6, terms)?;
+        solve(squares, right, 0.0)
+    }
+
+    /// Sums over the measured samples of the products of `terms` terms with each other, and with what they are to add up to;
+    /// `of_sample` gives both at a sample.
+    fn normal_equations(
+        &self,
+        terms: usize,
+        of_sample: impl Fn([f64; 3]) -> Option<(Vec<f64>, f64)> + Sync + Send,
+    ) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
         let of_row = |row: usize| {
             let (mut squares, mut right) = (vec![vec![0.0; terms]; terms], vec![0.0; terms]);
-            for [x, y, z] in self.row(row) {
-                let off = z - quadric.height(fit, x, y)?;
-                let slope = |[before, after]: &[Vec<f64>; 2]| {
-                    Some((quadric.height(after, x, y)? - quadric.height(before, x, y)?) / (2.0 * STEP))
-                };
-                let slopes = near.iter().map(slope).collect::<Option<Vec<f64>>>()?;
+            for sample in self.row(row) {
+                let (values, wanted) = of_sample(sample)?;
                 for a in 0..terms {
-                    right[a] += slopes[a] * off;
-                    (0..terms).for_each(|b| squares[a][b] += slopes[a] * slopes[b]);
+                    right[a] += values[a] * wanted;
+                    (0..terms).for_each(|b| squares[a][b] += values[a] * values[b]);
                 }
             }
             Some((squares, right))
@@ -176,29 +194,6 @@ impl<'a> Points<'a> {
             }
         }
         Some((squares, right))
-    }
-
-    /// The least-squares coefficients of 1, x, y, x^2, x y, y^2.
-    fn paraboloid(&self) -> Option<Vec<f64>> {
-        let of_row = |row: usize| {
-            let (mut squares, mut right) = (vec![vec![0.0; 6]; 6], vec![0.0; 6]);
-            for [x, y, z] in self.row(row) {
-                let terms = [1.0, x, y, x * x, x * y, y * y];
-                for a in 0..6 {
-                    right[a] += terms[a] * z;
-                    (0..6).for_each(|b| squares[a][b] += terms[a] * terms[b]);
-                }
-            }
-            Some((squares, right))
-        };
-        let (mut squares, mut right) = (vec![vec![0.0; 6]; 6], vec![0.0; 6]);
-        for (of_row, right_of_row) in self.rows(of_row)? {
-            for a in 0..6 {
-                right[a] += right_of_row[a];
-                (0..6).for_each(|b| squares[a][b] += of_row[a][b]);
-            }
-        }
-        solve(squares, right, 0.0)
     }
 }
 
@@ -245,7 +240,7 @@ impl Quadric {
     }
 }
 
-/// Solves (M + damping diag M) x = r by elimination; `None` of a matrix without an inverse.
+/// Solves (M + damping diag M) x = r; `None` of a matrix that is not positive definite.
 fn solve(mut squares: Vec<Vec<f64>>, right: Vec<f64>, damping: f64) -> Option<Vec<f64>> {
     let terms = right.len();
     (0..terms).for_each(|k| squares[k][k] *= 1.0 + damping);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Means, Model, StopMeans};
 use crate::campaign::{Azimuth, Campaign};
-use crate::instrument::{AlikeIncidences, Grid, Region, SurfaceSymmetry, alike_incidences};
+use crate::instrument::{AlikeBins, Grid, Region, SurfaceSymmetry};
 use crate::measure::optics::reflectances_of;
 use crate::optics::reflectance::Reflectance;
 use crate::theory::empirical::LAMBERT;
@@ -42,22 +42,17 @@ impl Model {
             values.iter_mut().flatten().flatten().for_each(|value| *value /= turns as f64);
             Some(values)
         };
-        let alike = self.symmetry(averaged).map(|symmetry| alike_bins(grid, symmetry)).unwrap_or_default();
-        let smooth = alike.par_iter().flat_map_iter(|alike| {
-            let means = turned(&|turn| self.smooth_means(turn, alike.wi, &alike.regions, &light));
-            alike
-                .stops
-                .iter()
-                .map(move |(stop, bins)| (*stop, means.as_ref().map(|means| taken(means, bins))))
-        });
-        let mut all: Vec<Option<Means>> = vec![None; grid.stops()];
-        smooth.collect::<Vec<_>>().into_iter().for_each(|(stop, means)| all[stop] = means);
-        let whole = |(stop, smooth): (usize, Option<Means>)| {
+        let symmetry = self.symmetry(averaged);
+        let of_stop = |stop: usize| {
+            let smooth = symmetry.and_then(|symmetry| {
+                let AlikeBins { regions, places } = AlikeBins::of(grid, stop, symmetry);
+                let means = turned(&|turn| self.smooth_means(turn, grid.wi(stop), &regions, &light))?;
+                Some(taken(&means, &places))
+            });
             let sharp = turned(&|turn| self.sharp_means(turn, grid, stop, &light));
-            let values = smooth.into_iter().chain(sharp).reduce(added).unwrap_or_default();
-            StopMeans { values }
+            StopMeans { values: smooth.into_iter().chain(sharp).reduce(added).unwrap_or_default() }
         };
-        all.into_par_iter().enumerate().map(whole).collect()
+        (0..grid.stops()).into_par_iter().map(of_stop).collect()
     }
 
     /// What the smooth means do not change under; `None` where there are none.
@@ -138,18 +133,6 @@ impl Model {
             })]),
         }
     }
-}
-
-/// Each incidence by itself, with its bins that are alike: those of others differ by rounding, and a table in bands has the bits of
-/// the whole.
-// Tested by `a_campaign_measured_in_bands_gives_the_same_bytes` (tests/it/table/large_tables.rs).
-fn alike_bins(grid: &Grid, symmetry: SurfaceSymmetry) -> Vec<AlikeIncidences> {
-    let alone = |stop: usize| {
-        let mut alike = grid.of_stops([stop]).map(|one| alike_incidences(&one, symmetry)).unwrap_or_default();
-        alike.iter_mut().flat_map(|alike| &mut alike.stops).for_each(|(index, _)| *index = stop);
-        alike
-    };
-    (0..grid.stops()).flat_map(alone).collect()
 }
 
 /// What falls on the surface.
