@@ -19,7 +19,7 @@ mod to_toml;
 
 pub use difference::{KeyDifference, differences};
 pub use presets::Preset;
-pub use runs::{Run, Runs, read_runs};
+pub use runs::{CampaignRun, CampaignRuns, read_runs};
 pub use schema::*;
 pub use to_toml::to_toml;
 

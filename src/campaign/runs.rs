@@ -7,9 +7,9 @@ use super::{Campaign, Parsed, Preset, name_for_messages, parse_with, read_bytes}
 use crate::error::Result;
 
 /// The runs of a campaign file.
-pub struct Runs {
+pub struct CampaignRuns {
     /// One where no list makes several.
-    pub runs: Vec<Run>,
+    pub runs: Vec<CampaignRun>,
     /// As in [`Parsed`].
     pub notes: Vec<String>,
     /// As in [`Parsed`].
@@ -17,7 +17,7 @@ pub struct Runs {
 }
 
 /// One run.
-pub struct Run {
+pub struct CampaignRun {
     /// What tells its files from those of the other runs, as `seed_2` or `correlation_8`; `None` where it is the only one.
     pub label: Option<String>,
     /// What it measures.
@@ -26,14 +26,14 @@ pub struct Run {
 
 /// Reads the campaign file at `path` as [`super::read`] does; a list of seeds or of correlation lengths makes a run each.
 // Tested by `lists_of_seeds_and_correlations_make_runs` (tests/it/sweeps.rs).
-pub fn read_runs(path: &Path) -> Result<Runs> {
+pub fn read_runs(path: &Path) -> Result<CampaignRuns> {
     let bytes = read_bytes(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = name_for_messages(path);
     let lists = RunLists::pick(0);
     let Parsed { campaign, notes, preset } = parse_with(&bytes, &name, folder, &lists)?;
     let Some(count) = lists.count() else {
-        return Ok(Runs { runs: vec![Run { label: None, campaign }], notes, preset });
+        return Ok(CampaignRuns { runs: vec![CampaignRun { label: None, campaign }], notes, preset });
     };
     let rest = (1..count)
         .map(|run| parse_with(&bytes, &name, folder, &RunLists::pick(run)).map(|parsed| parsed.campaign));
@@ -44,6 +44,6 @@ pub fn read_runs(path: &Path) -> Result<Runs> {
         true => Some(format!("seed_{}", one.seed)),
         false => Some(format!("correlation_{}", one.surface.correlation_cells)),
     };
-    let runs = all.into_iter().map(|campaign| Run { label: label(&campaign), campaign }).collect();
-    Ok(Runs { runs, notes, preset })
+    let runs = all.into_iter().map(|campaign| CampaignRun { label: label(&campaign), campaign }).collect();
+    Ok(CampaignRuns { runs, notes, preset })
 }

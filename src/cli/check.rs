@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::text::output::{Output, print_error, to_json, warn};
 use super::text::plan;
-use crate::campaign::{self, Campaign, Run, Runs, SurfaceKind};
+use crate::campaign::{self, Campaign, CampaignRun, CampaignRuns, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::measure::{self, Disk};
 use crate::surface::io::import;
@@ -33,7 +33,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Err(error @ Error::Campaign(_)) if arguments.json => return answer(&error),
         parsed => parsed?,
     };
-    let Runs { runs, mut notes, preset } = parsed;
+    let CampaignRuns { runs, mut notes, preset } = parsed;
     let campaign = runs[0].campaign.clone();
     map_notes(&campaign, &mut notes)?;
     let plan = measure::plan(&campaign);
@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 /// A run of several, with what it costs; null where it is refused.
-fn run_json(run: &Run) -> Value {
+fn run_json(run: &CampaignRun) -> Value {
     let plan = measure::plan(&run.campaign).ok();
     let seconds = plan.as_ref().map(|plan| plan.estimated_s);
     json!({ "label": run.label, "tables": plan.map(|plan| plan.tables), "estimated_s": seconds })

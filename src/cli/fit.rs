@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     let parts = table_file::realisations_beside(path, &table)?;
     let data = FitData::new(&table, campaign.as_ref(), parts.as_ref());
-    if data.value.iter().flatten().all(|&value| value == 0.0) {
+    if data.is_dark() {
         return Err(Error::format(path, "channel `single` is 0 everywhere: nothing can be fitted"));
     }
     let mut laws = fit::models(&data, campaign.as_ref());

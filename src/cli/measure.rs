@@ -12,7 +12,7 @@ use super::text::numbers::bytes;
 use super::text::output::{self, Output, inform, warn};
 use super::text::quoted;
 use super::text::terminal::Terminal;
-use crate::campaign::{self, Campaign, Run, Runs};
+use crate::campaign::{self, Campaign, CampaignRun, CampaignRuns};
 use crate::error::{Error, Result};
 use crate::job::{Measurement, SweepPaths, TablePaths, Watcher, Written, paths};
 use crate::measure::{Cost, Pace, Part, Plan, RunFiles};
@@ -58,10 +58,10 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments, threads: usize) -> Result<u8> {
-    let Runs { mut runs, notes, .. } = campaign::read_runs(&arguments.campaign)?;
+    let CampaignRuns { mut runs, notes, .. } = campaign::read_runs(&arguments.campaign)?;
     notes.iter().for_each(warn);
     match (runs.pop(), runs.is_empty()) {
-        (Some(Run { campaign, .. }), true) => {
+        (Some(CampaignRun { campaign, .. }), true) => {
             let (written, mut out) = arguments.measured(campaign, None, threads)?;
             match written {
                 Written::Tables(all) if arguments.json => out.json(&summaries(&all)?)?,
@@ -113,7 +113,7 @@ impl Arguments {
     }
 
     /// Measures one run after the other, each with patches of its own, and puts their figures together.
-    fn measure_runs(&self, runs: Vec<Run>, threads: usize) -> Result<()> {
+    fn measure_runs(&self, runs: Vec<CampaignRun>, threads: usize) -> Result<()> {
         let refused = [
             (self.shard.is_some(), "--shard", "shards are of one run"),
             (self.patches.is_some(), "--patches", "each run has patches of its own"),

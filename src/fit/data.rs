@@ -39,6 +39,11 @@ pub struct FitData {
 }
 
 impl FitData {
+    /// Whether it holds no light at all.
+    pub fn is_dark(&self) -> bool {
+        self.value.iter().flatten().all(|&value| value == 0.0)
+    }
+
     /// The data of a table; `campaign` is `None` for an imported one.
     pub fn new(table: &BrdfTable, campaign: Option<&Campaign>, parts: Option<&Realisations>) -> FitData {
         let grid = table.grid.clone();

@@ -17,7 +17,7 @@ pub struct NearestLaw {
 /// table holds no light.
 // Tested by `the_quick_fit_finds_the_law_of_its_table` (tests/it/fit.rs).
 pub fn nearest(data: &FitData, laws: &[FitLaw]) -> Option<NearestLaw> {
-    if laws.is_empty() || data.is_empty() || data.value.iter().flatten().all(|&value| value == 0.0) {
+    if laws.is_empty() || data.is_empty() || data.is_dark() {
         return None;
     }
     let (starts, lobe) = started(data, laws, &pilot::pilot(data), &first_pass(data));

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::colours::in_shown_colours;
+use super::direction_rule::{DirectionRule, of_pair};
 use super::inside::seen_inside;
-use super::kernel::{Kernel, of_pair};
 use super::light::Lighting;
 use crate::error::{Checked, wrong};
 use crate::interchange::content::light::index_of;
@@ -24,8 +24,8 @@ pub struct Material {
 
 /// The sphere.
 pub struct MaterialSphere<'a> {
-    back: Option<Kernel<'a>>,
-    through: Option<(Kernel<'a>, f64)>,
+    back: Option<DirectionRule<'a>>,
+    through: Option<(DirectionRule<'a>, f64)>,
 }
 
 impl Material {
@@ -73,8 +73,8 @@ impl<'a> MaterialSphere<'a> {
     /// The sphere of a material.
     pub fn new(material: &'a Material) -> Self {
         MaterialSphere {
-            back: material.back.as_ref().map(|lookup| Kernel::new(lookup, true)),
-            through: material.through.as_ref().map(|(lookup, eta)| (Kernel::new(lookup, false), *eta)),
+            back: material.back.as_ref().map(|lookup| DirectionRule::new(lookup, true)),
+            through: material.through.as_ref().map(|(lookup, eta)| (DirectionRule::new(lookup, false), *eta)),
         }
     }
 

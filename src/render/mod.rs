@@ -6,8 +6,8 @@
 
 pub mod camera;
 mod colours;
+pub mod direction_rule;
 mod inside;
-pub mod kernel;
 pub mod light;
 pub mod material_sphere;
 pub mod mitsuba;

@@ -3,7 +3,7 @@
 use super::layout::wrapped;
 use super::numbers::{bytes, duration, grouped};
 use crate::campaign::{
-    Alpha, Azimuth, BinLayout, Campaign, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset, Run,
+    Alpha, Azimuth, BinLayout, Campaign, CampaignRun, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset,
     SensorArm, SensorSide, SmithHeights, SmithNdf, SurfaceKind,
 };
 use crate::measure::{Disk, Plan, Saving};
@@ -49,7 +49,7 @@ pub fn facts(campaign: &Campaign, plan: &Plan, disk: Disk) -> Vec<String> {
 }
 
 /// The runs of a campaign with a list of seeds or correlation lengths, each as planned above; nothing of a single one.
-pub fn runs(runs: &[Run], plan: &Plan) -> Vec<String> {
+pub fn runs(runs: &[CampaignRun], plan: &Plan) -> Vec<String> {
     let labels: Vec<&str> = runs.iter().filter_map(|run| run.label.as_deref()).collect();
     let (Some(first), Some(last)) = (labels.first(), labels.last()) else { return Vec::new() };
     let count = labels.len();

@@ -2,8 +2,8 @@
 
 use super::specimen::ShownSpecimen;
 use crate::bench::BenchAnswer;
-use crate::campaign::{Campaign, Optics};
-use crate::fit::{self, FitData, FitLaw, NearestLaw};
+use crate::campaign::Campaign;
+use crate::fit::{self, FitData, NearestLaw};
 use crate::instrument::{Grid, GridKind};
 use crate::report::slices::Scene;
 use crate::report::summary::Summary;
@@ -65,12 +65,9 @@ impl<'a> Page<'a> {
 /// The law nearest to order 1 of a table, of those that `gonio fit` knows.
 fn best_fit(table: &BrdfTable, campaign: Option<&Campaign>) -> Option<NearestLaw> {
     let values = table.grid.stops().saturating_mul(table.grid.bins()).saturating_mul(table.colours.len());
-    let layered = campaign.is_some_and(|campaign| matches!(campaign.optics, Optics::Layered { .. }));
-    if values > MOST_FITTED || layered || table.grid.kind == GridKind::HalfDifference {
+    if values > MOST_FITTED || table.grid.kind == GridKind::HalfDifference {
         return None;
     }
     let data = FitData::new(table, campaign, None);
-    let own = campaign.map_or(Vec::new(), |campaign| FitLaw::of_surface(&campaign.surface.kind, &data));
-    let laws: Vec<FitLaw> = FitLaw::all(&data).into_iter().chain(own).collect();
-    fit::nearest(&data, &laws)
+    fit::nearest(&data, &fit::models(&data, campaign))
 }

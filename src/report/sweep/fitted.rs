@@ -30,8 +30,7 @@ impl SweptTable {
     ) -> Self {
         let data = FitData::new(table, campaign, parts);
         let laws = fit::models(&data, campaign);
-        let dark = data.value.iter().flatten().all(|&value| value == 0.0);
-        let best = (!dark && !laws.is_empty()).then(|| fit::best(&data, &laws));
+        let best = (!data.is_dark() && !laws.is_empty()).then(|| fit::best(&data, &laws));
         SweptTable { fit: best.filter(|fit| fit.did_not_fit.is_none()), ..self }
     }
 }

@@ -5,7 +5,7 @@
 
 use super::fourier::{Plane, quick_length};
 use crate::error::Checked;
-use crate::surface::io::prepare::Grid;
+use crate::surface::io::prepare::MapGrid;
 
 /// Where the autocorrelation counts as fallen: s of ISO 25178-3.
 const FALLEN: f64 = 0.2;
@@ -23,7 +23,7 @@ pub struct Autocorrelation {
 }
 
 /// Of heights of mean zero.
-pub fn autocorrelation(heights: &[f64], grid: &Grid) -> Checked<Autocorrelation> {
+pub fn autocorrelation(heights: &[f64], grid: &MapGrid) -> Checked<Autocorrelation> {
     let size = [grid.columns, grid.rows(heights)];
     let padded = if grid.periodic { size } else { size.map(|count| quick_length(2 * count - 1)) };
     let mut plane = Plane::zeros(padded[0], padded[1])?;
@@ -158,7 +158,7 @@ mod tests {
     /// Of cos along x with length l the autocorrelation is cos(tau lag/l), along y 1: it falls to 0.2 at acos(0.2)/tau l.
     #[test]
     fn straight_waves_fall_at_their_arccosine_and_never_along_their_lay() {
-        let grid = Grid { columns: 120, pitch: [0.5, 2.0], periodic: true };
+        let grid = MapGrid { columns: 120, pitch: [0.5, 2.0], periodic: true };
         let heights = waves(120, 60, |x, _| (TAU * x / 24.0).cos());
         let acf = autocorrelation(&heights, &grid).expect("room");
         for [lag, value] in acf.along(0) {
@@ -175,7 +175,7 @@ mod tests {
     /// Of crossed waves of lengths a and b, each of its share of the variance.
     #[test]
     fn crossed_waves_have_the_ratio_of_their_lengths() {
-        let grid = Grid { columns: 160, pitch: [1.0, 1.0], periodic: true };
+        let grid = MapGrid { columns: 160, pitch: [1.0, 1.0], periodic: true };
         let heights = waves(160, 160, |x, y| (TAU * x / 32.0).cos() * (TAU * y / 80.0).cos());
         let [sal, str_] = autocorrelation(&heights, &grid).expect("room").decay_lengths();
         // The product falls to 0.2 along x at 0.2 of cos, and along y likewise.
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn an_open_map_does_not_go_round() {
-        let grid = Grid { columns: 5, pitch: [1.0, 1.0], periodic: false };
+        let grid = MapGrid { columns: 5, pitch: [1.0, 1.0], periodic: false };
         let heights = [1.0, -1.0, 2.0, 0.0, -2.0, 3.0, -3.0, 1.0, 0.0, -1.0];
         let acf = autocorrelation(&heights, &grid).expect("room");
         // By hand: products of the pairs three columns apart, over four pairs, over the variance 30/10.

@@ -8,7 +8,7 @@ mod spectrum;
 use serde::Serialize;
 
 use crate::error::Checked;
-use crate::surface::io::prepare::Grid;
+use crate::surface::io::prepare::MapGrid;
 
 pub use parameters::Parameters;
 
@@ -33,7 +33,7 @@ impl Roughness {
     /// Of heights of mean zero, all finite.
     ///
     /// Errors: the transforms would take more memory than may be used.
-    pub fn of(heights: &[f64], grid: &Grid) -> Checked<Self> {
+    pub fn of(heights: &[f64], grid: &MapGrid) -> Checked<Self> {
         let acf = correlation::autocorrelation(heights, grid)?;
         let [sal, str_] = acf.decay_lengths();
         let parameters = Parameters::of(heights, grid, sal, str_);

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::surface::io::prepare::Grid;
+use crate::surface::io::prepare::MapGrid;
 
 /// Parameters of ISO 25178-2. Lengths are in the unit of the heights; the others are ratios. `null`: not defined.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -27,7 +27,7 @@ pub struct Parameters {
 
 impl Parameters {
     /// Of heights, which count from their mean; `sal` and `str` come from their autocorrelation.
-    pub fn of(heights: &[f64], grid: &Grid, sal: Option<f64>, str: Option<f64>) -> Self {
+    pub fn of(heights: &[f64], grid: &MapGrid, sal: Option<f64>, str: Option<f64>) -> Self {
         let mean_of =
             |f: &dyn Fn(f64) -> f64| heights.iter().map(|&h| f(h)).sum::<f64>() / heights.len() as f64;
         let centre = mean_of(&|h| h);
@@ -57,7 +57,7 @@ struct Slopes {
 }
 
 impl Slopes {
-    fn of(heights: &[f64], grid: &Grid) -> Self {
+    fn of(heights: &[f64], grid: &MapGrid) -> Self {
         let (columns, rows) = (grid.columns, grid.rows(heights));
         let extra = usize::from(!grid.periodic);
         let [px, py] = grid.pitch;
@@ -104,12 +104,12 @@ mod tests {
     /// Sq = 1/sqrt 2, Ssk = 0, Sku = 3/2; slopes are difference quotients, 2 sin(pi/64) of cosines.
     #[test]
     fn a_plane_and_a_sine_have_the_parameters_of_their_formulas() {
-        let grid = Grid { columns: 64, pitch: [2.0, 0.5], periodic: false };
+        let grid = MapGrid { columns: 64, pitch: [2.0, 0.5], periodic: false };
         let plane: Vec<f64> = (0..64 * 20).map(|k| 1.5 * (k % 64) as f64).collect();
         let found = Parameters::of(&plane, &grid, None, None);
         assert!((found.sdq - 0.75).abs() < 1e-12 && (found.sdr - 0.25).abs() < 1e-12, "{found:?}");
         let sine: Vec<f64> = (0..64 * 20).map(|k| (TAU * (k % 64) as f64 / 64.0).sin()).collect();
-        let found = Parameters::of(&sine, &Grid { periodic: true, ..grid }, None, None);
+        let found = Parameters::of(&sine, &MapGrid { periodic: true, ..grid }, None, None);
         let sa = 2.0 / 64.0 / (PI / 64.0).tan();
         for (found, wanted) in [
             (found.sa, sa),

@@ -5,11 +5,11 @@
 
 use super::fourier::Plane;
 use crate::error::Checked;
-use crate::surface::io::prepare::Grid;
+use crate::surface::io::prepare::MapGrid;
 
 /// Frequency and mean density over all azimuths, in rings as wide as the coarser step of frequency, up to half of one over the
 /// wider pitch.
-pub fn radial(heights: &[f64], grid: &Grid) -> Checked<Vec<[f64; 2]>> {
+pub fn radial(heights: &[f64], grid: &MapGrid) -> Checked<Vec<[f64; 2]>> {
     let (columns, rows) = (grid.columns, grid.rows(heights));
     let [px, py] = grid.pitch;
     let mut plane = Plane::zeros(columns, rows)?;
@@ -55,7 +55,7 @@ mod tests {
     /// A wave of height 1 along x: all of its variance 1/2 is in two places of the spectrum, each of df_x df_y.
     #[test]
     fn the_density_of_a_wave_integrates_to_its_variance() {
-        let grid = Grid { columns: 64, pitch: [0.5, 0.5], periodic: true };
+        let grid = MapGrid { columns: 64, pitch: [0.5, 0.5], periodic: true };
         let heights: Vec<f64> = (0..64 * 64).map(|k| (TAU * 8.0 * (k % 64) as f64 / 64.0).cos()).collect();
         let psd = radial(&heights, &grid).expect("room");
         let step = 1.0 / 32.0;
@@ -72,7 +72,7 @@ mod tests {
     /// White heights of variance 1: the density is pitch_x pitch_y everywhere, under a window too.
     #[test]
     fn white_heights_have_one_density() {
-        let grid = Grid { columns: 256, pitch: [2.0, 3.0], periodic: false };
+        let grid = MapGrid { columns: 256, pitch: [2.0, 3.0], periodic: false };
         let mut state = 9u64;
         let mut uniform = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

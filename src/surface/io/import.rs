@@ -14,7 +14,7 @@ use crate::files::memory;
 
 use super::checks::{check_size, check_slopes, positive, slope_factor};
 use super::map_file;
-use super::prepare::Grid;
+use super::prepare::MapGrid;
 use super::prepare::cell_mask::CellMask;
 use super::prepare::chain;
 use super::prepare::refine::{self, AGREEMENT, AUTO_CELLS, Cuts, Refined};
@@ -79,7 +79,7 @@ pub fn load_steps(map: &HeightMap) -> Result<MapSteps> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapSteps {
     /// Where the heights lie.
-    pub grid: Grid,
+    pub grid: MapGrid,
     /// One unit of height, um; `None` where neither campaign nor file says.
     pub unit_um: Option<f64>,
     /// As the file has them.
@@ -129,8 +129,8 @@ fn unit_um(map: &HeightMap, file: &MapSamples) -> Option<f64> {
     if map.pitch_x_um.is_some() { map.height_unit_um } else { file.unit_um }
 }
 
-fn grid_of(map: &HeightMap, file: &MapSamples, alpha: DVec2) -> Grid {
-    Grid { columns: file.columns, pitch: [1.0 / alpha.x, 1.0 / alpha.y], periodic: map.periodic }
+fn grid_of(map: &HeightMap, file: &MapSamples, alpha: DVec2) -> MapGrid {
+    MapGrid { columns: file.columns, pitch: [1.0 / alpha.x, 1.0 / alpha.y], periodic: map.periodic }
 }
 
 fn steps(map: &HeightMap, mut file: MapSamples) -> Checked<MapSteps> {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use gonio::surface::areal::Roughness;
 use gonio::surface::io::map_file;
-use gonio::surface::io::prepare::Grid;
+use gonio::surface::io::prepare::MapGrid;
 
 /// Moments and slopes have one definition (ISO 25178-2:2021): eight digits of the file, and sums in another order. Sal and Str
 /// do not say how to interpolate between samples: surfalize takes the nearest of 1000 places on a cubic spline, here it is a
@@ -23,7 +23,7 @@ fn ten_maps_have_the_parameters_of_an_independent_package() {
         let unit = map.unit_um.unwrap_or(1.0);
         let mean = map.heights.iter().sum::<f64>() / map.heights.len() as f64;
         let heights: Vec<f64> = map.heights.iter().map(|height| unit * (height - mean)).collect();
-        let grid = Grid { columns: map.columns, pitch, periodic: false };
+        let grid = MapGrid { columns: map.columns, pitch, periodic: false };
         let found = Roughness::of(&heights, &grid).expect("room").parameters;
         let same =
             [Some(found.sa), Some(found.sq), found.ssk, found.sku, Some(found.sdq), Some(100.0 * found.sdr)];

@@ -2,7 +2,7 @@
 
 use super::cell_mask::CellMask;
 use super::form::{self, Quadric};
-use super::{Grid, detrend, filter, gaps, outliers};
+use super::{MapGrid, detrend, filter, gaps, outliers};
 use crate::campaign::{Detrend, Gaps, HeightMap, Outliers};
 use crate::error::Checked;
 use crate::files::memory;
@@ -27,7 +27,7 @@ pub struct Prepared {
 /// Prepares the heights of a file, in place; `unit_um`: one unit of height.
 pub fn prepare(
     map: &HeightMap,
-    grid: &Grid,
+    grid: &MapGrid,
     unit_um: Option<f64>,
     file: &mut MapSamples,
 ) -> Checked<Prepared> {
@@ -47,7 +47,7 @@ pub fn prepare(
 }
 
 /// The heights as the file has them, but for their mean and what has no data.
-pub fn as_they_are(grid: &Grid, mut heights: Vec<f64>) -> Checked<Vec<f64>> {
+pub fn as_they_are(grid: &MapGrid, mut heights: Vec<f64>) -> Checked<Vec<f64>> {
     outliers::take_marks(&mut heights);
     gaps::fill(&mut heights, grid)?;
     detrend::take_off_mean(&mut heights);
@@ -63,7 +63,7 @@ struct Filled {
 /// Fills what has no data and, where asked, what stands out; `None` where nothing was filled.
 fn without_gaps(
     map: &HeightMap,
-    grid: &Grid,
+    grid: &MapGrid,
     file: &mut MapSamples,
     notes: &mut Vec<String>,
 ) -> Checked<Option<Filled>> {
@@ -148,7 +148,7 @@ fn refuse_gaps(heights: &[f64], columns: usize) -> Result<(), String> {
 /// Takes the form off, and says which.
 fn take_off_form(
     map: &HeightMap,
-    grid: &Grid,
+    grid: &MapGrid,
     filled: &[bool],
     heights: &mut [f64],
 ) -> Result<Option<String>, String> {
@@ -196,7 +196,7 @@ fn take_off_form(
 /// The S-filter, then the L-filter, with a sentence for each.
 fn filtered(
     map: &HeightMap,
-    grid: &Grid,
+    grid: &MapGrid,
     unit_um: Option<f64>,
     heights: &mut Vec<f64>,
 ) -> Result<Vec<String>, String> {

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::Grid;
+use super::MapGrid;
 
 /// Rows whose sums are one.
 const TOGETHER: usize = 64;
@@ -53,7 +53,7 @@ pub fn take_off_plane(heights: &mut [f64], columns: usize) -> [f64; 2] {
 /// grid, so that the normal equations lose no digits.
 pub fn take_off_polynomial(
     heights: &mut [f64],
-    grid: &Grid,
+    grid: &MapGrid,
     filled: &[bool],
     degree: u32,
 ) -> Result<f64, String> {
@@ -130,7 +130,7 @@ fn legendre(u: f64, degree: usize) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    const GRID: Grid = Grid { columns: 60, pitch: [1.0, 1.0], periodic: false };
+    const GRID: MapGrid = MapGrid { columns: 60, pitch: [1.0, 1.0], periodic: false };
 
     fn heights(height: impl Fn(f64, f64) -> f64) -> Vec<f64> {
         (0..60 * 45).map(|k| height((k % 60) as f64, (k / 60) as f64)).collect()

@@ -7,14 +7,14 @@ use std::f64::consts::{LN_2, PI};
 
 use rayon::prelude::*;
 
-use super::Grid;
+use super::MapGrid;
 use crate::surface::transpose::transpose;
 
 /// Where weights end, in cut-offs: they are below 7e-7 of the largest.
 const REACH: f64 = 1.0;
 
 /// The heights as the filter of this cut-off (in the unit of the heights) lets them pass.
-pub fn low_pass(heights: &[f64], grid: &Grid, cut_off: f64) -> Vec<f64> {
+pub fn low_pass(heights: &[f64], grid: &MapGrid, cut_off: f64) -> Vec<f64> {
     let rows = grid.rows(heights);
     let along_x = along(heights, grid.columns, &weights(cut_off / grid.pitch[0]), grid.periodic);
     let mut turned = vec![0.0; heights.len()];
@@ -76,7 +76,7 @@ mod tests {
     /// A wave of length l passes by exp(-pi (a lc/l)^2): 1/2 at the cut-off.
     #[test]
     fn a_wave_passes_by_the_filters_formula() {
-        let grid = Grid { columns: 128, pitch: [0.5, 2.0], periodic: true };
+        let grid = MapGrid { columns: 128, pitch: [0.5, 2.0], periodic: true };
         for (waves, length) in
             [([8.0, 0.0], 8.0), ([4.0, 0.0], 16.0), ([0.0, 4.0], 32.0), ([8.0, 8.0], 16.0 / 5f64.sqrt())]
         {
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn a_level_map_stays_level_to_its_edge() {
-        let grid = Grid { columns: 40, pitch: [1.0, 1.0], periodic: false };
+        let grid = MapGrid { columns: 40, pitch: [1.0, 1.0], periodic: false };
         let found = low_pass(&[3.5; 40 * 30], &grid, 25.0);
         assert!(found.iter().all(|height| (height - 3.5).abs() < 1e-14));
         // In the middle of a slope, too; at its edge the mean is of one side.

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::Grid;
+use super::MapGrid;
 use super::detrend::is_filled;
 
 /// The steps of the fit at most; it takes five to ten.
@@ -42,7 +42,12 @@ pub struct Form {
 /// Takes the form off heights of mean zero. Samples that `filled` names do not count in the fit.
 ///
 /// Errors: the map reaches beyond the edge of the form, or the fit does not end.
-pub fn take_off(heights: &mut [f64], grid: &Grid, filled: &[bool], quadric: Quadric) -> Result<Form, String> {
+pub fn take_off(
+    heights: &mut [f64],
+    grid: &MapGrid,
+    filled: &[bool],
+    quadric: Quadric,
+) -> Result<Form, String> {
     let points = Points::of(heights, grid, filled);
     let mut fit = quadric.start(&points)?;
     let beyond = || {
@@ -104,7 +109,7 @@ struct Points<'a> {
 }
 
 impl<'a> Points<'a> {
-    fn of(heights: &'a [f64], grid: &Grid, filled: &'a [bool]) -> Self {
+    fn of(heights: &'a [f64], grid: &MapGrid, filled: &'a [bool]) -> Self {
         let (columns, rows) = (grid.columns, grid.rows(heights));
         let size = [(columns - 1) as f64 * grid.pitch[0], (rows - 1) as f64 * grid.pitch[1]];
         let scale = 0.5 * size[0].max(size[1]);
@@ -259,7 +264,7 @@ mod tests {
     use super::*;
     use crate::surface::io::prepare::detrend::take_off_mean;
 
-    const GRID: Grid = Grid { columns: 81, pitch: [2.0, 3.0], periodic: false };
+    const GRID: MapGrid = MapGrid { columns: 81, pitch: [2.0, 3.0], periodic: false };
 
     /// Heights of a form over 160 x 180, its centre off the middle.
     fn heights(height: impl Fn(f64, f64) -> f64) -> Vec<f64> {

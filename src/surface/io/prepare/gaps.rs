@@ -4,7 +4,7 @@
 //! the grid), with the measured heights round the gap as its border; at an open edge of the map the slope across the edge
 //! is 0. It overshoots no height of its border, and adds no form of its own: across a gap a plane stays a plane.
 
-use super::Grid;
+use super::MapGrid;
 use crate::error::Checked;
 use crate::files::memory;
 
@@ -16,7 +16,7 @@ const MOST_STEPS: usize = 100_000;
 const NEEDED: u64 = 8 + 4 * 8;
 
 /// Fills the samples that are NaN; there must be others. Returns how many there were.
-pub fn fill(heights: &mut [f64], grid: &Grid) -> Checked<usize> {
+pub fn fill(heights: &mut [f64], grid: &MapGrid) -> Checked<usize> {
     let places: Vec<usize> = (0..heights.len()).filter(|at| heights[*at].is_nan()).collect();
     if places.is_empty() {
         return Ok(0);
@@ -37,7 +37,7 @@ pub fn fill(heights: &mut [f64], grid: &Grid) -> Checked<usize> {
 /// Laplace's equation for the samples of the gaps: sum over neighbours of w (h - h') = 0.
 struct System<'a> {
     heights: &'a [f64],
-    grid: &'a Grid,
+    grid: &'a MapGrid,
     places: &'a [usize],
     /// Of a sample of the map the number of its unknown.
     index: &'a [u32],
@@ -82,7 +82,7 @@ impl System<'_> {
 
     /// Of unknown `k` the sum of w (h - h'), and that of w; heights of the border count where `border` says so.
     fn row(&self, k: usize, value: impl Fn(usize) -> f64, border: bool) -> (f64, f64) {
-        let Grid { columns, pitch, periodic } = *self.grid;
+        let MapGrid { columns, pitch, periodic } = *self.grid;
         let rows = self.grid.rows(self.heights);
         let (x, y) = (self.places[k] % columns, self.places[k] / columns);
         let here = value(k);
@@ -113,8 +113,8 @@ impl System<'_> {
 mod tests {
     use super::*;
 
-    fn grid(pitch: [f64; 2], periodic: bool) -> Grid {
-        Grid { columns: 40, pitch, periodic }
+    fn grid(pitch: [f64; 2], periodic: bool) -> MapGrid {
+        MapGrid { columns: 40, pitch, periodic }
     }
 
     /// A disc of radius 9 and two single samples, as gaps of a map of 40 x 30 samples.

@@ -12,7 +12,7 @@ pub(crate) mod spline;
 
 /// The grid that heights lie on, row by row.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
+pub struct MapGrid {
     /// Samples in a row.
     pub columns: usize,
     /// Distance of neighbouring columns and rows, in the unit of the heights.
@@ -21,7 +21,7 @@ pub struct Grid {
     pub periodic: bool,
 }
 
-impl Grid {
+impl MapGrid {
     /// Rows of so many heights.
     pub fn rows(&self, heights: &[f64]) -> usize {
         heights.len() / self.columns

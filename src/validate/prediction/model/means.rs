@@ -34,7 +34,7 @@ impl Model {
     pub fn means(&self, campaign: &Campaign, grid: &Grid) -> Vec<StopMeans> {
         let colours = reflectances_of(&campaign.optics);
         let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
-        let light = Light { half_angle: campaign.light.aperture_deg.to_radians(), colours: &colours };
+        let light = IncidentLight { half_angle: campaign.light.aperture_deg.to_radians(), colours: &colours };
         let turns = if averaged { AZIMUTHS } else { 1 };
         let turned = |means: &dyn Fn(f64) -> Option<Means>| {
             let parts = (0..turns).filter_map(|k| means(PI * k as f64 / turns as f64));
@@ -63,7 +63,7 @@ impl Model {
     }
 
     /// The means over `regions` of what is spread over all directions.
-    fn smooth_means(&self, turn: f64, wi: DVec3, regions: &[Region], light: &Light) -> Option<Means> {
+    fn smooth_means(&self, turn: f64, wi: DVec3, regions: &[Region], light: &IncidentLight) -> Option<Means> {
         let colours = light.colours;
         match self {
             Model::Microfacet { surface, maskings, .. } => {
@@ -94,7 +94,7 @@ impl Model {
     }
 
     /// The means over the bins of an incidence of what goes in single directions, or is flat.
-    fn sharp_means(&self, turn: f64, grid: &Grid, stop: usize, light: &Light) -> Option<Means> {
+    fn sharp_means(&self, turn: f64, grid: &Grid, stop: usize, light: &IncidentLight) -> Option<Means> {
         let (source, colours) = (&light.sharp_source(grid.wi(stop))[..], light.colours);
         let by_colour =
             |of: &dyn Fn(Reflectance) -> Vec<f64>| colours.iter().map(|&colour| of(colour)).collect();
@@ -136,13 +136,13 @@ impl Model {
 }
 
 /// What falls on the surface.
-struct Light<'a> {
+struct IncidentLight<'a> {
     /// Of its aperture.
     half_angle: f64,
     colours: &'a [Reflectance],
 }
 
-impl Light<'_> {
+impl IncidentLight<'_> {
     fn sharp_source(&self, wi: DVec3) -> Vec<(DVec3, f64)> {
         source_nodes(wi, self.half_angle, APERTURE_ORDER)
     }

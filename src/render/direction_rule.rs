@@ -24,7 +24,7 @@ const AROUND: usize = 72;
 const LAST: f64 = 89.5 * PI / 180.0;
 
 /// The rule.
-pub struct Kernel<'a> {
+pub struct DirectionRule<'a> {
     lookup: &'a Lookup,
     pattern: Pattern,
     /// Nodes of the azimuth: 1 where all are alike.
@@ -33,7 +33,7 @@ pub struct Kernel<'a> {
     weights: Vec<[f32; 4]>,
 }
 
-impl<'a> Kernel<'a> {
+impl<'a> DirectionRule<'a> {
     /// The rule of a table, or of the light that has gone through it. `exchange`: whether both arms may change places, as light
     /// that comes back lets them.
     pub fn new(lookup: &'a Lookup, exchange: bool) -> Self {
@@ -44,7 +44,7 @@ impl<'a> Kernel<'a> {
             let eye = sphere::direction(theta, TAU * (node % around) as f64 / around as f64);
             of_eye(lookup, exchange, &pattern, eye)
         });
-        Kernel { lookup, around, weights: weights.collect(), pattern }
+        DirectionRule { lookup, around, weights: weights.collect(), pattern }
     }
 
     /// Whether every azimuth of the eye is alike: then it is 0 in the frame of [`Self::seen`].
