@@ -108,11 +108,11 @@ fn lines(fits: &Fits) -> Vec<String> {
     lines.extend(columns(&headers, &rows));
     lines.extend(lost(fits));
     lines.extend(wrapped("+-: ", &kind_of_errors(fits)));
-    let (first, whole) =
-        (fits.fits.iter().map(|fit| fit.stops).min(), fits.fits.iter().map(|fit| fit.stops).max());
-    if let Some((first, whole)) = first.zip(whole).filter(|(first, whole)| first < whole) {
-        let fitted =
-            format!("models far behind were fitted to {first} of {whole} incidences; their l1 is of all");
+    let values = || fits.fits.iter().map(|fit| fit.fitted_values);
+    if let Some((some, all)) = values().min().zip(values().max()).filter(|(some, all)| some < all) {
+        let fitted = format!(
+            "models far behind were fitted to {some} of {all} values of a colour; their l1 is of all"
+        );
         lines.extend(wrapped("", &fitted));
     }
     if fits.fits.iter().any(|fit| fit.anisotropic && fit.masking == Some("direction_correlated")) {

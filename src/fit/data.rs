@@ -6,7 +6,7 @@ use crate::table::{BrdfTable, Realisations};
 
 /// Share of a colour's mean BRDF that is added to every value and every model: no bin, however dark, counts for more
 /// than a thousand times its share of the hemisphere.
-const FLOOR: f64 = 1e-3;
+pub(super) const FLOOR: f64 = 1e-3;
 
 /// A table as a fit sees it. Values are [colour][stop * bins + bin].
 #[derive(Debug, Clone)]

@@ -17,6 +17,7 @@ pub mod nodes;
 pub mod pilot;
 mod ranking;
 mod report;
+pub mod sample;
 pub mod solve;
 mod spread;
 
@@ -25,6 +26,7 @@ pub use law::{FitLaw, NAMES};
 pub use microfacet_law::MicrofacetLaw;
 pub use nearest::{NearestLaw, nearest};
 pub use report::{Fit, Fits, Parameters};
+pub use sample::FitSample;
 
 use rayon::prelude::*;
 
@@ -41,21 +43,23 @@ const NARROWER: f64 = 0.7;
 const FARTHER: f64 = 0.01;
 /// Layouts of the nodes at most.
 const LAYOUTS: usize = 4;
-/// Values of one colour that the first pass looks at, and the fewest stops.
-const FIRST_PASS: (usize, usize) = (2048, 8);
-/// How many times the best divergence a model may have in the first pass to be fitted to all stops.
-const CONTENDER: f64 = 4.0;
+/// Values of one colour that the first pass looks at.
+const FIRST_PASS: usize = 2048;
+/// How many times the best divergence a model may have in the first pass to be fitted to all values: where all are
+/// compared, and where only the best is asked for.
+const CONTENDERS: f64 = 4.0;
+const CONTENDERS_FOR_BEST: f64 = 1.5;
 
 /// A model at its best parameters.
 pub(crate) struct Fitted {
     law: FitLaw,
     params: Vec<f64>,
     shapes: usize,
-    /// Of all stops, also where fewer were fitted.
+    /// Of all values, also where fewer were fitted.
     divergence: f64,
     converged: bool,
-    /// Stops that were fitted.
-    stops: usize,
+    /// Values of one colour that were fitted.
+    values: usize,
     /// Means, [colour][entry].
     model: Vec<Vec<f64>>,
     /// Parameters on a bound.
@@ -68,26 +72,30 @@ pub(crate) struct Fitted {
 ///
 /// - Where there are realisations (two at least), errors are a jackknife over them in which everything, weights too,
 ///   follows the realisation that is left out.
-/// - Tables of many stops are fitted at some of them first; models that are four times as far off there as the best
-///   one stay as they are.
+/// - Of large tables some values are fitted first; models that are four times as far off there as the best one stay
+///   as they are.
 /// - Cost: about 10 evaluations of 16 nodes a bin for each parameter and fit.
 // Tested by tests/it/fit.rs.
 pub fn fit(data: &FitData, laws: &[FitLaw]) -> Fits {
+    fit_contenders(data, laws, CONTENDERS)
+}
+
+/// The same where models that are `farther` times as far off as the best one stay as the first pass left them.
+fn fit_contenders(data: &FitData, laws: &[FitLaw], farther: f64) -> Fits {
     let guess = pilot(data);
-    let stops: Vec<usize> = (0..data.grid.stops()).collect();
-    let some = first_pass(data);
+    let (all, some) = (FitSample::whole(data), FitSample::drawn(data, FIRST_PASS));
     let (starts, lobe) = started(data, laws, &guess, &some);
-    let layout = FitLayout::new(data, &stops, lobe);
+    let layout = FitLayout::new(data, &all, lobe);
     let least = starts.iter().map(|start| start.divergence).fold(f64::INFINITY, f64::min);
     let fits = starts.into_par_iter().map(|start| {
         let problem = Problem::new(data, &layout, start.law);
-        if some.len() < stops.len() && start.divergence > CONTENDER * least {
+        if !some.is_whole && start.divergence > farther * least {
             let state = problem.at(start.params);
-            return fitted(&problem, state, start.converged, some.len());
+            return fitted(&problem, state, start.converged, &some);
         }
         let (state, converged) = problem.solve(start.params);
         let spread = spread::spread(data, &problem, &state);
-        Fitted { spread: Some(spread), ..fitted(&problem, state, converged, stops.len()) }
+        Fitted { spread: Some(spread), ..fitted(&problem, state, converged, &all) }
     });
     report::report(data, fits.collect())
 }
@@ -103,31 +111,24 @@ pub fn models(data: &FitData, campaign: Option<&Campaign>) -> Vec<FitLaw> {
 
 /// The best of `laws` (at least one).
 pub fn best(data: &FitData, laws: &[FitLaw]) -> Fit {
-    fit(data, laws).fits.swap_remove(0)
+    fit_contenders(data, laws, CONTENDERS_FOR_BEST).fits.swap_remove(0)
 }
 
-/// Stops of the first pass, evenly over all of them.
-fn first_pass(data: &FitData) -> Vec<usize> {
-    let stops = data.grid.stops();
-    let count = (FIRST_PASS.0 / data.grid.bins().max(1)).max(FIRST_PASS.1).min(stops);
-    (0..count).map(|k| k * stops / count).collect()
-}
-
-/// The fits to some stops, and what the nodes have to resolve.
-fn started(data: &FitData, laws: &[FitLaw], guess: &Pilot, stops: &[usize]) -> (Vec<Fitted>, Lobe) {
+/// The fits to some values, and what the nodes have to resolve.
+fn started(data: &FitData, laws: &[FitLaw], guess: &Pilot, sample: &FitSample) -> (Vec<Fitted>, Lobe) {
     let alpha = (guess.log_alpha - guess.stretch[0].hypot(guess.stretch[1])).exp();
     let mut lobe = Lobe { alpha, eta: guess.eta(data) };
     let mut round = 0;
     loop {
         round += 1;
-        let layout = FitLayout::new(data, stops, lobe);
+        let layout = FitLayout::new(data, sample, lobe);
         let fits = laws.par_iter().map(|&law| {
             let problem = Problem::new(data, &layout, law);
             let amplitudes = law.amplitudes(data.perfect_mirror);
             let start = &[0.5, 0.05][..amplitudes.per_colour()];
             let params = [law.start(guess), start.repeat(data.value.len())].concat();
             let (state, converged) = problem.solve(params);
-            fitted(&problem, state, converged, stops.len())
+            fitted(&problem, state, converged, sample)
         });
         let fits: Vec<Fitted> = fits.collect();
         let narrowest = |fit: &Fitted| fit.law.narrowest(&fit.params[..fit.shapes]);
@@ -143,13 +144,13 @@ fn started(data: &FitData, laws: &[FitLaw], guess: &Pilot, stops: &[usize]) -> (
     }
 }
 
-fn fitted(problem: &Problem, state: solve::State, converged: bool, stops: usize) -> Fitted {
+fn fitted(problem: &Problem, state: solve::State, converged: bool, sample: &FitSample) -> Fitted {
     Fitted {
         law: problem.law,
         shapes: problem.shapes,
         divergence: state.divergence,
         converged,
-        stops,
+        values: sample.entries.len(),
         model: problem.model(&state),
         on_bound: problem.on_bound(&state.params),
         params: state.params,

@@ -2,7 +2,7 @@
 
 use super::law::FitLaw;
 use super::solve::{FitLayout, Problem};
-use super::{FitData, first_pass, pilot, started};
+use super::{FIRST_PASS, FitData, FitSample, pilot, started};
 
 /// A law at its best parameters.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,18 +13,17 @@ pub struct NearestLaw {
     pub means: Vec<Vec<f64>>,
 }
 
-/// The nearest of `laws`, fitted to some stops, 2,048 values of one colour or eight stops; `None` where there are no laws or the
+/// The nearest of `laws`, fitted to some 2,048 values of each colour; `None` where there are no laws or the
 /// table holds no light.
 // Tested by `the_quick_fit_finds_the_law_of_its_table` (tests/it/fit.rs).
 pub fn nearest(data: &FitData, laws: &[FitLaw]) -> Option<NearestLaw> {
     if laws.is_empty() || data.is_empty() || data.is_dark() {
         return None;
     }
-    let (starts, lobe) = started(data, laws, &pilot::pilot(data), &first_pass(data));
+    let (starts, lobe) = started(data, laws, &pilot::pilot(data), &FitSample::drawn(data, FIRST_PASS));
     let usable = starts.into_iter().filter(|fit| fit.divergence.is_finite());
     let best = usable.min_by(|a, b| a.divergence.total_cmp(&b.divergence))?;
-    let all: Vec<usize> = (0..data.grid.stops()).collect();
-    let layout = FitLayout::new(data, &all, lobe);
+    let layout = FitLayout::new(data, &FitSample::whole(data), lobe);
     let problem = Problem::new(data, &layout, best.law);
     let means = problem.model(&problem.at(best.params.clone()));
     let found = means.iter().flatten().all(|value| value.is_finite());

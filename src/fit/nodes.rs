@@ -52,30 +52,36 @@ pub struct Lobe {
 pub struct StopNodes {
     /// Directions to the light with weights that add up to 1.
     pub light: Vec<(DVec3, f64)>,
-    /// All bins' nodes, bin by bin.
+    /// All entries' nodes, one after the other.
     pub nodes: Vec<Node>,
-    /// Where each bin's nodes end.
+    /// Where each entry's nodes end.
     pub ends: Vec<usize>,
 }
 
 impl StopNodes {
     /// The nodes of every stop of a grid.
+    pub fn of_grid(grid: &Grid, aperture: f64, lobe: Lobe) -> Vec<StopNodes> {
+        let all: Vec<usize> = (0..grid.stops() * grid.bins()).collect();
+        StopNodes::of_entries(grid, &all, aperture, lobe)
+    }
+
+    /// The nodes of `entries` (stop * bins + bin, increasing), stop by stop.
     ///
     /// - `aperture`: half-angle of the light's cone, rad.
     // Tested by `the_quadrature_agrees_with_the_adaptive_one` (tests/it/fit.rs).
-    pub fn of_grid(grid: &Grid, aperture: f64, lobe: Lobe) -> Vec<StopNodes> {
-        StopNodes::of_stops(grid, &(0..grid.stops()).collect::<Vec<_>>(), aperture, lobe)
+    pub fn of_entries(grid: &Grid, entries: &[usize], aperture: f64, lobe: Lobe) -> Vec<StopNodes> {
+        let stops: Vec<&[usize]> = entries.chunk_by(|a, b| a / grid.bins() == b / grid.bins()).collect();
+        stops.par_iter().map(|entries| StopNodes::of_stop(grid, entries, aperture, lobe)).collect()
     }
 
-    /// The nodes of some stops.
-    pub fn of_stops(grid: &Grid, stops: &[usize], aperture: f64, lobe: Lobe) -> Vec<StopNodes> {
-        stops.par_iter().map(|&stop| StopNodes::of_stop(grid, stop, aperture, lobe)).collect()
-    }
-
-    fn of_stop(grid: &Grid, stop: usize, aperture: f64, lobe: Lobe) -> StopNodes {
+    /// The nodes of entries (one at least) of one stop.
+    fn of_stop(grid: &Grid, entries: &[usize], aperture: f64, lobe: Lobe) -> StopNodes {
+        let stop = entries[0] / grid.bins();
         let wi = grid.wi(stop);
         let (mut nodes, mut ends) = (Vec::new(), Vec::new());
-        for region in grid.regions(stop) {
+        let regions = grid.regions(stop);
+        for entry in entries {
+            let region = regions[entry - stop * grid.bins()];
             match region {
                 Region::Cap { axis, half_angle } => {
                     let cone = source_nodes(axis, half_angle, ORDER);
@@ -93,7 +99,7 @@ impl StopNodes {
         StopNodes { light: source_nodes(wi, aperture, APERTURE_ORDER), nodes, ends }
     }
 
-    /// The mean over every bin of what `value(wi)(wo)` says.
+    /// The mean over every entry's bin of what `value(wi)(wo)` says.
     pub fn means<V: Fn(DVec3) -> [f64; 2]>(&self, value: impl Fn(DVec3) -> V) -> Vec<[f64; 2]> {
         let mut means = vec![[0.0; 2]; self.ends.len()];
         for &(wi, share) in &self.light {

@@ -84,8 +84,8 @@ pub struct Fit {
     pub alike: Option<bool>,
     /// Whether the iteration converged.
     pub converged: bool,
-    /// Stops that the parameters were fitted to; distances are of all.
-    pub stops: usize,
+    /// Values of one colour that the parameters were fitted to; distances are of all.
+    pub fitted_values: usize,
 }
 
 /// All fits, best first.
@@ -179,7 +179,7 @@ fn one(data: &FitData, fit: &Fitted, place: Ranking, far: bool) -> Fit {
         behind_se: place.behind_se,
         alike: place.alike,
         converged: fit.converged,
-        stops: fit.stops,
+        fitted_values: fit.values,
     }
 }
 

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::data::FitData;
 use super::law::{Amplitudes, FitLaw};
 use super::nodes::{Lobe, StopNodes};
+use super::sample::FitSample;
 
 /// Step of the forward differences in the shape: 1e-7 of a second derivative, 1e-9 by rounding.
 const STEP: f64 = 1e-7;
@@ -26,19 +27,22 @@ const IDLE: f64 = 1e-13;
 /// Steps at most.
 const STEPS: usize = 60;
 
-/// Some stops of a grid with their nodes, and the entry of the table that each mean belongs to.
+/// Entries of a table with their nodes.
 pub struct FitLayout {
     nodes: Vec<StopNodes>,
     entries: Vec<usize>,
+    /// Size of each entry's bin times the number of entries that it stands for.
+    sizes: Vec<f64>,
 }
 
 impl FitLayout {
-    /// The layout of `stops` for lobes as narrow as `lobe`.
-    pub fn new(data: &FitData, stops: &[usize], lobe: Lobe) -> FitLayout {
-        let bins = data.grid.bins();
+    /// The layout of `sample` for lobes as narrow as `lobe`.
+    pub fn new(data: &FitData, sample: &FitSample, lobe: Lobe) -> FitLayout {
+        let sizes = sample.entries.iter().zip(&sample.shares).map(|(&entry, share)| data.size[entry] * share);
         FitLayout {
-            nodes: StopNodes::of_stops(&data.grid, stops, data.aperture, lobe),
-            entries: stops.iter().flat_map(|stop| stop * bins..(stop + 1) * bins).collect(),
+            nodes: StopNodes::of_entries(&data.grid, &sample.entries, data.aperture, lobe),
+            sizes: sizes.collect(),
+            entries: sample.entries.clone(),
         }
     }
 }
@@ -86,8 +90,8 @@ impl<'a> Problem<'a> {
         let most = if kind == Amplitudes::Schlick { 1.0 } else { f64::INFINITY };
         let amplitudes = vec![[0.0, most]; kind.per_colour() * data.value.len()];
         let flux = |(colour, values): (usize, &Vec<f64>)| {
-            let at = layout.entries.iter();
-            at.map(|&entry| data.size[entry] * (values[entry].abs() + data.floor[colour])).sum::<f64>()
+            let at = layout.entries.iter().zip(&layout.sizes);
+            at.map(|(&entry, size)| size * (values[entry].abs() + data.floor[colour])).sum::<f64>()
         };
         let flux = data.value.iter().enumerate().map(flux).sum();
         let shapes = shape.len();
@@ -152,7 +156,7 @@ impl<'a> Problem<'a> {
         let mut moved: Vec<(usize, f64)> = Vec::with_capacity(slopes.len() + per_colour);
         for (colour, values) in target.iter().enumerate() {
             for (slot, &entry) in self.layout.entries.iter().enumerate() {
-                let w = self.data.size[entry];
+                let w = self.layout.sizes[slot];
                 if w == 0.0 {
                     continue;
                 }
@@ -234,9 +238,9 @@ impl<'a> Problem<'a> {
         let mut sum = 0.0;
         for (colour, values) in self.data.value.iter().enumerate() {
             let floor = self.data.floor[colour];
-            for (&entry, &basis) in self.layout.entries.iter().zip(basis) {
+            for ((&entry, size), &basis) in self.layout.entries.iter().zip(&self.layout.sizes).zip(basis) {
                 let m = self.value(params, colour, basis);
-                sum += self.data.size[entry] * term(values[entry], m, floor);
+                sum += size * term(values[entry], m, floor);
             }
         }
         sum

@@ -4,7 +4,7 @@ use std::fs;
 
 use glam::DVec3;
 use gonio::fit::nodes::{Lobe, StopNodes};
-use gonio::fit::{self, Fit, FitData, FitLaw, MicrofacetLaw};
+use gonio::fit::{self, Fit, FitData, FitLaw, FitSample, MicrofacetLaw};
 use gonio::instrument::{Grid, GridKind, Region};
 use gonio::measure::Measured;
 use gonio::sphere;
@@ -376,17 +376,44 @@ fn gaps_of_an_imported_table_are_left_out() {
     assert!(fit::fit(&data, &[law]).fits[0].l1.expect("light") > 0.2);
 }
 
-#[test]
-fn a_table_of_many_stops_is_fitted_to_some_first_and_the_best_models_to_all() {
+/// A table of 6,912 values.
+fn large_table(alpha: f64) -> BrdfTable {
     let thetas: Vec<f64> = (0..24).map(|k| 3.0 * f64::from(k)).collect();
-    let mirror = Microfacet::isotropic(Ndf::Ggx, 0.3);
-    let table = microfacet_table(grid(&thetas, &[0.0], true), &mirror, Masking::HeightCorrelated, &[1.0]);
-    let data = FitData::new(&table, None, None);
+    let mirror = Microfacet::isotropic(Ndf::Ggx, alpha);
+    microfacet_table(grid(&thetas, &[0.0], true), &mirror, Masking::HeightCorrelated, &[1.0])
+}
+
+#[test]
+fn a_large_table_is_fitted_to_some_values_first_and_the_best_models_to_all() {
+    let data = FitData::new(&large_table(0.3), None, None);
     let fits = fit::fit(&data, &FitLaw::all(&data)).fits;
-    assert_eq!((fits[0].model, fits[0].masking, fits[0].stops), ("ggx", Some("height_correlated"), 24));
+    let best = (fits[0].model, fits[0].masking, fits[0].fitted_values);
+    assert_eq!(best, ("ggx", Some("height_correlated"), 6912));
     holds(&fits[0], "alpha", 0.3, EXACT * 0.3);
     let lambert = fits.iter().find(|fit| fit.model == "lambert").expect("all");
-    assert!(lambert.stops < 24 && lambert.did_not_fit.is_some(), "{lambert:?}");
+    assert!(lambert.fitted_values < 3000 && lambert.did_not_fit.is_some(), "{lambert:?}");
+    assert_eq!(fit::best(&data, &FitLaw::all(&data)).parameters, fits[0].parameters);
+}
+
+#[test]
+fn a_sample_of_a_table_stands_for_all_of_it() {
+    for alpha in [0.02, 0.3] {
+        let data = FitData::new(&large_table(alpha), None, None);
+        let sample = FitSample::drawn(&data, 2048);
+        let count = sample.entries.len();
+        assert!((1024..=4096).contains(&count) && sample.entries.is_sorted(), "{alpha}: {count}");
+        assert!(sample.shares.iter().all(|share| *share >= 1.0), "{alpha}");
+        let sums = |of: &dyn Fn(usize) -> f64| {
+            let all: f64 = (0..data.size.len()).map(of).sum();
+            sample.entries.iter().zip(&sample.shares).map(|(&entry, share)| share * of(entry)).sum::<f64>()
+                / all
+        };
+        // Chances hold half of each quantity at least, so a term is 2/2048 of the sum at most, and of each run of terms
+        // one is taken: off by no more than the variation of the terms along the table, some tens of them.
+        let flux = sums(&|entry| data.size[entry] * data.value[0][entry]);
+        let size = sums(&|entry| data.size[entry]);
+        assert!((flux - 1.0).abs() < 0.03 && (size - 1.0).abs() < 0.03, "{alpha}: {flux} {size}");
+    }
 }
 
 #[test]
@@ -446,4 +473,8 @@ fn the_quick_fit_finds_the_law_of_its_table() {
         assert!(off < 1e-4 * peak, "{off} of {peak}");
     }
     assert!(fit::nearest(&data, &[]).is_none());
+    // Of a sample, too.
+    let data = FitData::new(&large_table(0.3), None, None);
+    let found = fit::nearest(&data, &FitLaw::all(&data)).expect("a law");
+    assert_eq!(found.name, "ggx, height-correlated, alpha 0.300");
 }
