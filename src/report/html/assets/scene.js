@@ -7,9 +7,9 @@
 // Directions of each kind; nodes of the eye's polar angle, and of its azimuth where azimuths differ.
 const RULE_COUNT = 40, RULE_POLAR = 61, RULE_AROUND = 36;
 
-// Pixels of the whole picture at first, and milliseconds within which graphics must draw them to be asked for all; of those that
-// take longer than a second, as without a graphics processor, fewer are asked for from then on.
-const FIRST_PIXELS = 120000, QUICK_MS = 60, SLOW_MS = 1000, FEW_PIXELS = 24000;
+// Pixels of the whole picture at first; from how long those take it is decided how many are drawn within so many milliseconds from
+// then on, all of the canvas or, without a graphics processor, no fewer than a picture needs.
+const FIRST_PIXELS = 24000, WITHIN_MS = 150, FEWEST_PIXELS = 12000;
 
 const RULE_FRAGMENT = `
 uniform ivec2 nodes; uniform vec4 entry; uniform bool below; uniform float count;
@@ -219,17 +219,16 @@ class SceneView extends LayersView {
   draw() {
     if (!this.gl || !this.state) return;
     const { state, scene } = this, all = () => this.drawEach(state.pairs.length, scene.camera.half, (k) => this.bind(k, state.pairs[k]));
+    if (this.pixels) {
+      all();
+      return;
+    }
     // Weights are made before the time is taken.
-    if (this.pixels === undefined) state.pairs.forEach((pair, k) => this.bind(k, pair));
+    state.pairs.forEach((pair, k) => this.bind(k, pair));
     const begin = this.finished();
-    this.pixels = this.pixels ?? FIRST_PIXELS;
+    this.pixels = FIRST_PIXELS;
     all();
-    if (this.pixels !== FIRST_PIXELS || this.asked) return;
-    this.asked = true;
-    const taken = this.finished() - begin;
-    if (taken > SLOW_MS) this.pixels = FEW_PIXELS;
-    if (taken > QUICK_MS) return;
-    this.pixels = Infinity;
+    this.pixels = Math.max(FIRST_PIXELS * WITHIN_MS / (this.finished() - begin), FEWEST_PIXELS);
     all();
   }
 
