@@ -176,7 +176,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
 }
 
 /// Runs a command line for a caller that lives on: nothing is printed, and signals are the caller's, as is the panic hook.
-// Tested by `a_command_answers_without_printing`.
+// Tested by `a_command_answers_without_printing` (tests/it/cli.rs).
 pub fn answer(words: impl IntoIterator<Item = OsString>) -> (Result<u8>, Printed) {
     let mut printed = Printed::default();
     let ended = guarded(|| {
@@ -241,18 +241,6 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Arguments::command().debug_assert();
-    }
-
-    #[test]
-    fn a_command_answers_without_printing() {
-        let words = |words: &[&str]| words.iter().map(OsString::from).collect::<Vec<_>>();
-        let (ended, printed) = answer(words(&["gonio", "check", "configs/quickstart.toml", "--json"]));
-        assert_eq!(ended.expect("runs"), 0);
-        assert!(serde_json::from_str::<serde_json::Value>(&printed.out).is_ok(), "{}", printed.out);
-        let (ended, _) = answer(words(&["gonio", "fit"]));
-        let error = ended.expect_err("no table");
-        assert_eq!(error.exit_code(), 2);
-        assert_eq!(error.to_string().lines().count(), 1, "{error}");
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! Promise: the program's exit codes, what goes to stdout and stderr, and which files are written when.
 
+use std::ffi::OsString;
 use std::fs;
 use std::process::Stdio;
 
+use gonio::cli::answer;
 use gonio::surface::io::import::load_patch;
 use gonio::table::realisations;
 use serde_json::Value;
@@ -11,6 +13,18 @@ use tempfile::TempDir;
 use crate::support::campaign_text::SMALL;
 use crate::support::outputs::digests;
 use crate::support::program::{command, exits, folder, gonio, json, stderr, stdout};
+
+#[test]
+fn a_command_answers_without_printing() {
+    let words = |words: &[&str]| words.iter().map(OsString::from).collect::<Vec<_>>();
+    let (ended, printed) = answer(words(&["gonio", "check", "configs/quickstart.toml", "--json"]));
+    assert_eq!(ended.expect("runs"), 0);
+    assert!(serde_json::from_str::<Value>(&printed.out).is_ok(), "{}", printed.out);
+    let (ended, _) = answer(words(&["gonio", "fit"]));
+    let error = ended.expect_err("no table");
+    assert_eq!(error.exit_code(), 2);
+    assert_eq!(error.to_string().lines().count(), 1, "{error}");
+}
 
 #[test]
 fn help_and_version_are_answers_and_no_arguments_are_a_mistake() {
