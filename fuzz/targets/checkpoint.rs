@@ -21,12 +21,10 @@ static CAMPAIGN: LazyLock<(Campaign, Plan)> = LazyLock::new(|| {
 fuzz_target!(|bytes: &[u8]| {
     let (campaign, plan) = &*CAMPAIGN;
     let sealed = sealed::seal(KIND, bytes.len(), |head| Ok::<_, String>([&head, bytes].concat()));
-    gonio_fuzz::reason(sealed.and_then(|sealed| StoredRun::from_bytes(&sealed)).and_then(
-        |kept| {
-            kept.header.faults((campaign, None), "small.toml", "out").iter().for_each(|fault| {
-                gonio_fuzz::reason::<()>(Err(fault.to_string()));
-            });
-            kept.run_state(campaign, plan).map(drop)
-        },
-    ));
+    gonio_fuzz::reason(sealed.and_then(|sealed| StoredRun::from_bytes(&sealed)).and_then(|kept| {
+        kept.header.faults((campaign, None), "small.toml", "out").iter().for_each(|fault| {
+            gonio_fuzz::reason::<()>(Err(fault.to_string()));
+        });
+        kept.run_state(campaign, plan).map(drop)
+    }));
 });

@@ -1,5 +1,7 @@
 //! Promise: what the fuzz targets of `fuzz/` have found stays found; and where they start from.
 
+#[path = "../../fuzz/src/scans.rs"]
+mod scans;
 #[path = "../../fuzz/src/traced.rs"]
 mod traced;
 
@@ -73,6 +75,9 @@ fn read(target: &str, bytes: &[u8]) -> Checked<()> {
         "height_map" => map_file::read(bytes).map(drop),
         "map_gsf" => map_file::read(&[b"Gwyddion Simple Field 1.0\n", bytes].concat()).map(drop),
         "map_xyz" => map_file::read(&[b"0 0 0\n", bytes].concat()).map(drop),
+        "map_gwy" | "map_sur" | "map_sdf" | "map_zygo" | "map_picture" | "map_x3p" => {
+            map_file::read(&scans::file(target, bytes)).map(drop)
+        }
         "pabopto" => interchange::text::pabopto::read(bytes).map(drop),
         "checkpoint" => {
             let (campaign, plan) = checkpoint_of();

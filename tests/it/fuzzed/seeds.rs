@@ -1,6 +1,7 @@
 //! Where the fuzz targets start from: small sound files of every kind, written to `fuzz/corpus`.
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 
 use gonio::files::image::{self, ImagePart, Samples};
@@ -16,6 +17,7 @@ use gonio::measure::{self, Patches, RunState, Session};
 use gonio::surface::io::map_file;
 use gonio::table::{BrdfTable, RealisationPart, Realisations, realisations, store};
 
+use super::scans::BEGINNINGS;
 use super::{checkpoint_of, read};
 use crate::support::radiance;
 
@@ -27,6 +29,7 @@ pub fn write() -> Answer {
     formats()?;
     small_formats()?;
     maps()?;
+    scans()?;
     campaigns()?;
     checkpoints()
 }
@@ -217,6 +220,32 @@ fn maps() -> Answer {
     let picture = image::encode(vec![picture(2, 2)])?;
     let length = u16::try_from(picture.len())?.to_le_bytes();
     seed("maps", "two", &[&length[..], &picture, &picture].concat())
+}
+
+/// The scans of the tests, each as its target's input.
+fn scans() -> Answer {
+    for entry in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/maps/scans"))? {
+        let path = entry?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let bytes = fs::read(&path)?;
+        if name.ends_with(".x3p") {
+            let mut archive = zip::ZipArchive::new(std::io::Cursor::new(&bytes))?;
+            let (mut main, mut data) = (Vec::new(), Vec::new());
+            archive.by_name("main.xml")?.read_to_end(&mut main)?;
+            if let Ok(mut member) = archive.by_name("bindata/data.bin") {
+                member.read_to_end(&mut data)?;
+            }
+            let length = u16::try_from(main.len())?.to_le_bytes();
+            seed("map_x3p", &name, &[&length[..], &main, &data].concat())?;
+        }
+        for (target, begins) in BEGINNINGS {
+            if let Some(which) = begins.iter().position(|begin| bytes.starts_with(begin)) {
+                let input = [&[u8::try_from(which)?], &bytes[begins[which].len()..]].concat();
+                sound_seed(target, &name, &input)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 fn campaigns() -> Answer {
