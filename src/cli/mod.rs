@@ -119,7 +119,7 @@ impl Verb {
             Verb::Merge(arguments) => merge::run(arguments),
             Verb::Validate(arguments) => validate::run(arguments),
             Verb::Compare(arguments) => compare::run(arguments),
-            Verb::Fit(arguments) => fit::run(arguments),
+            Verb::Fit(arguments) => fit::run(arguments, threads),
             Verb::Study(arguments) => study::run(arguments),
             Verb::Export(arguments) => export::run(arguments),
             Verb::Import(arguments) => import::run(arguments),

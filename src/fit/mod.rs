@@ -18,6 +18,7 @@ pub mod pilot;
 mod ranking;
 mod report;
 pub mod sample;
+pub mod slopes;
 pub mod solve;
 mod spread;
 

@@ -5,6 +5,7 @@ pub mod html;
 pub mod markdown;
 pub mod plot;
 mod quality;
+pub mod scan_law;
 pub mod slices;
 pub mod summary;
 pub mod sweep;

@@ -136,6 +136,11 @@ impl Scene<'_> {
         self.interval(f64::from(self.channels().stderr_single[stop * self.table.grid.bins() + bin]))
     }
 
+    /// The same of all orders.
+    pub fn half_width_of_total(&self, stop: usize, bin: usize) -> Option<f64> {
+        self.interval(f64::from(self.channels().stderr[stop * self.table.grid.bins() + bin]))
+    }
+
     /// Half-width of the 95 % interval of what has the standard error `se` over the realisations; below 0: unknown.
     pub fn interval(&self, se: f64) -> Option<f64> {
         (se >= 0.0 && self.realisations > 1).then(|| se * stats::student_limit(0.05, self.realisations - 1))

@@ -25,6 +25,8 @@ mod properties;
 mod render;
 mod report;
 mod report_through;
+mod scan_law;
+mod slopes;
 mod streams;
 mod study;
 mod sweeps;

@@ -4,7 +4,7 @@ pub(crate) mod figures;
 pub(crate) mod head;
 pub mod inline;
 pub mod page;
-mod quantiles;
+pub mod quantiles;
 mod relief;
 pub mod render;
 pub(crate) mod sections;

@@ -33,10 +33,11 @@ pub fn of(field: &Heightfield, law: SlopeLaw) -> Vec<SlopeQuantiles> {
         })
         .collect();
     lengths.sort_by(f64::total_cmp);
-    quantiles(&lengths, law)
+    of_lengths(&lengths, law)
 }
 
-fn quantiles(sorted: &[f64], law: SlopeLaw) -> Vec<SlopeQuantiles> {
+/// The same of sorted lengths (one at least) in units of alpha.
+pub fn of_lengths(sorted: &[f64], law: SlopeLaw) -> Vec<SlopeQuantiles> {
     let count = sorted.len() as f64;
     let last = (count / BEYOND - 1.0).max(1.0).ln();
     let share = |k: usize| 1.0 / (1.0 + (-last * (k as f64 / HALF as f64 - 1.0)).exp());
@@ -86,7 +87,7 @@ mod tests {
         for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann] {
             let slopes: Vec<f64> =
                 (0..count).map(|k| law.length_quantile((f64::from(k) + 0.5) / f64::from(count))).collect();
-            let found = quantiles(&slopes, law);
+            let found = of_lengths(&slopes, law);
             assert_eq!(found.len(), 2 * HALF + 1);
             for both in found {
                 // A share is a step of 1/20,000 off at most, 1/20 of what lies beyond the last quantile; lengths follow with no

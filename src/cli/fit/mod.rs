@@ -1,9 +1,12 @@
-//! `gonio fit`: analytic models fitted to a stored table, best first.
+//! `gonio fit`: analytic models fitted to a stored table, or laws to the slopes of a map, best first.
+
+mod surface;
 
 use std::path::PathBuf;
 
 use clap::Args;
 
+use super::streams::folder;
 use super::table_file;
 use super::text::layout::{columns, wrapped};
 use super::text::numbers::or_na;
@@ -35,6 +38,15 @@ const STRETCHED: &str = "direction_correlated: lambda takes the azimuth between 
 pub struct Arguments {
     /// The table; <stem>.realisations.exr next to it gives the jackknife's errors
     table: PathBuf,
+    /// TABLE is the campaign of a map: fit the law of its slopes, and measure both
+    #[arg(long, conflicts_with = "model")]
+    surface: bool,
+    /// With --surface: folder of both tables and <name>.law.html [default: out/<name>]
+    #[arg(short, long, value_name = "DIR", value_parser = folder(), requires = "surface")]
+    output: Option<PathBuf>,
+    /// With --surface: replace results that are there
+    #[arg(long, requires = "surface")]
+    force: bool,
     /// One model, as ggx or cook_torrance; a wrong name lists them all
     #[arg(long, value_name = "NAME")]
     model: Option<String>,
@@ -43,7 +55,10 @@ pub struct Arguments {
     json: bool,
 }
 
-pub fn run(arguments: &Arguments) -> Result<u8> {
+pub fn run(arguments: &Arguments, threads: usize) -> Result<u8> {
+    if arguments.surface {
+        return surface::run(arguments, threads);
+    }
     if let Some(name) = arguments.model.as_deref().filter(|name| !NAMES.contains(name)) {
         return Err(Error::Usage(format!("--model {name}: one of {}", NAMES.join(", "))));
     }
