@@ -68,6 +68,13 @@ pub fn lines(found: &TableDifference) -> Vec<String> {
     rows.push(row(["all".into(), String::new()], &found.figures));
     lines.extend(columns(&["theta_i", "phi_i", "l1", "noise", "without it", "max t", "% outside 95"], &rows));
     lines.extend(interval(&found.figures));
+    if let Some((most, share)) = found.figures.max_e_n.zip(found.figures.share_e_n_above_1) {
+        let text = format!(
+            "{:.1} % of the bins above 1, the largest {most:.2}; |a - b| over the 95 % uncertainties of both (ISO 13528)",
+            100.0 * share
+        );
+        lines.extend(wrapped("E_n: ", &text));
+    }
     if let (Some((limit, most)), None) = (found.t_limit.zip(found.figures.max_t), found.disagreement()) {
         let bins = found.bins;
         lines.push(format!("largest t {most:.2}, 1 % limit of {bins} bins {limit:.2}: noise explains it"));

@@ -98,8 +98,22 @@ impl<'a> ComparedPair<'a> {
             let t = (a - b).abs() / se;
             sums.max_t = Some(sums.max_t.map_or(t, |most: f64| most.max(t)));
             sums.outside += usize::from(t > limit);
+            let e_n = (a - b).abs() / self.expanded(entry).unwrap_or(limit * se);
+            sums.max_e_n = Some(sums.max_e_n.map_or(e_n, |most: f64| most.max(e_n)));
+            sums.beyond += usize::from(e_n > 1.0);
             sums.bins += 1;
         }
+    }
+
+    /// sqrt(U_A^2 + U_B^2), the half-widths of both 95 % intervals; `None` of paired tables, which have one together.
+    fn expanded(&self, TableEntry { at, colour }: TableEntry) -> Option<f64> {
+        if self.paired.is_some() {
+            return None;
+        }
+        let half = |(side, count): (&ComparedTable, usize)| {
+            self.limits[count.max(2) - 2].0 * f64::from(side.table.colours[colour].stderr[at])
+        };
+        Some([&self.a, &self.b].into_iter().zip(self.realisations).map(half).fold(0.0, f64::hypot))
     }
 
     /// Standard error of the difference and its degrees of freedom. An empty bin is off by no more than what the other
@@ -142,7 +156,10 @@ pub(super) struct DifferenceSums {
     flux: f64,
     without_error: bool,
     max_t: Option<f64>,
+    max_e_n: Option<f64>,
     outside: usize,
+    /// Bins with an E_n above 1.
+    beyond: usize,
     pub bins: usize,
 }
 
@@ -153,7 +170,9 @@ impl DifferenceSums {
         self.flux += other.flux;
         self.without_error |= other.without_error;
         self.max_t = [self.max_t, other.max_t].into_iter().flatten().reduce(f64::max);
+        self.max_e_n = [self.max_e_n, other.max_e_n].into_iter().flatten().reduce(f64::max);
         self.outside += other.outside;
+        self.beyond += other.beyond;
         self.bins += other.bins;
         self
     }
@@ -166,6 +185,7 @@ impl DifferenceSums {
     }
 
     pub fn figures(&self) -> DifferenceFigures {
+        let share = |count: usize| (self.bins > 0).then(|| count as f64 / self.bins as f64);
         let known = !self.without_error;
         let l1 = (self.flux > 0.0).then(|| self.distance / self.flux);
         let l1_noise =
@@ -174,7 +194,9 @@ impl DifferenceSums {
             l1,
             l1_noise,
             max_t: self.max_t,
-            share_outside_95: (self.bins > 0).then(|| self.outside as f64 / self.bins as f64),
+            share_outside_95: share(self.outside),
+            max_e_n: self.max_e_n,
+            share_e_n_above_1: share(self.beyond),
             ..DifferenceFigures::default()
         }
         .with_difference(&self.by_part())

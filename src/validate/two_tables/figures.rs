@@ -27,6 +27,11 @@ pub struct DifferenceFigures {
     pub max_t: Option<f64>,
     /// Share of the bins whose 95 % interval of the difference misses 0.
     pub share_outside_95: Option<f64>,
+    /// Largest E_n = |a - b|/sqrt(U_a^2 + U_b^2), U the half-widths of the 95 % intervals; of paired tables the half-width of
+    /// the difference. Source: ISO 13528:2022, 9.7, by which |E_n| up to 1 is satisfactory.
+    pub max_e_n: Option<f64>,
+    /// Share of the bins whose E_n is above 1.
+    pub share_e_n_above_1: Option<f64>,
 }
 
 impl DifferenceFigures {

@@ -83,6 +83,9 @@ fn the_measures_follow_their_definitions() {
     // 0.3 and 0.4 are f32.
     assert!((figures.max_t.unwrap() - 4.0).abs() < 1e-6);
     assert_eq!((figures.share_outside_95, found.bins, found.paired), (Some(0.5), 2, false));
+    // Both half-widths are 1.9623 standard errors (999 degrees of freedom): E_n is t over that, 0.51 and 2.04.
+    assert!((figures.max_e_n.unwrap() - 4.0 / 1.9623).abs() < 1e-3, "{figures:?}");
+    assert_eq!(figures.share_e_n_above_1, Some(0.5));
 }
 
 #[test]
