@@ -10,6 +10,7 @@ use super::export::{check_output, format_of, only, options_of};
 use super::streams::Place;
 use super::text::layout::wrapped;
 use super::text::output::{Output, to_json, warn};
+use super::text::progress::Stage;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
@@ -97,8 +98,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
             "has half/difference angles; --like needs a table of incidences and bins",
         ));
     }
+    let stage = Stage::begin("reading the file");
     let (table, notes) = interchange::import(&arguments.file, format, &options, grid)?;
     store::save(place.path(), &table)?;
+    drop(stage);
     for note in &notes {
         warn(format_args!("{}: {note}", arguments.file.display()));
     }

@@ -11,6 +11,7 @@ use super::table_file;
 use super::text::layout::columns;
 use super::text::numbers::with_error;
 use super::text::output::{Output, note, to_json};
+use super::text::progress::Stage;
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
 use crate::files::{self, NewFile};
@@ -53,6 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let beside = table_file::realisations_path(output);
     check_output(path, output, arguments.force)?;
     check_output(&table_file::realisations_path(path), &beside, arguments.force)?;
+    let stage = Stage::begin("recolouring");
     let table = table_file::load(path)?;
     let mut campaign = table_file::campaign_of(path, &table)?;
     let old = table_file::realisations_beside(path, &table)?;
@@ -74,6 +76,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     table.commit()?;
     let others = others.and_then(|(_, file)| file);
     others.map_or_else(|| files::remove(&beside), NewFile::commit)?;
+    drop(stage);
     let mut out = Output::default();
     let stops: Vec<RecolouredStop> =
         (0..new.grid.stops()).map(|stop| RecolouredStop::of(&new, parts.as_ref(), stop)).collect();

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::text::output::{Output, to_json, warn};
-use super::text::progress::RunProgress;
+use super::text::progress::{RunProgress, Stage};
 use crate::campaign::{self, Parsed};
 use crate::error::{Error, Result};
 use crate::measure::{self, Patches};
@@ -40,7 +40,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let (results, _) = measure::measure(&campaign, &plan, &patches, &|starts| progress.add(starts))?;
     progress.finish();
     let measured = results.first().ok_or_else(|| Error::Internal("a study measured no table".into()))?;
+    let stage = Stage::begin("looking for axes");
     let found = study::examine(measured);
+    drop(stage);
     let mut out = Output::default();
     if arguments.json {
         out.json(&to_json(&found)?)?

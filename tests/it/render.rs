@@ -18,7 +18,7 @@ use gonio::table::BrdfTable;
 
 use crate::support::analytic::{Ggx, hemisphere, steps, table};
 use crate::support::campaign_text::SMALL;
-use crate::support::program::{done, exits, folder, gonio};
+use crate::support::program::{done, exits, folder, gonio, json};
 
 /// The same above the horizon, and the same below it.
 struct Even([f64; 2]);
@@ -214,6 +214,11 @@ fn the_command_makes_the_same_bytes_on_any_number_of_threads_and_refuses_what_is
     assert!(exits(&render(&["-o", "one.png"]), 3).contains("is there already; --force replaces it"));
     done(&render(&["-o", "one.png", "--force"]));
     assert!(exits(&render(&["-o", "out/small.exr", "--force"]), 3).contains("is the file that is read"));
+    let answer = json(&render(&["-o", "one.png", "--force", "--json"]));
+    assert!(
+        answer["picture"] == "one.png" && answer["size"] == 32 && answer["clipped"].is_number(),
+        "{answer}"
+    );
     for (words, said) in [
         (&["-o", "x.png", "--at", "200,0"][..], "as 45,0"),
         (&["-o", "x.png", "--light", "sun"], "sky, lamp or both needed"),

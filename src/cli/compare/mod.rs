@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::table_file::{self, Opened};
 use super::text::output::{Output, to_json};
+use super::text::progress::Stage;
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
 use crate::instrument::{Grid, GridKind};
@@ -50,7 +51,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     let mut reference = None;
     let against = |b: &PathBuf| against(&arguments.a, b, &mut reference);
+    let stage = Stage::begin("comparing");
     let all = arguments.others.iter().map(against).collect::<Result<Vec<_>>>()?;
+    drop(stage);
     let mut out = Output::default();
     if let [found] = &all[..] {
         if arguments.json {

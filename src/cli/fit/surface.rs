@@ -9,6 +9,7 @@ use crate::campaign::{self, Alpha, Campaign, Parsed, SurfaceKind};
 use crate::cli::table_file;
 use crate::cli::text::layout::{columns, wrapped};
 use crate::cli::text::output::{Output, inform, to_json};
+use crate::cli::text::progress::Stage;
 use crate::cli::text::terminal::Terminal;
 use crate::error::{Error, Result};
 use crate::files;
@@ -32,6 +33,7 @@ pub fn run(arguments: &Arguments, threads: usize) -> Result<u8> {
         let why = "--surface is for a measured map ([surface.file]): other surfaces are made with a law that is known";
         return Err(Error::Usage(format!("{}: {why}", file.display())));
     }
+    let stage = Stage::begin("fitting the slopes");
     let Patches::Map { map, .. } = Patches::prepare(&campaign, &mut Vec::new())? else {
         return Err(Error::Internal("a map is a map".into()));
     };
@@ -45,6 +47,7 @@ pub fn run(arguments: &Arguments, threads: usize) -> Result<u8> {
     let families = SlopeFamily::all();
     let fits = slopes::fit(&tiles, &families)
         .ok_or_else(|| Error::Usage(format!("{}: the map is flat: its slopes have no law", campaign.name)))?;
+    drop(stage);
     let taken = plainest(&fits);
     let side = map.field.cells_x().min(map.field.cells_y());
     let law = of_law(&campaign, side, &fits.fits[taken])?;

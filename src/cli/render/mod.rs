@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::json;
 
 use super::export::check_output;
 use super::streams::Place;
@@ -51,6 +52,9 @@ pub struct Arguments {
     /// Replace what is there
     #[arg(long)]
     force: bool,
+    /// Print one JSON document: picture, size, shows, light, clipped; or scene and files
+    #[arg(long)]
+    json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
@@ -64,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         let scene = mitsuba::scene(&light, &camera, arguments.size.into());
         return write_scene(arguments, &light, &scene);
     }
-    let place = Place::of(output, false)?;
+    let place = Place::of(output, arguments.json)?;
     check_output(path, place.path(), arguments.force)?;
     let table = table_file::load(path)?;
     let material = Material::new(&table).map_err(|why| no_sphere(path, why))?;
@@ -78,6 +82,16 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     files::write_atomically(place.path(), &png)?;
     let mut out = Output::default();
     let (size, length) = (arguments.size, bytes(png.len() as u64));
+    if arguments.json {
+        out.json(&json!({
+            "picture": output,
+            "size": size,
+            "shows": material.in_words(),
+            "light": arguments.light_in_words(at),
+            "clipped": picture.clipped(arguments.exposure),
+        }))?;
+        return place.done().map(|()| 0);
+    }
     out.line(format_args!("picture     {} ({size} x {size}, {length})", output.display()))?;
     out.line(format_args!("shows       {}", material.in_words()))?;
     out.line(format_args!("light       {}", arguments.light_in_words(at)))?;
@@ -164,6 +178,10 @@ fn write_scene(arguments: &Arguments, light: &Lighting, scene: &str) -> Result<u
     // Last: where it is, all of it is.
     files::write_atomically(&folder.join(mitsuba::SCENE), scene.as_bytes())?;
     let mut out = Output::default();
+    if arguments.json {
+        out.json(&json!({ "scene": folder.join(mitsuba::SCENE), "files": written }))?;
+        return Ok(0);
+    }
     out.line(format_args!("scene       {} in {}", written.join(", "), folder.display()))?;
     out.line(format_args!("look        mitsuba {}", folder.join(mitsuba::SCENE).display()))?;
     Ok(0)
