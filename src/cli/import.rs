@@ -24,11 +24,10 @@ const MOST_CAMPAIGNS: usize = 10_000;
 
 /// Make a table of another program's file
 #[derive(Args)]
-#[command(
-    after_help = "Formats: npz csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd; maps (GGX parameters)\n\
+#[command(after_help = "Formats: npz csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd\n\
+    openmaterial; maps (GGX parameters)\n\
     utia: .bin or the image form (EXR); merl keeps its half/difference angles unless --like is given\n\n\
-    Example: gonio import gold.binary --from merl -o gold.exr"
-)]
+    Example: gonio import gold.binary --from merl -o gold.exr")]
 pub struct Arguments {
     /// The file
     file: PathBuf,

@@ -7,7 +7,7 @@ use super::codec::Codec;
 use super::mitsuba::rgl;
 use super::numpy::{npy, npz};
 use super::radiance::{klems, tensor_tree};
-use super::text::{astm, csv, pabopto, ssdd, zemax};
+use super::text::{astm, csv, openmaterial, pabopto, ssdd, zemax};
 use super::{exr_parts, merl, utia};
 
 /// The formats that other programs read or write.
@@ -39,11 +39,13 @@ pub enum Format {
     Ssdd,
     /// pab-opto text, a folder of files.
     Pabopto,
+    /// Look-up table of OpenMATERIAL 3D, isotropic.
+    OpenMaterial,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 13] = [
+    pub const ALL: [Format; 14] = [
         Format::Npz,
         Format::Npy,
         Format::Csv,
@@ -57,6 +59,7 @@ impl Format {
         Format::Astm,
         Format::Ssdd,
         Format::Pabopto,
+        Format::OpenMaterial,
     ];
 
     /// What writes and reads its files.
@@ -75,6 +78,7 @@ impl Format {
             Format::Astm => &astm::Astm,
             Format::Ssdd => &ssdd::Ssdd,
             Format::Pabopto => &pabopto::Pabopto,
+            Format::OpenMaterial => &openmaterial::OpenMaterial,
         }
     }
 
@@ -94,6 +98,7 @@ impl Format {
             Format::Astm => "ASTM E1392 and E2387 text, a line a pair of directions",
             Format::Ssdd => "SSDD text of libbsdf, lists of angles",
             Format::Pabopto => "a folder of pab-opto gonio files",
+            Format::OpenMaterial => "a JSON look-up table of ASAM OpenMATERIAL 3D, by wavelength, isotropic",
         }
     }
 
@@ -112,6 +117,7 @@ impl Format {
             Format::Astm => &["astm"],
             Format::Ssdd => &["ssdd"],
             Format::Pabopto => &[],
+            Format::OpenMaterial => &["xompt"],
         }
     }
 

@@ -99,6 +99,7 @@ mod interchange {
     mod interchange_arrays;
     mod interchange_maps;
     mod interchange_merl;
+    mod interchange_openmaterial;
     mod interchange_points;
     mod interchange_radiance;
     mod interchange_rgl;

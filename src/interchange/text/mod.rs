@@ -1,9 +1,10 @@
-//! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax.
+//! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax, OpenMATERIAL.
 
 pub mod astm;
 mod azimuths;
 pub mod csv;
 pub mod named_columns;
+pub mod openmaterial;
 pub mod pabopto;
 pub mod samples;
 pub(crate) mod seam;

@@ -92,7 +92,8 @@ fn formats() -> Answer {
         for (kind, azimuths) in [("isotropic", 1), ("anisotropic", 8)] {
             let path = folder.path().join(format!("{name}_{kind}"));
             // What a format refuses is no seed of it; that its directions do not hold the lobe is no reason here.
-            let options = Options { albedo_error: Some(f64::INFINITY), ..Options::default() };
+            let wavelengths_nm = if format == Format::OpenMaterial { vec![550.0] } else { vec![] };
+            let options = Options { albedo_error: Some(f64::INFINITY), wavelengths_nm, ..Options::default() };
             if interchange::export(&table(1, azimuths)?, format, &options, &path).is_err() {
                 continue;
             }

@@ -63,6 +63,10 @@ fn fates(format: Format) -> [Fate; 7] {
         Format::TensorTree => {
             [Within(0.02), Within(0.02), ARM, WAVELENGTHS, GAPS, Within(0.02), Within(0.02)]
         }
+        Format::OpenMaterial => {
+            let bare = Refused("OpenMATERIAL's rows have a wavelength");
+            [bare, bare, bare, Exact, bare, BOTH, THROUGH]
+        }
         Format::Zemax => [linear(5.0), linear(10.0), ARM, WAVELENGTHS, GAPS, ONE, linear(5.0)],
     }
 }

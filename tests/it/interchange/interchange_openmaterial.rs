@@ -1,0 +1,127 @@
+//! Promise: look-up tables of OpenMATERIAL 3D are written as its schema asks, and come back.
+
+use gonio::interchange::{self, Format, Options};
+use gonio::table::BrdfTable;
+use serde_json::Value;
+
+use crate::support::analytic::{Ggx, hemisphere, steps, table};
+
+/// R, G, B of a GGX at three incidences.
+fn colours() -> BrdfTable {
+    table(&Ggx { tint: vec![0.9, 0.5, 0.2], ..Ggx::new(0.5, 0.5) }, &hemisphere(steps(30.0, 3), None, 6, 12))
+}
+
+fn written(own: &BrdfTable, options: &Options) -> (Value, BrdfTable) {
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("a.xompt");
+    let back = interchange::export(own, Format::OpenMaterial, options, &path).expect("written").read_back;
+    assert_eq!(back.expect("light").l1, 0.0);
+    let bytes = std::fs::read(&path).expect("there");
+    let found = interchange::import(&path, Format::OpenMaterial, &Options::default(), None).expect("read").0;
+    (serde_json::from_slice(&bytes).expect("JSON"), found)
+}
+
+/// What the schema of version 1.1.0 asks of a file.
+fn is_valid(file: &Value) {
+    let metadata = &file["metadata"];
+    for key in ["name", "license", "sources"] {
+        assert!(metadata[key].is_string(), "{key}: {metadata}");
+    }
+    for key in ["copyrights", "authors"] {
+        assert!(
+            metadata[key].as_array().is_some_and(|all| all.iter().all(Value::is_string)),
+            "{key}: {metadata}"
+        );
+    }
+    for key in ["materialVersion", "openMaterial3dVersion"] {
+        let parts: Vec<&str> = metadata[key].as_str().expect(key).split('.').collect();
+        assert!(
+            parts.len() == 3 && parts.iter().all(|part| part.parse::<u32>().is_ok()),
+            "{key}: {metadata}"
+        );
+    }
+    let uuid: Vec<&str> = metadata["uuid"].as_str().expect("a UUID").split('-').collect();
+    assert_eq!(uuid.iter().map(|part| part.len()).collect::<Vec<_>>(), [8, 4, 4, 4, 12]);
+    assert!(uuid.concat().chars().all(|c| c.is_ascii_hexdigit()) && uuid[2].starts_with('8'), "{metadata}");
+    let mut last = [-1.0; 4];
+    for row in file["brdf"]["lookupTable"].as_array().expect("rows") {
+        let row: Vec<f64> =
+            row.as_array().expect("a row").iter().map(|n| n.as_f64().expect("a number")).collect();
+        assert!(row.len() == 5 && (1e-9..=17.16e-3).contains(&row[0]) && row[4] >= 0.0, "{row:?}");
+        assert!(row[1..3].iter().all(|theta| (0.0..=1.570_796).contains(theta)), "{row:?}");
+        assert!((0.0..=6.283_185).contains(&row[3]), "{row:?}");
+        assert!(last.as_slice() < &row[..4], "sorted: {last:?} {row:?}");
+        last.copy_from_slice(&row[..4]);
+    }
+}
+
+#[test]
+fn tables_come_back_from_openmaterial() {
+    let mut own = colours();
+    for (colour, nm) in own.colours.iter_mut().zip([450.0, 550.0, 632.8]) {
+        colour.wavelength_nm = Some(nm);
+    }
+    let (file, found) = written(&own, &Options::default());
+    is_valid(&file);
+    assert_eq!(file["brdf"]["wavelengths"].to_string(), "[4.5e-7,5.5e-7,6.328e-7]");
+    assert_eq!(found.wavelengths_nm(), own.wavelengths_nm());
+    for (a, b) in found.colours.iter().zip(&own.colours) {
+        assert_eq!(a.total, b.total);
+    }
+    // R, G, B with the wavelengths that the user gives, of B, G, R.
+    let own = colours();
+    let options = Options { wavelengths_nm: vec![450.0, 550.0, 650.0], ..Options::default() };
+    let (file, found) = written(&own, &options);
+    is_valid(&file);
+    for (k, colour) in own.colours.iter().enumerate() {
+        assert_eq!(found.colours[2 - k].total, colour.total);
+    }
+    let refused = |own: &BrdfTable, options: &Options| {
+        let folder = tempfile::tempdir().expect("folder");
+        interchange::export(own, Format::OpenMaterial, options, &folder.path().join("a"))
+            .expect_err("refused")
+            .to_string()
+    };
+    assert!(
+        refused(&own, &Options::default())
+            .contains("measure with wavelength_nm, or give 3 with --wavelengths")
+    );
+    let brushed = table(&Ggx::new(0.2, 0.5), &hemisphere(steps(30.0, 3), Some(steps(45.0, 8)), 6, 12));
+    let one = Options { wavelengths_nm: vec![550.0], ..Options::default() };
+    assert!(refused(&brushed, &one).contains("azimuth"), "{}", refused(&brushed, &one));
+}
+
+/// The form of the specification's own examples: six digits, azimuths 0 and pi, null where nothing is known.
+#[test]
+fn files_of_others_are_read_and_wrong_ones_name_their_row() {
+    let file = |rows: &str| {
+        format!("{{\"metadata\":{{}},\"brdf\":{{\"wavelengths\":[9.05e-07],\"lookupTable\":[{rows}]}}}}")
+    };
+    let read =
+        |rows: &str| interchange::decode(Format::OpenMaterial, &Options::default(), file(rows).as_bytes());
+    let rows = "[9.05e-07,0.523599,0,0,0.1],[9.05e-07,0.523599,0.785398,0,0.2],\
+                [9.05e-07,0.523599,0.785398,3.141592653589793,0.4],[9.05e-07,0.523599,1.0,0.0,null]";
+    let found = match read(rows).expect("readable") {
+        gonio::interchange::Imported::Table(table) => table,
+        _ => panic!("a table"),
+    };
+    assert!((found.grid.theta_i_deg[0] - 30.0).abs() < 1e-4 && found.grid.is_isotropic());
+    assert_eq!(found.wavelengths_nm(), [905.0]);
+    // The pair of the mirror is at pi, half a turn from the light.
+    assert_eq!(found.colours[0].total, [0.1, 0.2, 0.4]);
+    for (rows, said) in [
+        ("[9.05e-07,0.5,0.1,0,-1]", "row 1: wavelength 0.000000905 m, BRDF -1 1/sr"),
+        ("[0.9,0.5,0.1,0,1]", "row 1: wavelength 0.9 m"),
+        ("[9.05e-07,null,0.1,0,1]", "row 1: a value without its wavelength or angles"),
+        ("[9.05e-07,0.5,0.1,0,1],[9.05e-07,0.5,0.1,0,2]", "row 2: its directions have 1 already"),
+        (
+            "[9.05e-07,0.5,0.1,0,1],[8e-07,0.5,0.1,0,1],[8e-07,0.5,0.2,0,1]",
+            "row 3: its directions have no value at 905 nm",
+        ),
+        ("[9.05e-07,0.5,0.1,0]", "no look-up table of OpenMATERIAL"),
+        ("", "no samples"),
+    ] {
+        let why = read(rows).err().expect(said).to_string();
+        assert!(why.contains(said), "{said}: {why}");
+    }
+}
