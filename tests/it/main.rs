@@ -45,6 +45,7 @@ mod surface {
     mod height_maps;
     mod mirrored_maps;
     mod prepared_maps;
+    mod psd;
     mod scans;
 }
 mod trace {

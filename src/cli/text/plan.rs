@@ -4,9 +4,10 @@ use super::layout::wrapped;
 use super::numbers::{bytes, duration, grouped};
 use crate::campaign::{
     Alpha, Azimuth, BinLayout, Campaign, CampaignRun, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset,
-    SensorArm, SensorSide, SmithHeights, SmithNdf, SurfaceKind,
+    PsdSurface, SensorArm, SensorSide, SmithHeights, SmithNdf, Surface, SurfaceKind,
 };
 use crate::measure::{Disk, Plan, Saving};
+use crate::psd::{PsdModel, PsdMoments};
 use crate::validate::prediction::aperture::ApertureBias;
 
 /// Room for the words on the left.
@@ -137,6 +138,7 @@ fn surface(campaign: &Campaign) -> String {
         SurfaceKind::Beckmann { alphas, spectrum: HeightSpectrum::Exponential } => {
             random("beckmann, heights of exponential covariance", alphas)
         }
+        SurfaceKind::Psd(psd) => by_density(surface, psd),
         SurfaceKind::StudentT { alphas, gamma } => random(&format!("student_t, gamma {gamma}"), alphas),
         SurfaceKind::BlinnPhong { alphas, exponent } => {
             random(&format!("blinn_phong, exponent {exponent}"), alphas)
@@ -168,6 +170,29 @@ fn surface(campaign: &Campaign) -> String {
     } else {
         format!("{what}; turned by {} degrees", surface.rotation_deg)
     }
+}
+
+/// Gaussian heights by their density: what the patches have of it.
+fn by_density(surface: &Surface, psd: &PsdSurface) -> String {
+    let moments = PsdMoments::of(&psd.psd, surface.cells, psd.pitch_um);
+    let model = match &psd.psd.model {
+        PsdModel::KCorrelation { a_um3, b_um, c } => {
+            format!("K-correlation, A {a_um3} um^3, B {b_um} um, C {c}")
+        }
+        PsdModel::SelfAffine { hurst, .. } => format!("self-affine, Hurst {hurst}"),
+        PsdModel::Table(table) => format!("a table of {} frequencies", table.frequency_per_um.len()),
+    };
+    format!(
+        "Gaussian heights by power spectral density: {model}; rms height {:.4e} um, rms slope {:.4} along an axis (alpha \
+         {:.4}), correlation {:.1} cells; patches of {} x {} cells of {} um",
+        moments.rms_um,
+        moments.facet_slope,
+        psd.alphas[0].x,
+        moments.correlation_um() / psd.pitch_um,
+        surface.cells,
+        surface.cells,
+        psd.pitch_um
+    )
 }
 
 fn stops(campaign: &Campaign, plan: &Plan) -> String {

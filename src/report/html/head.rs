@@ -94,6 +94,9 @@ fn surface(campaign: &Campaign) -> String {
     match &surface.kind {
         SurfaceKind::Ggx(_) => format!("A random GGX surface{alpha}, {cells}"),
         SurfaceKind::Beckmann { .. } => format!("A Gaussian (Beckmann) surface{alpha}, {cells}"),
+        SurfaceKind::Psd(psd) => {
+            format!("Gaussian heights by their power spectral density{alpha}, {cells} of {} um", psd.pitch_um)
+        }
         SurfaceKind::StudentT { gamma, .. } => {
             format!("A random surface with Student's t of slopes, gamma {gamma}{alpha}, {cells}")
         }
