@@ -119,4 +119,5 @@ mod validate {
     mod transmittance;
     mod verdicts;
     mod visibility_off;
+    mod wave_limits;
 }

@@ -1,13 +1,14 @@
 //! A campaign and its plan in words: what `check` shows and `measure` begins with.
 
-use super::layout::wrapped;
-use super::numbers::{bytes, duration, grouped};
+use super::layout::{columns, wrapped};
+use super::numbers::{bytes, duration, grouped, or_na};
 use crate::campaign::{
     Alpha, Azimuth, BinLayout, Campaign, CampaignRun, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset,
     PsdSurface, SensorArm, SensorSide, SmithHeights, SmithNdf, Surface, SurfaceKind,
 };
 use crate::measure::{Disk, Plan, Saving};
 use crate::psd::{PsdModel, PsdMoments};
+use crate::validate::geometric::{GeometricIncidence, GeometricOptics};
 use crate::validate::prediction::aperture::ApertureBias;
 
 /// Room for the words on the left.
@@ -99,6 +100,29 @@ pub fn aperture(bias: &ApertureBias) -> Vec<String> {
         percent(bias.bias_extrapolated)
     );
     line("apertures", &text)
+}
+
+/// Where geometric optics holds, before anything is measured: in a line, then each polar angle of the light below a limit.
+pub fn waves(geometric: &GeometricOptics) -> Vec<String> {
+    let known = geometric.words().or_else(|| geometric.not_known.as_ref().map(|why| format!("n/a: {why}")));
+    let mut lines: Vec<String> = known.iter().flat_map(|text| line("waves", text)).collect();
+    let doubtful: Vec<_> = geometric.incidences.iter().filter(|incidence| incidence.is_doubtful()).collect();
+    let rows: Vec<Vec<String>> = doubtful.iter().map(|incidence| waves_row(incidence)).collect();
+    if !rows.is_empty() {
+        let headings = ["theta_i", "4 pi s cos/l", "in step", "4 pi r cos/l", "smooth bins"];
+        lines.extend(columns(&headings, &rows));
+    }
+    lines
+}
+
+fn waves_row(incidence: &GeometricIncidence) -> Vec<String> {
+    vec![
+        incidence.theta_i_deg.to_string(),
+        format!("{:.3}", incidence.rayleigh),
+        format!("{:.2} %", 100.0 * incidence.coherent),
+        or_na(incidence.kirchhoff, 1),
+        format!("{:.1} %", 100.0 * incidence.doubtful_bins),
+    ]
 }
 
 /// What is skipped, in a few words each.
