@@ -34,6 +34,7 @@
 // What all modules may use.
 pub mod error;
 pub mod files;
+pub mod psd;
 pub mod rng;
 pub mod sphere;
 pub mod stats;

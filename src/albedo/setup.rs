@@ -98,7 +98,8 @@ pub fn campaign_of(base: &Campaign, chosen: Chosen) -> Result<Setup> {
 fn roughnesses(campaign: &mut Campaign, chosen: Option<Vec<f64>>) -> Result<Vec<f64>> {
     let name = campaign.name.clone();
     let kind = campaign.surface.kind.name();
-    let of_one_number = !matches!(campaign.surface.kind, SurfaceKind::BlinnPhong { .. });
+    let of_one_number =
+        !matches!(campaign.surface.kind, SurfaceKind::BlinnPhong { .. } | SurfaceKind::Psd(_));
     let Some(alphas) = campaign.surface.kind.alphas_mut().filter(|_| of_one_number || chosen.is_none())
     else {
         return match chosen {

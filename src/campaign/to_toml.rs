@@ -5,9 +5,10 @@ use std::fmt::{Debug, Display};
 use super::parse::{arms, campaign, grains, height_map, optics, surface};
 use super::schema::{
     Alpha, Azimuth, Campaign, Detrend, Expect, Gaps, GrainShape, Grains, HeightMap, LightArm, LightSide,
-    Medium, Optics, Outliers, Polarisation, Preparation, RefractiveIndex, SensorArm, SensorSide, Surface,
-    SurfaceKind,
+    Medium, Optics, Outliers, PhysicalScale, Polarisation, Preparation, PsdSurface, RefractiveIndex,
+    SensorArm, SensorSide, Surface, SurfaceKind,
 };
+use crate::psd::{Psd, PsdKind, PsdModel};
 
 /// The campaign as resolved, in the schema that [`parse`](super::parse()) reads: parsing it gives the campaign again.
 ///
@@ -40,6 +41,7 @@ pub fn to_toml(campaign: &Campaign) -> String {
         }
     }
     expect_table(&mut text, &campaign.expect);
+    scale_table(&mut text, &campaign.scale);
     if let Some(bench) = &campaign.bench {
         text.table("bench");
         text.floats("cells", &bench.cells);
@@ -86,7 +88,7 @@ fn surface_table(text: &mut Text, surface: &Surface) {
     if random {
         text.line("cells", surface.cells);
     }
-    if surface.kind.is_random_heights() {
+    if surface.kind.has_own_correlation() {
         text.floats("correlation_cells", surface.correlation_cells);
     }
     text.floats("rotation_deg", surface.rotation_deg);
@@ -107,6 +109,7 @@ fn surface_table(text: &mut Text, surface: &Surface) {
             text.table("surface.blinn_phong");
             text.floats("exponent", exponent);
         }
+        SurfaceKind::Psd(psd) => psd_table(text, psd),
         SurfaceKind::Smith(smith) => {
             alpha_table(text, "surface.smith", &smith.alphas);
             text.line("ndf", word(&surface::SMITH_NDF, &smith.ndf));
@@ -131,6 +134,38 @@ fn alpha_table(text: &mut Text, name: &str, alphas: &[Alpha]) {
             text.floats("alpha_y", alpha.y);
         }
         several => text.floats("alpha", several.iter().map(|alpha| alpha.x).collect::<Vec<_>>()),
+    }
+}
+
+/// The numbers of a table themselves: a table of a BRDF needs no other file.
+fn psd_table(text: &mut Text, surface: &PsdSurface) {
+    text.table("surface.psd");
+    let Psd { model, f_min_per_um, f_max_per_um } = &surface.psd;
+    text.floats("pitch_um", surface.pitch_um);
+    let mut rms = surface.rms_um;
+    match model {
+        PsdModel::KCorrelation { a_um3, b_um, c } => {
+            text.line("model", quoted("k_correlation"));
+            text.floats("a_um3", a_um3);
+            text.floats("b_um", b_um);
+            text.floats("c", c);
+        }
+        PsdModel::SelfAffine { rms_um, hurst } => {
+            text.line("model", quoted("self_affine"));
+            text.floats("hurst", hurst);
+            rms = Some(*rms_um);
+        }
+        PsdModel::Table(table) => {
+            text.line("model", quoted("table"));
+            text.floats("frequency_per_um", &table.frequency_per_um);
+            let density = if table.kind == PsdKind::Areal { "psd_um4" } else { "psd_um3" };
+            text.floats(density, &table.density);
+        }
+    }
+    for (key, value) in [("rms_um", rms), ("f_min_per_um", *f_min_per_um), ("f_max_per_um", *f_max_per_um)] {
+        if let Some(value) = value {
+            text.floats(key, value);
+        }
     }
 }
 
@@ -357,5 +392,17 @@ fn expect_table(text: &mut Text, expect: &Expect) {
     }
     if let Some(l1_model) = expect.l1_model {
         text.floats("l1_model", l1_model);
+    }
+}
+
+fn scale_table(text: &mut Text, scale: &PhysicalScale) {
+    if *scale == PhysicalScale::default() {
+        return;
+    }
+    text.table("scale");
+    for (key, length) in [("pitch_um", scale.pitch_um), ("wavelength_nm", scale.wavelength_nm)] {
+        if let Some(length) = length {
+            text.floats(key, length);
+        }
     }
 }

@@ -9,9 +9,11 @@ use super::text::output::{Output, print_error, to_json, warn};
 use super::text::plan;
 use crate::campaign::{self, Campaign, CampaignRun, CampaignRuns, SurfaceKind};
 use crate::error::{Error, Result};
+use crate::instrument::grid_of;
 use crate::measure::{self, Disk};
 use crate::surface::io::import;
 use crate::table::realisations::SIZE_LIMIT;
+use crate::validate::GeometricOptics;
 use crate::validate::prediction::aperture::worst;
 
 /// List all faults of a campaign, or show the plan: incidences, bins, samples, memory, time
@@ -50,9 +52,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         };
         let preset = to_json(&preset)?;
         let apertures = to_json(&worst(&campaign))?;
+        let waves = to_json(&GeometricOptics::of(&campaign, &grid_of(&campaign)))?;
         out.json(&json!({
             "faults": [], "plan": plan, "notes": notes, "preset": preset, "aperture_bias": apertures,
-            "disk": disk, "runs": runs.iter().map(run_json).collect::<Vec<_>>(),
+            "geometric_optics": waves, "disk": disk, "runs": runs.iter().map(run_json).collect::<Vec<_>>(),
         }))?;
         return Ok(code);
     }
@@ -62,6 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     out.lines(plan::facts(&campaign, &plan, Disk::of(&campaign, &plan, SIZE_LIMIT)))?;
     out.lines(plan::runs(&runs, &plan))?;
     out.lines(worst(&campaign).iter().flat_map(plan::aperture))?;
+    out.lines(plan::waves(&GeometricOptics::of(&campaign, &plan.grid)))?;
     out.lines(if arguments.verbose { plan::reasons(&plan) } else { plan::skipped(&plan) })?;
     Ok(0)
 }

@@ -8,7 +8,9 @@ use sha2::{Digest, Sha256};
 
 use super::gap_crossings;
 use super::plan::KEPT_FRACTION;
-use crate::campaign::{Alpha, Campaign, GrainShape, HeightSpectrum, SmithHeights, SmithNdf, SurfaceKind};
+use crate::campaign::{
+    Alpha, Campaign, GrainShape, HeightSpectrum, PsdSurface, SmithHeights, SmithNdf, SurfaceKind,
+};
 use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
 use crate::surface::grains::{self, GrainField};
@@ -124,7 +126,12 @@ impl Patches {
         let surface = &campaign.surface;
         if let Some(law) = Self::law(campaign) {
             let (cells, correlation) = (surface.cells as usize, surface.correlation_cells);
-            let synthesiser = Synthesiser::with_spectrum(law, cells, correlation, spectrum(&surface.kind));
+            let synthesiser = match &surface.kind {
+                SurfaceKind::Psd(PsdSurface { psd, pitch_um, .. }) => {
+                    Synthesiser::with_psd(psd, *pitch_um, cells)
+                }
+                kind => Synthesiser::with_spectrum(law, cells, correlation, spectrum(kind)),
+            };
             return Ok(Patches::Random { synthesiser: Box::new(synthesiser), seed: campaign.seed });
         }
         Ok(match &surface.kind {
@@ -148,7 +155,8 @@ impl Patches {
             SurfaceKind::Ggx(_)
             | SurfaceKind::Beckmann { .. }
             | SurfaceKind::StudentT { .. }
-            | SurfaceKind::BlinnPhong { .. } => unreachable!("random heights have a law"),
+            | SurfaceKind::BlinnPhong { .. }
+            | SurfaceKind::Psd(_) => unreachable!("random heights have a law"),
             SurfaceKind::Mirror => Patches::Exact { field: flat(), alpha: DVec2::ONE },
             SurfaceKind::VGroove { slope } => {
                 Patches::Exact { field: grooves(), alpha: DVec2::splat(*slope) }
@@ -283,7 +291,7 @@ impl Patches {
     pub fn law(campaign: &Campaign) -> Option<SlopeLaw> {
         match campaign.surface.kind {
             SurfaceKind::Ggx(_) => Some(SlopeLaw::Ggx),
-            SurfaceKind::Beckmann { .. } => Some(SlopeLaw::Beckmann),
+            SurfaceKind::Beckmann { .. } | SurfaceKind::Psd(_) => Some(SlopeLaw::Beckmann),
             SurfaceKind::StudentT { gamma, .. } => Some(SlopeLaw::student_t(gamma)),
             SurfaceKind::BlinnPhong { exponent, .. } => Some(SlopeLaw::blinn_phong(exponent)),
             SurfaceKind::Grains(ref grains) if grains.shape == GrainShape::Heights => {

@@ -7,6 +7,7 @@ pub mod layered;
 pub mod mueller;
 pub mod parts;
 pub mod reflectance;
+pub mod wave_limits;
 
 pub use facet::FacetKind;
 pub use fresnel::{FacetAngle, Fresnel, Polarised};

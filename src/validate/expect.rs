@@ -83,11 +83,12 @@ pub fn bar(campaign: &Campaign, grid: &Grid) -> Option<Bar> {
         | SurfaceKind::Grains(_)
         | SurfaceKind::Mirror
         | SurfaceKind::VGroove { .. } => Some(0.0),
-        // Student's laws lie between GGX and Beckmann, and so does what their surfaces keep (`configs/tails`).
+        // Gaussian heights are Beckmann's, whatever waves they are made of. Student's laws lie between GGX and Beckmann, and so does what their surfaces keep (`configs/tails`).
         SurfaceKind::Ggx(_)
         | SurfaceKind::Beckmann { .. }
         | SurfaceKind::StudentT { .. }
-        | SurfaceKind::BlinnPhong { .. } => known(campaign, grid),
+        | SurfaceKind::BlinnPhong { .. }
+        | SurfaceKind::Psd(_) => known(campaign, grid),
     };
     campaign.expect.l1_model.or(left_out).map(|l1_model| Bar { masking: masking(campaign), l1_model })
 }

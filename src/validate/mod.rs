@@ -4,6 +4,7 @@ pub mod common_grid;
 pub mod compare;
 pub(crate) mod counted_bins;
 pub mod expect;
+pub mod geometric;
 pub mod judgement;
 pub mod laws;
 pub mod model_distance;
@@ -15,6 +16,7 @@ pub mod two_tables;
 pub mod verdict;
 pub mod words;
 
+pub use geometric::GeometricOptics;
 pub use judgement::{Judgement, Ruling};
 pub use parts::Parts;
 pub use prediction::bin_mean::{BinMean, BinMeans, Estimate, albedo, source_nodes};

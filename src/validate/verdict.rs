@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::compare::{self, ColourFigures, Comparison, Figures, StopComparison, StopData};
 use super::counted_bins::counted_bins;
 use super::expect::{self, Bar};
+use super::geometric::GeometricOptics;
 use super::judgement::{self, Judgement, Ruling};
 use super::laws::{Energy, Reciprocity};
 use super::pairs::PairValues;
@@ -46,6 +47,8 @@ pub struct Verdict {
     pub nearest_p: Option<f64>,
     /// What the table was tested against.
     pub bar: Option<Bar>,
+    /// Where geometric optics holds; null without a campaign.
+    pub geometric_optics: Option<GeometricOptics>,
 }
 
 /// What theory predicts for every stop and bin of a table.
@@ -276,6 +279,10 @@ impl Examination {
             energy: self.energy,
             reciprocity,
             bar,
+            geometric_optics: self
+                .campaign
+                .as_ref()
+                .map(|campaign| GeometricOptics::of(campaign, &self.grid)),
         }
     }
 }

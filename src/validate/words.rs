@@ -81,7 +81,8 @@ fn listed(clauses: &[&str]) -> String {
     }
 }
 
-fn sentence(text: &str) -> String {
+/// With a capital and a full stop.
+pub fn sentence(text: &str) -> String {
     let (first, rest) = text.split_at(text.chars().next().map_or(0, char::len_utf8));
     format!("{}{rest}.", first.to_uppercase())
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The measuring side in the order of the data: a layer may import only what stands before it, or itself.
 const LAYERS: [&[&str]; 9] = [
-    &["error", "rng", "sphere", "stats", "text_decoding", "files"],
+    &["error", "psd", "rng", "sphere", "stats", "text_decoding", "files"],
     &["campaign"],
     &["surface"],
     &["instrument"],
@@ -18,13 +18,14 @@ const LAYERS: [&[&str]; 9] = [
 ];
 
 /// Modules that may import nothing but these.
-const NARROW: [(&str, &[&str]); 7] = [
+const NARROW: [(&str, &[&str]); 8] = [
     ("error", &[]),
+    ("psd", &[]),
     ("rng", &[]),
     ("sphere", &[]),
     ("stats", &[]),
     ("text_decoding", &[]),
-    ("campaign", &["error", "files", "sphere", "text_decoding"]),
+    ("campaign", &["error", "files", "psd", "sphere", "text_decoding"]),
     ("optics", &["sphere"]),
 ];
 

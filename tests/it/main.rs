@@ -47,6 +47,7 @@ mod surface {
     mod height_maps;
     mod mirrored_maps;
     mod prepared_maps;
+    mod psd;
     mod scans;
 }
 mod trace {
@@ -121,4 +122,5 @@ mod validate {
     mod transmittance;
     mod verdicts;
     mod visibility_off;
+    mod wave_limits;
 }

@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 mod beyond;
 mod campaigns;
 mod commands;
+mod densities;
 mod files;
 mod held;
 mod names;
@@ -23,6 +24,11 @@ fn the_text_of_a_campaign_is_answered_row_by_row() {
 #[test]
 fn values_outside_physics_are_answered_row_by_row() {
     row::all_hold(physics::rows());
+}
+
+#[test]
+fn densities_and_lengths_are_answered_row_by_row() {
+    row::all_hold(densities::rows());
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use gonio::campaign::materials::{CLEAR, MATERIALS, clear_rgb_of, names_with_index, rgb_of};
 use gonio::campaign::*;
+use gonio::psd::{Psd, PsdKind, PsdModel, PsdTable};
 use proptest::collection::{btree_set, vec};
 use proptest::prelude::*;
 use proptest::sample::{select, subsequence};
@@ -19,9 +20,10 @@ pub fn any_campaign() -> impl Strategy<Value = Campaign> {
             (trace(&kind, &optics), sensor(&light, optics.lets_through()), Just(optics), Just(light))
         });
         let name = "[a-zA-Z0-9_][a-zA-Z0-9_.-]{0,20}";
-        let rest = (name, any::<u64>(), stop(&surface), expect(), bench(&surface));
+        let rest = (name, any::<u64>(), stop(&surface), expect(), scale(), bench(&surface));
         (Just(surface.clone()), path, rest).prop_map(
-            |(surface, (trace, sensor, optics, light), (name, seed, stop, expect, bench))| Campaign {
+            |(surface, (trace, sensor, optics, light), (name, seed, stop, expect, scale, bench))| Campaign {
+                scale: known_nowhere_else(scale, &surface, &optics),
                 name,
                 seed,
                 surface,
@@ -73,7 +75,68 @@ fn surface() -> impl Strategy<Value = Surface> {
         let (cells, correlation_cells) = (1024, 8.0);
         Surface { realisations, cells, correlation_cells, rotation_deg, mirror_images: false, kind }
     });
-    prop_oneof![random, grains, other]
+    prop_oneof![random, grains, by_density(), other]
+}
+
+/// Gaussian heights of a power spectral density, on small patches: each looks at all of its waves.
+fn by_density() -> impl Strategy<Value = Surface> {
+    let patch = (1u32..=4096, 64u32..=256, any::<bool>());
+    let lengths = (1e-3..=1e3, alpha(), any::<bool>());
+    let numbers = (0.05..=0.95, 1.01..=8.0, vec(0.1..=1.0, 2..6));
+    (patch, rotation(), 0u8..4, lengths, numbers).prop_map(
+        |(
+            (realisations, cells, mirror_images),
+            rotation_deg,
+            model,
+            (pitch, alpha, limited),
+            (hurst, c, falls),
+        )| {
+            let side = f64::from(cells) * pitch;
+            let psd = |strength: f64| Psd {
+                model: match model {
+                    0 => PsdModel::KCorrelation { a_um3: strength, b_um: 10.0 * hurst * pitch, c },
+                    1 => PsdModel::SelfAffine { rms_um: strength.sqrt(), hurst },
+                    _ => PsdModel::Table(psd_table(model == 2, strength, pitch, &falls)),
+                },
+                // So many waves are held by the patch that the rms height is as good as the integral's.
+                f_min_per_um: (model == 1 || limited).then_some(8.0 / side),
+                f_max_per_um: limited.then_some(0.4 / pitch),
+            };
+            let of = |strength: f64| PsdSurface::new(psd(strength), pitch, None, cells).expect("waves");
+            // Slopes go as the root of the density. A little inside the limits of alpha.
+            let wanted = alpha.clamp(1.01e-4, 9.9);
+            let (surface, correlation_cells) = of((wanted / of(1.0).0.alphas[0].x).powi(2));
+            let kind = SurfaceKind::Psd(surface);
+            Surface { realisations, cells, correlation_cells, rotation_deg, mirror_images, kind }
+        },
+    )
+}
+
+/// A density that falls from 0.001 over the pitch to one over it, areal or of a profile.
+fn psd_table(areal: bool, strength: f64, pitch: f64, falls: &[f64]) -> PsdTable {
+    let decades = |k: usize| 3.0 * k as f64 / (falls.len() - 1) as f64;
+    let frequency: Vec<f64> = (0..falls.len()).map(|k| 1e-3 * 10f64.powf(decades(k)) / pitch).collect();
+    let density = falls.iter().scan(strength, |density, fall| {
+        *density *= 0.9 * fall;
+        Some(*density)
+    });
+    let kind = if areal { PsdKind::Areal } else { PsdKind::Profile };
+    PsdTable::new(kind, frequency, density.collect()).expect("a density")
+}
+
+/// Lengths by which geometric optics is judged.
+fn scale() -> impl Strategy<Value = PhysicalScale> {
+    let lengths = (proptest::option::of(1e-6..=1e6), proptest::option::of(1.0..=1e6));
+    lengths.prop_map(|(pitch_um, wavelength_nm)| PhysicalScale { pitch_um, wavelength_nm })
+}
+
+/// Those that neither surface nor optics have.
+fn known_nowhere_else(scale: PhysicalScale, surface: &Surface, optics: &Optics) -> PhysicalScale {
+    let own = optics.media().iter().any(|medium| medium.wavelength_nm.is_some());
+    PhysicalScale {
+        pitch_um: scale.pitch_um.filter(|_| surface.kind.has_own_correlation()),
+        wavelength_nm: scale.wavelength_nm.filter(|_| !own),
+    }
 }
 
 fn rotation() -> impl Strategy<Value = f64> {
@@ -357,6 +420,6 @@ fn bench(surface: &Surface) -> impl Strategy<Value = Option<Resolution>> + use<>
         let between = |share: f64| shortest + share * (longest - shortest);
         Resolution { cells, correlation_cells: shares.into_iter().map(between).collect() }
     });
-    let varied = surface.kind.is_random_heights();
+    let varied = surface.kind.has_own_correlation();
     proptest::option::of(resolution).prop_map(move |resolution| resolution.filter(|_| varied))
 }

@@ -1,16 +1,18 @@
 //! The whole file, and its small tables: `name`, `seed`, `[trace]`, `[stop]`, `[expect]`,
-//! `[bench]`.
+//! `[scale]`, `[bench]`.
 
 use std::path::Path;
 
+use super::index_file::WAVELENGTH;
 use super::lists::ranges::{self, whole_numbers};
 use super::lists::run_lists::{MOST_RUNS, RunLists};
+use super::psd::PITCH_UM;
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use super::{arms, optics, surface};
 use crate::campaign::presets;
 use crate::campaign::presets::Preset;
 use crate::campaign::schema::{
-    Campaign, Expect, ExpectedMasking, Resolution, Stop, Surface, SurfaceKind, Trace,
+    Campaign, Expect, ExpectedMasking, Optics, PhysicalScale, Resolution, Stop, Surface, SurfaceKind, Trace,
 };
 
 /// Words for [`ExpectedMasking`].
@@ -43,9 +45,11 @@ pub(crate) fn campaign(
     folder: &Path,
     lists: &RunLists,
 ) -> Option<(Campaign, Option<Preset>)> {
-    let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect, bench] = root.keys([
-        "name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect", "bench",
-    ]);
+    let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect, scale, bench] =
+        root.keys([
+            "name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect",
+            "scale", "bench",
+        ]);
     let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
     let seed = seed.or(1, |i| {
         let numbers = |i: &GivenValue<'_>| whole_numbers(i, 0..=u64::MAX, MOST_RUNS);
@@ -84,6 +88,7 @@ pub(crate) fn campaign(
     );
     let realisations = surface.as_ref().map_or(u32::MAX, |s| s.realisations);
     let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
+    let scale = self::scale(&scale, surface.as_ref(), optics.as_ref());
     let bench = bench.or(None, |i| resolution(i, surface.as_ref()).map(Some));
     let campaign = Campaign {
         name: name?.to_string(),
@@ -95,6 +100,7 @@ pub(crate) fn campaign(
         trace: trace?,
         stop: stop?,
         expect: expect?,
+        scale: scale?,
         bench: bench?,
     };
     Some((campaign, preset))
@@ -172,10 +178,39 @@ fn expect(slot: &Slot<'_>) -> Option<Expect> {
     Some(Expect { masking: masking?, l1_model: l1_model? })
 }
 
+/// Lengths that neither surface nor optics say. Unknown ones blame nobody.
+fn scale(slot: &Slot<'_>, surface: Option<&Surface>, optics: Option<&Optics>) -> Option<PhysicalScale> {
+    let [pitch, wavelength] = slot.table()?.keys(["pitch_um", "wavelength_nm"]);
+    let pitch_um = pitch.or(None, |item| {
+        match surface.map(|surface| &surface.kind) {
+            Some(SurfaceKind::Psd(_) | SurfaceKind::File(_)) => {
+                return item.refuse("the surface has a pitch of its own; leave it out here");
+            }
+            Some(kind) if !kind.is_random_heights() => {
+                return item.refuse("belongs to random heights on a grid; leave it out here");
+            }
+            _ => {}
+        }
+        item.float(&PITCH_UM).map(Some)
+    });
+    let wavelength_nm = wavelength.or(None, |item| {
+        if optics.is_some_and(|optics| optics.media().iter().any(|medium| medium.wavelength_nm.is_some())) {
+            return item.refuse("[optics] has wavelengths of its own; leave it out here");
+        }
+        item.float(&WAVELENGTH).map(Some)
+    });
+    Some(PhysicalScale { pitch_um: pitch_um?, wavelength_nm: wavelength_nm? })
+}
+
 /// Patch sizes and correlation lengths, the surface's own where one list is left out.
 fn resolution(item: &GivenValue<'_>, surface: Option<&Surface>) -> Option<Resolution> {
     let [cells, lengths] = item.table()?.keys(["cells", "correlation_cells"]);
     let surface = surface?;
+    if matches!(surface.kind, SurfaceKind::Psd(_)) {
+        return item.refuse(
+            "varies cells without a size; those of [surface.psd] have pitch_um: change it in the campaign",
+        );
+    }
     if !surface.kind.has_random_patches() {
         return item.refuse("varies the cells of a synthesised surface; leave it out here");
     }

@@ -11,6 +11,7 @@ pub(crate) mod height_map;
 pub(crate) mod index_file;
 pub(crate) mod lists;
 pub(crate) mod optics;
+pub(crate) mod psd;
 pub(crate) mod reader;
 pub(crate) mod roughness;
 pub(crate) mod surface;

@@ -8,6 +8,7 @@ use super::grains::grains;
 use super::height_map::height_map;
 use super::lists::ranges;
 use super::lists::run_lists::{MOST_RUNS, RunLists};
+use super::psd;
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
 use super::roughness::{alphas, alphas_of};
 use crate::campaign::schema::{Alpha, HeightSpectrum, Smith, SmithHeights, SmithNdf, Surface, SurfaceKind};
@@ -44,8 +45,8 @@ const GAMMA: Bounds =
 /// Blinn and Phong's exponent: at 20,000 alpha is 0.01.
 const EXPONENT: Bounds = Bounds::closed(0.0, 20_000.0).advice("0 is ggx with alpha = 1", "use beckmann");
 
-const KINDS: &str = "[surface.ggx], [surface.beckmann], [surface.student_t], [surface.blinn_phong], [surface.smith], \
-     [surface.grains], [surface.mirror], [surface.v_groove] or [surface.file]";
+const KINDS: &str = "[surface.ggx], [surface.beckmann], [surface.student_t], [surface.blinn_phong], [surface.psd], \
+     [surface.smith], [surface.grains], [surface.mirror], [surface.v_groove] or [surface.file]";
 
 /// Keys of `[surface]` that describe a patch of any kind.
 struct PatchKeys<'a> {
@@ -79,8 +80,16 @@ pub(crate) fn surface(
         "student_t",
         "blinn_phong",
         "grains",
+        "psd",
     ]);
     let given: Vec<&GivenValue<'_>> = kinds.iter().filter_map(Slot::given).collect();
+    if let [one] = given[..]
+        && one.name() == "psd"
+    {
+        let rotation_deg = rotation.or(0.0, rotation_deg);
+        let keys = PatchKeys { realisations, cells, correlation_cells, mirror_images };
+        return of_psd(&keys, one, folder, rotation_deg);
+    }
     let mut read: Vec<Option<SurfaceKind>> = given.iter().map(|item| kind(item, folder, artist_f0)).collect();
     let rotation_deg = rotation.or(0.0, rotation_deg);
     let keys = PatchKeys { realisations, cells, correlation_cells, mirror_images };
@@ -161,6 +170,30 @@ fn correlation(slot: &Slot<'_>, cells: u32, lists: &RunLists) -> Option<f64> {
     slot.or(longest.min(CORRELATION_CELLS), |i| lists.value(i, |i| i.float(&bounds), numbers))
 }
 
+/// A surface by its power spectral density, from which the correlation length follows.
+fn of_psd(
+    keys: &PatchKeys<'_>,
+    item: &GivenValue<'_>,
+    folder: &Path,
+    rotation_deg: Option<f64>,
+) -> Option<Surface> {
+    let absent = keys.correlation_cells.absent("follows from the power spectral density; leave it out here");
+    let realisations = keys.realisations.or(16, |i| i.count(1..=4096));
+    let mirror_images = keys.mirror_images.or(true, |i| i.boolean());
+    // What a wave is depends on the cells: no fault follows from faulty ones.
+    let cells = keys.cells.or(CELLS, cells)?;
+    let (psd, correlation_cells) = psd::psd(item, cells, folder)?;
+    absent?;
+    Some(Surface {
+        realisations: realisations?,
+        cells,
+        correlation_cells,
+        rotation_deg: rotation_deg?,
+        mirror_images: mirror_images?,
+        kind: SurfaceKind::Psd(psd),
+    })
+}
+
 /// The keys of grains, which have cells only as heights.
 fn of_grains(keys: &PatchKeys<'_>, kind: Option<SurfaceKind>, rotation_deg: Option<f64>) -> Option<Surface> {
     let absent =
@@ -235,6 +268,8 @@ fn kind(item: &GivenValue<'_>, folder: &Path, artist_f0: &mut Option<[f64; 3]>) 
             Some(SurfaceKind::VGroove { slope })
         }
         "file" => height_map(item.table()?, folder).map(SurfaceKind::File),
+        // Next to another kind, which is a fault already.
+        "psd" => psd::psd(item, CELLS, folder).map(|(psd, _)| SurfaceKind::Psd(psd)),
         other => item.refuse(format!("not yet: {other} is not measured by this version; use {KINDS}")),
     }
 }

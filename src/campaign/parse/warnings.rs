@@ -64,6 +64,7 @@ fn note_lobe(report: &Report<'_>, campaign: &Campaign) {
         SurfaceKind::Beckmann { alphas, .. } => ("surface.beckmann.alpha", alphas),
         SurfaceKind::StudentT { alphas, .. } => ("surface.student_t.alpha", alphas),
         SurfaceKind::BlinnPhong { alphas, .. } => ("surface.blinn_phong.exponent", alphas),
+        SurfaceKind::Psd(psd) => ("surface.psd", &psd.alphas),
         SurfaceKind::Smith(smith) => ("surface.smith.alpha", &smith.alphas),
         SurfaceKind::Grains(grains) => ("surface.grains.alpha", &grains.alphas),
         _ => return,

@@ -2,12 +2,16 @@
 //!
 //! `campaign::read` is the only place that makes a `Campaign`; whoever holds one may rely on every range below.
 
+mod alpha;
 pub(crate) mod optics;
+pub(crate) mod psd;
 pub(crate) mod sample;
 
 use serde::Serialize;
 
+pub use alpha::Alpha;
 pub use optics::{Dielectric, FresnelLaw, LightSide, Medium, Optics, Polarisation, RefractiveIndex};
+pub use psd::{PhysicalScale, PsdSurface};
 pub use sample::*;
 
 /// A whole campaign file.
@@ -31,6 +35,8 @@ pub struct Campaign {
     pub stop: Stop,
     /// What `validate` holds the table to, where the defaults do not fit.
     pub expect: Expect,
+    /// Lengths by which geometric optics is judged, where surface and optics say none.
+    pub scale: PhysicalScale,
     /// What `bench` varies in place of sample counts. `None`: those.
     pub bench: Option<Resolution>,
 }

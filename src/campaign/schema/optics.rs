@@ -116,6 +116,16 @@ impl Optics {
         }
     }
 
+    /// The indices of all materials.
+    pub fn media(&self) -> Vec<Medium> {
+        let of = |one: &&Optics| match one {
+            Optics::Index(index) => index.media.clone(),
+            Optics::Dielectric(clear) => clear.media.clone(),
+            _ => vec![],
+        };
+        self.each().iter().flat_map(of).collect()
+    }
+
     /// The wavelengths of the table's colours, where they are told by them: with two, or with more than three. One
     /// colour is `Y`; three are R, G and B, the longest wavelength first.
     pub fn wavelengths_nm(&self) -> Vec<f64> {

@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+use super::alpha::Alpha;
+use super::psd::PsdSurface;
+
 /// The sample on the stage.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Surface {
@@ -11,7 +14,7 @@ pub struct Surface {
     /// written or shown as heights.
     pub cells: u32,
     /// Correlation length of the heights in cells, 2 to cells/8 (cells/8 itself below 16 cells). Means something
-    /// for a random surface only.
+    /// for a random surface only; by a power spectral density it follows from that.
     pub correlation_cells: f64,
     /// The sample turned counter-clockwise seen from +z, in [0, 360).
     pub rotation_deg: f64,
@@ -48,6 +51,8 @@ pub enum SurfaceKind {
         /// The one roughness that belongs to it, sqrt(2/(n + 2)).
         alphas: Vec<Alpha>,
     },
+    /// Random Gaussian heights of a power spectral density: the Beckmann slope law.
+    Psd(PsdSurface),
     /// A statistical Smith surface: heights and normals independent.
     Smith(Smith),
     /// Random half-ellipsoids on a plane.
@@ -71,48 +76,6 @@ pub enum HeightSpectrum {
     Gaussian,
     /// Covariance near exp(-r/L) from L down to two cells: bumps of all sizes between.
     Exponential,
-}
-
-/// Slope scales of a surface along its own x and y, each in [1e-4, 10].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Alpha {
-    /// Along x.
-    pub x: f64,
-    /// Along y.
-    pub y: f64,
-    /// What goes with them on a surface of grains: the share of the plane that these cover, 1e-4 to 0.999.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub coverage: Option<f64>,
-}
-
-impl Alpha {
-    /// The same along x and y.
-    pub fn isotropic(alpha: f64) -> Self {
-        Alpha::new(alpha, alpha)
-    }
-
-    /// Of a surface without grains.
-    pub fn new(x: f64, y: f64) -> Self {
-        Alpha { x, y, coverage: None }
-    }
-
-    /// As a report says it: one number where it is the same along x and y.
-    pub fn text(&self) -> String {
-        let alpha = if self.x == self.y {
-            self.x.to_string()
-        } else {
-            format!("{} along x, {} along y", self.x, self.y)
-        };
-        self.coverage.map_or(alpha.clone(), |coverage| format!("{alpha}, coverage {coverage}"))
-    }
-
-    /// How a table is told from those of the other roughnesses of its campaign.
-    pub fn label(&self) -> String {
-        self.coverage.map_or_else(
-            || format!("alpha_{}", self.x),
-            |coverage| format!("alpha_{}_coverage_{coverage}", self.x),
-        )
-    }
 }
 
 /// Half-ellipsoids whose centres are a Poisson process on a plane: `[surface.grains]`.
@@ -291,6 +254,7 @@ impl SurfaceKind {
             | SurfaceKind::Beckmann { alphas, .. }
             | SurfaceKind::StudentT { alphas, .. }
             | SurfaceKind::BlinnPhong { alphas, .. } => Some(alphas),
+            SurfaceKind::Psd(psd) => Some(&psd.alphas),
             SurfaceKind::Smith(smith) => Some(&smith.alphas),
             SurfaceKind::Grains(grains) => Some(&grains.alphas),
             SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
@@ -304,6 +268,7 @@ impl SurfaceKind {
             | SurfaceKind::Beckmann { alphas, .. }
             | SurfaceKind::StudentT { alphas, .. }
             | SurfaceKind::BlinnPhong { alphas, .. } => Some(alphas),
+            SurfaceKind::Psd(psd) => Some(&mut psd.alphas),
             SurfaceKind::Smith(smith) => Some(&mut smith.alphas),
             SurfaceKind::Grains(grains) => Some(&mut grains.alphas),
             SurfaceKind::Mirror | SurfaceKind::VGroove { .. } | SurfaceKind::File(_) => None,
@@ -346,7 +311,13 @@ impl SurfaceKind {
                 | SurfaceKind::Beckmann { .. }
                 | SurfaceKind::StudentT { .. }
                 | SurfaceKind::BlinnPhong { .. }
+                | SurfaceKind::Psd(_)
         ) || matches!(self, SurfaceKind::Grains(grains) if grains.shape == GrainShape::Heights)
+    }
+
+    /// Whether its correlation length is a number of the campaign, in cells.
+    pub fn has_own_correlation(&self) -> bool {
+        self.is_random_heights() && !matches!(self, SurfaceKind::Psd(_))
     }
 
     /// The name of its table in a campaign.
@@ -356,6 +327,7 @@ impl SurfaceKind {
             SurfaceKind::Beckmann { .. } => "beckmann",
             SurfaceKind::StudentT { .. } => "student_t",
             SurfaceKind::BlinnPhong { .. } => "blinn_phong",
+            SurfaceKind::Psd(_) => "psd",
             SurfaceKind::Smith(_) => "smith",
             SurfaceKind::Grains(_) => "grains",
             SurfaceKind::Mirror => "mirror",

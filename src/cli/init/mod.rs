@@ -24,7 +24,7 @@ pub struct Arguments {
     /// Its name; NAME.toml is written, or with - stdout
     #[arg(default_value = "campaign")]
     name: String,
-    /// What is measured: ggx, brushed, beckmann, grains, smith, scan
+    /// What is measured: ggx, brushed, beckmann, psd, grains, smith, scan
     #[arg(long, value_enum, hide_possible_values = true)]
     surface: Option<Surface>,
     /// The arms: hemisphere, plane, utia, merl, rgl, rosi, klems-full

@@ -13,6 +13,8 @@ pub enum Surface {
     Brushed,
     /// random heights of Gaussian slopes
     Beckmann,
+    /// Gaussian heights by their power spectral density, with cells of a size
+    Psd,
     /// half-ellipsoids on a plane: explicit, and known in closed form
     Grains,
     /// a statistical surface on which the formula is exact
@@ -75,6 +77,10 @@ pub fn campaign(
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }
 
+/// What geometric optics is judged by.
+const SCALE: &str =
+    "\n[scale]\nwavelength_nm = 550         # `gonio check` says where geometric optics holds\n";
+
 fn of_surface(surface: Surface, purpose: Purpose, map: &Path) -> String {
     let (realisations, cells) = if purpose == Purpose::Look { (8, 256) } else { (16, 1024) };
     let patches = format!(
@@ -94,6 +100,14 @@ fn of_surface(surface: Surface, purpose: Purpose, map: &Path) -> String {
         Surface::Beckmann => {
             heights + "[surface.beckmann]\nalpha = 0.3                 # sqrt 2 times the rms slope\n"
         }
+        Surface::Psd => format!(
+            "{patches}cells = {cells:<19} # per side of a patch\n\n[surface.psd]\nmodel = \"k_correlation\"    # or \
+             \"self_affine\", \"table\"\npitch_um = 0.5              # of the cells\na_um3 = 20.0                # of a \
+             profile's A/(1 + (B f)^2)^(C/2), one-sided\nb_um = 60.0\nc = 3.2\nf_max_per_um = 0.3          # no shorter \
+             waves\n{}",
+            // Glass has wavelengths of its own.
+            if purpose == Purpose::Glass { "" } else { SCALE }
+        ),
         Surface::Grains => {
             patches
                 + "\n[surface.grains]\ncoverage = 0.5              # of the plane\nalpha = 0.5                 # height \

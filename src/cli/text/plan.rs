@@ -1,12 +1,14 @@
 //! A campaign and its plan in words: what `check` shows and `measure` begins with.
 
-use super::layout::wrapped;
-use super::numbers::{bytes, duration, grouped};
+use super::layout::{columns, wrapped};
+use super::numbers::{bytes, duration, grouped, or_na};
 use crate::campaign::{
     Alpha, Azimuth, BinLayout, Campaign, CampaignRun, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset,
-    SensorArm, SensorSide, SmithHeights, SmithNdf, SurfaceKind,
+    PsdSurface, SensorArm, SensorSide, SmithHeights, SmithNdf, Surface, SurfaceKind,
 };
 use crate::measure::{Disk, Plan, Saving};
+use crate::psd::{PsdModel, PsdMoments};
+use crate::validate::geometric::{GeometricIncidence, GeometricOptics};
 use crate::validate::prediction::aperture::ApertureBias;
 
 /// Room for the words on the left.
@@ -100,6 +102,29 @@ pub fn aperture(bias: &ApertureBias) -> Vec<String> {
     line("apertures", &text)
 }
 
+/// Where geometric optics holds, before anything is measured: in a line, then each polar angle of the light below a limit.
+pub fn waves(geometric: &GeometricOptics) -> Vec<String> {
+    let known = geometric.words().or_else(|| geometric.not_known.as_ref().map(|why| format!("n/a: {why}")));
+    let mut lines: Vec<String> = known.iter().flat_map(|text| line("waves", text)).collect();
+    let doubtful: Vec<_> = geometric.incidences.iter().filter(|incidence| incidence.is_doubtful()).collect();
+    let rows: Vec<Vec<String>> = doubtful.iter().map(|incidence| waves_row(incidence)).collect();
+    if !rows.is_empty() {
+        let headings = ["theta_i", "4 pi s cos/l", "in step", "4 pi r cos/l", "smooth bins"];
+        lines.extend(columns(&headings, &rows));
+    }
+    lines
+}
+
+fn waves_row(incidence: &GeometricIncidence) -> Vec<String> {
+    vec![
+        incidence.theta_i_deg.to_string(),
+        format!("{:.3}", incidence.rayleigh),
+        format!("{:.2} %", 100.0 * incidence.coherent),
+        or_na(incidence.kirchhoff, 1),
+        format!("{:.1} %", 100.0 * incidence.doubtful_bins),
+    ]
+}
+
 /// What is skipped, in a few words each.
 pub fn skipped(plan: &Plan) -> Vec<String> {
     let what: Vec<&str> = plan.skipped.iter().map(|skip| skip.what.as_str()).collect();
@@ -137,6 +162,7 @@ fn surface(campaign: &Campaign) -> String {
         SurfaceKind::Beckmann { alphas, spectrum: HeightSpectrum::Exponential } => {
             random("beckmann, heights of exponential covariance", alphas)
         }
+        SurfaceKind::Psd(psd) => by_density(surface, psd),
         SurfaceKind::StudentT { alphas, gamma } => random(&format!("student_t, gamma {gamma}"), alphas),
         SurfaceKind::BlinnPhong { alphas, exponent } => {
             random(&format!("blinn_phong, exponent {exponent}"), alphas)
@@ -168,6 +194,29 @@ fn surface(campaign: &Campaign) -> String {
     } else {
         format!("{what}; turned by {} degrees", surface.rotation_deg)
     }
+}
+
+/// Gaussian heights by their density: what the patches have of it.
+fn by_density(surface: &Surface, psd: &PsdSurface) -> String {
+    let moments = PsdMoments::of(&psd.psd, surface.cells, psd.pitch_um);
+    let model = match &psd.psd.model {
+        PsdModel::KCorrelation { a_um3, b_um, c } => {
+            format!("K-correlation, A {a_um3} um^3, B {b_um} um, C {c}")
+        }
+        PsdModel::SelfAffine { hurst, .. } => format!("self-affine, Hurst {hurst}"),
+        PsdModel::Table(table) => format!("a table of {} frequencies", table.frequency_per_um.len()),
+    };
+    format!(
+        "Gaussian heights by power spectral density: {model}; rms height {:.4e} um, rms slope {:.4} along an axis (alpha \
+         {:.4}), correlation {:.1} cells; patches of {} x {} cells of {} um",
+        moments.rms_um,
+        moments.facet_slope,
+        psd.alphas[0].x,
+        moments.correlation_um() / psd.pitch_um,
+        surface.cells,
+        surface.cells,
+        psd.pitch_um
+    )
 }
 
 fn stops(campaign: &Campaign, plan: &Plan) -> String {

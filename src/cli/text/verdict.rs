@@ -5,7 +5,7 @@ use super::numbers::or_na;
 use crate::validate::compare::{self, Comparison, Figures};
 use crate::validate::prediction::model::{DIFFUSE, LAYERED};
 use crate::validate::verdict::{SCOPES, Verdict};
-use crate::validate::words;
+use crate::validate::{GeometricOptics, words};
 
 /// A verdict: its comparisons, then all laws in words, then each.
 pub fn lines(verdict: &Verdict) -> Vec<String> {
@@ -23,7 +23,9 @@ pub fn ruling(verdict: &Verdict) -> Vec<String> {
     let each = verdict.judgements.iter().flat_map(|judgement| {
         wrapped(&format!("  {}: ", judgement.law), &format!("{}: {}", judgement.ruling, judgement.reason))
     });
-    wrapped("verdict: ", &overall).into_iter().chain(each).collect()
+    let waves = verdict.geometric_optics.iter().filter_map(GeometricOptics::words);
+    let waves = waves.flat_map(|text| wrapped("  waves: ", &text));
+    wrapped("verdict: ", &overall).into_iter().chain(each).chain(waves).collect()
 }
 
 /// Models whose names fit the last column as they are.

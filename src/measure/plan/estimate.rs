@@ -142,6 +142,7 @@ pub(crate) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
         | SurfaceKind::Beckmann { .. }
         | SurfaceKind::StudentT { .. }
         | SurfaceKind::BlinnPhong { .. }
+        | SurfaceKind::Psd(_)
         | SurfaceKind::Grains(_) => f64::from(campaign.surface.cells).powi(2),
     };
     (cells, 0.0)
@@ -151,7 +152,7 @@ pub(crate) fn cells_and_relief(campaign: &Campaign) -> (f64, f64) {
 fn heights(campaign: &Campaign) -> (f64, f64) {
     let range = match &campaign.surface.kind {
         SurfaceKind::Ggx(_) | SurfaceKind::StudentT { .. } => 7.0 * campaign.surface.correlation_cells,
-        SurfaceKind::Beckmann { .. } | SurfaceKind::BlinnPhong { .. } => {
+        SurfaceKind::Beckmann { .. } | SurfaceKind::BlinnPhong { .. } | SurfaceKind::Psd(_) => {
             2.0 * campaign.surface.correlation_cells
         }
         _ => 1.0,
@@ -187,7 +188,7 @@ fn tracing_seconds(campaign: &Campaign, plan: &Plan) -> f64 {
         return 0.5e-9 * f64::from(plan.realisations) * (tracing + NS_PER_PLACED_GRAIN * cells);
     }
     let mut patch = if random { NS_PER_MOUNTED_CELL } else { 0.0 };
-    if random && !matches!(campaign.surface.kind, SurfaceKind::Beckmann { .. }) {
+    if random && !matches!(campaign.surface.kind, SurfaceKind::Beckmann { .. } | SurfaceKind::Psd(_)) {
         patch += NS_PER_SYNTHESISED_CELL;
     }
     if plan.start_sampler.is_indexed() {

@@ -5,7 +5,7 @@ use crate::campaign::{Campaign, GrainShape, Optics, SurfaceKind};
 use crate::instrument::grid::GridKind;
 use crate::instrument::{Grid, angle_decimals};
 use crate::report::plot::escaped;
-use crate::validate::{Judgement, words};
+use crate::validate::{GeometricOptics, Judgement, words};
 
 /// Name, what was measured, the verdict.
 pub fn head(page: &Page) -> String {
@@ -94,6 +94,9 @@ fn surface(campaign: &Campaign) -> String {
     match &surface.kind {
         SurfaceKind::Ggx(_) => format!("A random GGX surface{alpha}, {cells}"),
         SurfaceKind::Beckmann { .. } => format!("A Gaussian (Beckmann) surface{alpha}, {cells}"),
+        SurfaceKind::Psd(psd) => {
+            format!("Gaussian heights by their power spectral density{alpha}, {cells} of {} um", psd.pitch_um)
+        }
         SurfaceKind::StudentT { gamma, .. } => {
             format!("A random surface with Student's t of slopes, gamma {gamma}{alpha}, {cells}")
         }
@@ -116,7 +119,9 @@ fn verdict(page: &Page) -> String {
     let (Some(_), Some(laws)) = (page.summary.ok, &page.summary.verdict) else {
         return "Nothing is known that this table should agree with.".into();
     };
-    let plain = words::in_words(&page.summary.judgements);
+    let waves = page.summary.geometric_optics.as_ref().and_then(GeometricOptics::words);
+    let waves = waves.map_or(String::new(), |text| format!(" {}", words::sentence(&text)));
+    let plain = format!("{}{waves}", words::in_words(&page.summary.judgements));
     let Some(comparison) = page.summary.nearest() else { return format!("Verdict: {laws}. {plain}") };
     let figures = &comparison.figures;
     let number = |value: Option<f64>| value.map_or("n/a".into(), |value| format!("{value:.4}"));

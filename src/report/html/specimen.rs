@@ -91,7 +91,8 @@ impl PatchPicture {
         let histogram = histogram(&patch.field, shown, longest);
         let pitch_um = match &campaign.surface.kind {
             SurfaceKind::File(map) => map.pitch_x_um,
-            _ => None,
+            SurfaceKind::Psd(psd) => Some(psd.pitch_um),
+            _ => campaign.scale.pitch_um,
         };
         let relief = Relief::new(&patch.field, cells, alpha.x, scale, pitch_um);
         let quantiles = law.map_or(Vec::new(), |law| quantiles::of(&patch.field, law));

@@ -15,7 +15,7 @@ use crate::validate::compare::Comparison;
 use crate::validate::laws::{Energy, Reciprocity};
 use crate::validate::prediction::schlick_error::SchlickError;
 use crate::validate::verdict::SCOPES;
-use crate::validate::{Judgement, Verdict};
+use crate::validate::{GeometricOptics, Judgement, Verdict};
 
 /// The schema that is written and read.
 pub const SCHEMA: u64 = 1;
@@ -64,6 +64,9 @@ pub struct Summary {
     /// One sentence for each failure.
     #[serde(default)]
     pub failures: Vec<String>,
+    /// Where geometric optics holds; null for a table without a campaign.
+    #[serde(default)]
+    pub geometric_optics: Option<GeometricOptics>,
     /// What Schlick's formula costs, for a material whose index is known.
     pub fresnel: Option<SchlickError>,
     /// SHA-256 of the table.
@@ -134,6 +137,7 @@ impl Summary {
             verdict: judged.then_some(verdict.verdict),
             judgements: verdict.judgements,
             failures: verdict.failures,
+            geometric_optics: verdict.geometric_optics,
             fresnel: None,
             table_digest: None,
             thinned: None,

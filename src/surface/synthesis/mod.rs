@@ -17,6 +17,7 @@ use rand_pcg::Pcg64Dxsm;
 
 use super::heightfield::Heightfield;
 use crate::campaign::HeightSpectrum;
+use crate::psd::Psd;
 use crate::rng;
 use feedback::Feedback;
 use remap::Remap;
@@ -47,9 +48,36 @@ impl Synthesiser {
 
     /// The same from a Gaussian field of another spectrum. Only the Beckmann law leaves the field as it is.
     pub fn with_spectrum(law: SlopeLaw, cells: usize, correlation: f64, spectrum: HeightSpectrum) -> Self {
+        Self::with_power(law, cells, correlation, |k2| power(spectrum, k2, correlation))
+    }
+
+    /// Root mean square of the heights of a Gaussian field, and of their second differences along an axis, in the mean over
+    /// patches.
+    pub fn gaussian_moments(cells: usize, correlation: f64, spectrum: HeightSpectrum) -> [f64; 2] {
         let fft = SquareFft::new(cells);
-        let spectrum = GaussianField::new(&fft, correlation, spectrum);
-        let gaussian = fft.filter(|kx, ky| spectrum.amplitude(kx, ky));
+        let field = GaussianField::new(&fft, |k2| power(spectrum, k2, correlation));
+        // Along x and along y alike.
+        let second = |k: f64| (2.0 * (0.5 * k).sin()).powi(4);
+        let moments: [&dyn Fn(f64) -> f64; 2] = [&|_| 1.0, &second];
+        let modes = (cells * cells) as f64;
+        moments
+            .map(|of| (fft.sum_over_modes(|kx, ky| field.amplitude(kx, ky).powi(2) * of(kx)) / modes).sqrt())
+    }
+
+    /// Gaussian heights of a power spectral density on cells of `pitch_um`, in units of their own roughness: a height of 1
+    /// is alpha times the pitch.
+    // Tested by `patches_have_the_moments_of_their_psd` (tests/it/surface/psd.rs).
+    pub fn with_psd(psd: &Psd, pitch_um: f64, cells: usize) -> Self {
+        let density = psd.on(pitch_um);
+        let unit = std::f64::consts::TAU * pitch_um;
+        Self::with_power(SlopeLaw::Beckmann, cells, 1.0, |k2| density(k2.sqrt() / unit))
+    }
+
+    /// From a Gaussian field of `power(k2)` at the squared wave number k2 > 0, (rad per cell)^2, in any unit.
+    fn with_power(law: SlopeLaw, cells: usize, correlation: f64, power: impl Fn(f64) -> f64) -> Self {
+        let fft = SquareFft::new(cells);
+        let field = GaussianField::new(&fft, power);
+        let gaussian = fft.filter(|kx, ky| field.amplitude(kx, ky));
         let fit = fft.filter(|kx, ky| fit_gain(correlation, kx, ky));
         Synthesiser { law, cells, correlation, fft, gaussian, fit, remap: Remap::new(law, cells) }
     }
@@ -111,17 +139,16 @@ fn power(spectrum: HeightSpectrum, k2: f64, correlation: f64) -> f64 {
 ///
 /// On a grid split along one diagonal the two slopes of a facet share a corner, which correlates them by about
 /// 1/(2 L^2): a preferred azimuth of the facets. The factor 1 - tilt sin(kx) sin(ky) on the power cancels it.
-struct GaussianField {
-    spectrum: HeightSpectrum,
-    correlation: f64,
+struct GaussianField<P> {
+    power: P,
     tilt: f64,
     scale: f64,
 }
 
-impl GaussianField {
-    fn new(fft: &SquareFft, correlation: f64, spectrum: HeightSpectrum) -> Self {
+impl<P: Fn(f64) -> f64> GaussianField<P> {
+    fn new(fft: &SquareFft, power: P) -> Self {
         let power_at = |kx: f64, ky: f64| {
-            if kx == 0.0 && ky == 0.0 { 0.0 } else { power(spectrum, kx * kx + ky * ky, correlation) }
+            if kx == 0.0 && ky == 0.0 { 0.0 } else { power(kx * kx + ky * ky) }
         };
         let versine = |k: f64| 2.0 * (0.5 * k).sin().powi(2);
         let shared = fft.sum_over_modes(|kx, ky| power_at(kx, ky) * versine(kx) * versine(ky));
@@ -132,14 +159,14 @@ impl GaussianField {
         // White noise of variance 1 has power 1 in each of the n^2 modes; the mean over them is the variance.
         let modes = fft.sum_over_modes(|_, _| 1.0);
         let slope_variance = fft.sum_over_modes(|kx, ky| tilted(kx, ky) * 2.0 * versine(kx)) / modes;
-        GaussianField { spectrum, correlation, tilt, scale: (0.5 / slope_variance).sqrt() }
+        GaussianField { power, tilt, scale: (0.5 / slope_variance).sqrt() }
     }
 
     fn amplitude(&self, kx: f64, ky: f64) -> f64 {
         if kx == 0.0 && ky == 0.0 {
             return 0.0;
         }
-        let power = power(self.spectrum, kx * kx + ky * ky, self.correlation);
+        let power = (self.power)(kx * kx + ky * ky);
         self.scale * (power * (1.0 - self.tilt * kx.sin() * ky.sin())).sqrt()
     }
 }

@@ -17,6 +17,12 @@ fn round_trips(campaign: &Campaign) {
     assert_eq!(to_toml(&again), text);
 }
 
+/// `GOOD` with Gaussian heights of a power spectral density.
+fn by_density(model: &str) -> String {
+    with("correlation_cells = 8.0\n", "")
+        .replace("[surface.ggx]\nalpha = 0.2", &format!("[surface.psd]\npitch_um = 0.5\n{model}"))
+}
+
 #[test]
 fn the_resolved_campaign_reads_back_as_itself() {
     let averaged = |text: String| text.replace("[light]", "[light]\naverage_azimuth = true");
@@ -29,6 +35,15 @@ fn the_resolved_campaign_reads_back_as_itself() {
         with("[surface.ggx]", "[surface.beckmann]\nspectrum = \"exponential\""),
         with("[surface.ggx]", "[surface.student_t]\ngamma = 3.7"),
         with("[surface.ggx]\nalpha = 0.2", "[surface.blinn_phong]\nexponent = 47.3"),
+        by_density("model = \"k_correlation\"\na_um3 = 0.02\nb_um = 12\nc = 3.5"),
+        by_density(
+            "model = \"self_affine\"\nrms_um = 0.3\nhurst = 0.7\nf_min_per_um = 0.1\nf_max_per_um = 0.5",
+        ),
+        by_density(
+            "model = \"table\"\nfrequency_per_um = [0.01, 0.1, 1]\npsd_um4 = [0.9, 0.5, 1e-4]\nrms_um = 0.19",
+        ),
+        by_density("model = \"table\"\nfrequency_per_um = [0.01, 0.1, 1]\npsd_um3 = [0.09, 0.05, 1e-5]"),
+        format!("{GOOD}\n[scale]\npitch_um = 0.25\nwavelength_nm = 632.8\n"),
         with("material = \"gold\"", "f0 = [0.1, 0.25, 1e-7]"),
         with("[0, 15, 30]", "{ from = 0, to = 89.9, step = 0.1 }"),
         with("[light]", "[light]\nphi_i_deg = { from = -0.0, to = 350, step = 0.7 }"),

@@ -59,7 +59,7 @@ pub const LAYERED: &str = "layered ";
 pub fn ndf_of(kind: &SurfaceKind) -> Option<Ndf> {
     match kind {
         SurfaceKind::Ggx(_) => Some(Ndf::Ggx),
-        SurfaceKind::Beckmann { .. } => Some(Ndf::Beckmann),
+        SurfaceKind::Beckmann { .. } | SurfaceKind::Psd(_) => Some(Ndf::Beckmann),
         SurfaceKind::StudentT { gamma, .. } => Some(Ndf::StudentT { gamma: *gamma }),
         SurfaceKind::BlinnPhong { .. } => Some(Ndf::BlinnPhong),
         SurfaceKind::Smith(smith) if smith.ndf == SmithNdf::Ggx => Some(Ndf::Ggx),
