@@ -30,6 +30,11 @@ mod study;
 mod sweeps;
 mod transmission_values;
 
+mod appearance {
+    mod colours;
+    mod gloss;
+    mod readings;
+}
 mod albedo {
     mod files;
     mod formula;
