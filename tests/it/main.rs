@@ -32,6 +32,7 @@ mod transmission_values;
 
 mod appearance {
     mod colours;
+    mod command;
     mod gloss;
     mod readings;
 }
