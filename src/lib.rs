@@ -18,6 +18,7 @@
 //!    |
 //!    +-- interchange             other programs' formats, written and read
 //!    +-- render                  a sphere of the material in a sky
+//!    +-- appearance              gloss, haze, scatter, colour
 //!    +-- report, cli             for people
 //!    +-- validate, fit, study    <-- theory (D, Lambda, G: formulas alone)
 //!    +-- bench                   run time against error
@@ -68,6 +69,8 @@ pub mod study;
 pub mod albedo;
 
 pub mod render;
+
+pub mod appearance;
 
 pub mod report;
 

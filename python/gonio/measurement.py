@@ -198,6 +198,10 @@ class Measurement:
         """Analytic models fitted to the table, best first, as ``gonio fit --json``; ``model``: one of them alone."""
         return self._answer("fit", self.path, *(["--model", model] if model else []))
 
+    def appearance(self) -> dict[str, Any]:
+        """Gloss, haze, scatter, reflectance and colour by azimuth of the light, as ``gonio appearance --json``."""
+        return self._answer("appearance", self.path)
+
     def export(
         self,
         path: FilePath,

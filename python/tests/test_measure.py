@@ -122,6 +122,7 @@ def test_stored_tables_answer_as_the_commands_do(binary, small, tmp_path):
 
     assert small.validate() == command("validate", small.path)
     assert small.fit("ggx") == command("fit", small.path, "--model", "ggx")
+    assert small.appearance() == command("appearance", small.path)
     answer = small.export(tmp_path / "python.npz", "npz")
     assert answer["read_back"]["l1"] == 0
     command("export", small.path, "--to", "npz", "-o", tmp_path / "command.npz")

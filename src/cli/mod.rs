@@ -13,6 +13,7 @@ use crate::job::threads;
 use text::output::{Output, warn};
 
 mod albedo;
+mod appearance;
 mod bench;
 mod check;
 mod cite;
@@ -93,6 +94,7 @@ enum Verb {
     #[command(visible_alias = "recolor")]
     Recolour(recolour::Arguments),
     Albedo(albedo::Arguments),
+    Appearance(appearance::Arguments),
     Init(init::Arguments),
     Materials(lists::materials::Arguments),
     Presets(lists::presets::Arguments),
@@ -128,6 +130,7 @@ impl Verb {
             Verb::Render(arguments) => render::run(arguments),
             Verb::Recolour(arguments) => recolour::run(arguments),
             Verb::Albedo(arguments) => albedo::run(arguments),
+            Verb::Appearance(arguments) => appearance::run(arguments),
             Verb::Init(arguments) => init::run(arguments),
             Verb::Materials(arguments) => lists::materials::run(arguments),
             Verb::Presets(arguments) => lists::presets::run(arguments),

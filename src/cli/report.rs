@@ -6,7 +6,7 @@ use clap::Args;
 use serde::Deserialize;
 
 use super::streams::Place;
-use super::table_file::{self, Opened};
+use super::table_file::{self, Beside, Opened};
 use super::text::numbers::bytes;
 use super::text::output;
 use super::text::output::{Output, note, warn};
@@ -21,7 +21,7 @@ use crate::report::html::specimen;
 use crate::report::summary::SCHEMA;
 use crate::report::sweep::{CSV_MARK, NETCDF_MARK, ParameterSweep, SweptTable};
 use crate::report::{Facts, Page, StopSummary, Summary};
-use crate::table::{BrdfTable, TableRows, store};
+use crate::table::{BrdfTable, Realisations, TableRows, store};
 use crate::validate::{self, Prediction, Verdict, verdict};
 
 /// Make one self-contained page of a table: figures, plots, pictures and a 3-D viewer
@@ -128,15 +128,15 @@ fn swept(path: &Path, fit: bool) -> Result<SweptTable> {
         Opened::Rows(rows) => return Err(table_file::too_large(&rows)),
     };
     let campaign = table_file::campaign_if_any(path, &table)?;
-    let summary = summary_known(path, &table, campaign.as_ref(), None)?;
+    let beside = Beside::new(path, &table);
+    let summary = summary_known(&beside, campaign.as_ref(), None)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let swept = SweptTable::new(stem, campaign.as_ref(), summary);
     if !fit && !swept.fit_is_cheap(table.grid.stops() * table.grid.bins() * table.colours.len()) {
         return Ok(swept);
     }
     let _fitting = Stage::begin("fitting");
-    let parts = table_file::realisations_beside(path, &table)?;
-    Ok(swept.fitted(&table, campaign.as_ref(), parts.as_ref()))
+    Ok(swept.fitted(&table, campaign.as_ref(), beside.get()?))
 }
 
 const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";
@@ -145,28 +145,29 @@ const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be ma
 fn whole(path: &Path, table: &BrdfTable, is_card: bool, benches: &[BenchAnswer]) -> Result<String> {
     let campaign = table_file::campaign_if_any(path, table)?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
-    let summary = summary_known(path, table, campaign.as_ref(), prediction.as_ref())?;
+    let beside = Beside::new(path, table);
+    let summary = summary_known(&beside, campaign.as_ref(), prediction.as_ref())?;
     if is_card {
         return Ok(report::card(table, &store::digest(table)?, Facts::of(table), &summary));
     }
-    page_of(table, (campaign.as_ref(), prediction.as_ref()), &summary, benches)
+    page_of((table, beside.get()?), (campaign.as_ref(), prediction.as_ref()), &summary, benches)
 }
 
 /// The summary next to a table, else one from the table alone; `prediction` is made where there is none yet.
 fn summary_known(
-    path: &Path,
-    table: &BrdfTable,
+    beside: &Beside,
     campaign: Option<&Campaign>,
     prediction: Option<&Prediction>,
 ) -> Result<Summary> {
+    let (path, table) = (beside.path, beside.table);
     if let Some(summary) = summary_beside(path, table, || store::digest(table))? {
         return Ok(summary);
     }
     let verdict = match campaign {
         Some(campaign) => {
-            let parts = table_file::realisations_beside(path, table)?;
+            let parts = beside.get()?;
             let made = if prediction.is_none() { Prediction::of(campaign, &table.grid) } else { None };
-            Some(validate::examine_against(table, campaign, parts.as_ref(), prediction.or(made.as_ref())))
+            Some(validate::examine_against(table, campaign, parts, prediction.or(made.as_ref())))
         }
         None => None,
     };
@@ -211,7 +212,7 @@ fn by_rows(rows: &mut TableRows, is_card: bool, benches: &[BenchAnswer]) -> Resu
     }
     let (table, kept) = report::thinned(rows, table_file::band_bytes())?;
     let prediction = campaign.as_ref().and_then(|campaign| Prediction::of(campaign, &table.grid));
-    page_of(&table, (campaign.as_ref(), prediction.as_ref()), &summary.thinned(&kept), benches)
+    page_of((&table, None), (campaign.as_ref(), prediction.as_ref()), &summary.thinned(&kept), benches)
 }
 
 /// A summary from the table alone.
@@ -229,14 +230,16 @@ fn summary_of(
 
 /// The page of a table from its file: its first patch is made anew.
 fn page_of(
-    table: &BrdfTable,
+    (table, parts): (&BrdfTable, Option<&Realisations>),
     (campaign, prediction): (Option<&Campaign>, Option<&Prediction>),
     summary: &Summary,
     benches: &[BenchAnswer],
 ) -> Result<String> {
     let _shown = Stage::begin("making the page");
     let specimen = campaign.map_or(Ok(Err(NO_CAMPAIGN.into())), specimen::remade)?;
-    Ok(report::page(&Page { benches, ..Page::of(table, campaign, prediction, summary, specimen) }))
+    let look = report::html::appearance::shown(table, parts);
+    let page = Page::of(table, campaign, prediction, summary, specimen);
+    Ok(report::page(&Page { benches, appearance: look.as_ref(), ..page }))
 }
 
 /// The answer of `gonio bench` in a file. Errors: of a file that is none, or of another version.

@@ -1,5 +1,6 @@
 //! What a verb reads of a stored table: the table, its campaign, and its realisations next to it.
 
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
 use super::text::output::{note, warn};
@@ -115,7 +116,32 @@ pub fn realisations_beside(path: &Path, table: &BrdfTable) -> Result<Option<Real
     beside_of(path, || store::digest(table))
 }
 
-/// The same of a table that is read by rows.
+/// A table in memory, whose realisations are read when they are first asked for.
+pub struct Beside<'a> {
+    /// Where it lies.
+    pub path: &'a Path,
+    /// The table.
+    pub table: &'a BrdfTable,
+    found: OnceCell<Option<Realisations>>,
+}
+
+impl<'a> Beside<'a> {
+    /// Of a table that is not looked for yet.
+    pub fn new(path: &'a Path, table: &'a BrdfTable) -> Self {
+        Beside { path, table, found: OnceCell::new() }
+    }
+
+    /// The realisations, where they lie next to the table.
+    pub fn get(&self) -> Result<Option<&Realisations>> {
+        if let Some(found) = self.found.get() {
+            return Ok(found.as_ref());
+        }
+        let found = realisations_beside(self.path, self.table)?;
+        Ok(self.found.get_or_init(|| found).as_ref())
+    }
+}
+
+/// The realisations of a table that is read by rows.
 pub fn realisations_beside_rows(rows: &TableRows) -> Result<Option<Realisations>> {
     beside_of(rows.path(), || Ok(rows.digest().unwrap_or_default().to_string()))
 }

@@ -32,6 +32,12 @@ mod study;
 mod sweeps;
 mod transmission_values;
 
+mod appearance {
+    mod colours;
+    mod command;
+    mod gloss;
+    mod readings;
+}
 mod albedo {
     mod files;
     mod formula;

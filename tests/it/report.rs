@@ -200,6 +200,7 @@ fn page_of(made: &Made, name: &str, benches: &[BenchAnswer]) -> String {
         best: None,
         specimen: Err("no patch: <none>".into()),
         benches,
+        appearance: None,
     })
 }
 
@@ -302,6 +303,7 @@ fn what_a_table_lacks_is_said() {
         best: None,
         specimen: Err("The table holds no campaign.".into()),
         benches: &[bench_of(json!([]), json!([]))],
+        appearance: None,
     };
     let text = page(&bare);
     for words in [
@@ -355,6 +357,7 @@ fn page_on(grid: Grid) -> String {
         best: None,
         specimen: Err("The table holds no campaign.".into()),
         benches: &[],
+        appearance: None,
     })
 }
 

@@ -1,5 +1,6 @@
 //! The page: its sections, its pictures and the data that its viewer reads.
 
+pub mod appearance;
 pub(crate) mod figures;
 pub(crate) mod head;
 pub mod inline;

@@ -1,6 +1,7 @@
 //! What a page is made of.
 
 use super::specimen::ShownSpecimen;
+use crate::appearance::Appearance;
 use crate::bench::BenchAnswer;
 use crate::campaign::Campaign;
 use crate::fit::{self, FitData, NearestLaw};
@@ -31,10 +32,12 @@ pub struct Page<'a> {
     pub specimen: ShownSpecimen,
     /// Answers of `gonio bench`, for the plots of error against samples.
     pub benches: &'a [BenchAnswer],
+    /// Gloss, scatter and colour of light that comes back.
+    pub appearance: Option<&'a Appearance>,
 }
 
 impl<'a> Page<'a> {
-    /// The page of a table, alike for one just measured and for one from its file; without answers of `gonio bench`.
+    /// The page of a table, alike for one just measured and for one from its file; without answers of `gonio bench` and the appearance.
     pub fn of(
         table: &'a BrdfTable,
         campaign: Option<&'a Campaign>,
@@ -53,6 +56,7 @@ impl<'a> Page<'a> {
             best: best_fit(table, campaign),
             specimen,
             benches: &[],
+            appearance: None,
         }
     }
 

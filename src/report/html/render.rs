@@ -8,7 +8,7 @@ use super::figures::figures;
 use super::head::head;
 use super::inline::{Inline, LARGEST, inline};
 use super::page::Page;
-use super::{sections, through};
+use super::{appearance, sections, through};
 use crate::error::seen_in_json;
 use crate::fit::NearestLaw;
 use crate::render::light::{LAMP, TOWARDS_DEG};
@@ -125,6 +125,7 @@ fn filled_page(page: &Page, shown: &Shown) -> String {
         ("HINT", hint.to_string()),
         ("PLOTS", sections::plots(page, first)),
         ("THROUGH", further),
+        ("APPEARANCE", appearance::section(page)),
         ("REDUCED", sections::reduced(page, &halves)),
         ("FOOT", sections::foot(page)),
         ("DATA", inside_script(&data)),

@@ -12,9 +12,22 @@ const LONGEST_LINE: usize = 600;
 const MOST_SECONDS: u32 = 60;
 
 /// Commands whose options an answer may name.
-const VERBS: [&str; 14] = [
-    "check", "surface", "measure", "merge", "validate", "compare", "fit", "study", "export", "import",
-    "bench", "report", "recolour", "albedo",
+const VERBS: [&str; 15] = [
+    "check",
+    "surface",
+    "measure",
+    "merge",
+    "validate",
+    "compare",
+    "fit",
+    "study",
+    "export",
+    "import",
+    "bench",
+    "report",
+    "recolour",
+    "albedo",
+    "appearance",
 ];
 
 /// Sets up what a row needs beside plain files.
