@@ -32,8 +32,9 @@ const CONVENTION: &str = "a row [wavelength m, theta_i, theta_r, phi_r rad, BRDF
 const VERSION: &str = "1.1.0";
 /// The largest polar angle that the schema admits, rad.
 const MOST_THETA: f64 = 1.570_796;
-/// Bytes of memory for each of the file's: a row of 12 bytes at least becomes five numbers, a sample and its place.
-const MEMORY: u64 = 32;
+/// Bytes of memory for each of the file's: a row of 15 bytes or more becomes five numbers, a sample and its place, each
+/// list half empty at worst.
+const MEMORY: u64 = 64;
 
 /// The format.
 pub struct OpenMaterial;
@@ -243,6 +244,9 @@ fn read(bytes: &[u8]) -> Checked<(Vec<MeasuredPair>, Columns)> {
         let nm = (metres * 1e15).round() / 1e6;
         let degrees = [theta_i, theta_r, phi].map(|angle| (angle.to_degrees() * 1e8).round() / 1e8);
         known.push((number, nm, degrees, value));
+    }
+    if known.is_empty() {
+        return Err("no samples: every row is without a value, or there is none".into());
     }
     let mut wavelengths: Vec<f64> = known.iter().map(|(_, nm, ..)| *nm).collect();
     wavelengths.sort_by(f64::total_cmp);

@@ -22,6 +22,7 @@ const KLEMS: &str =
     "<ColumnAngleBasis>LBNL/Klems Full</ColumnAngleBasis><RowAngleBasis>LBNL/Klems Full</RowAngleBasis>";
 const CSV: &str = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,Y\n";
 const ASTM: &str = "VARS theta_i,phi_i,theta_s,phi_s,Y\n";
+const OPENMATERIAL: &str = "{\"brdf\":{\"lookupTable\":[";
 const SSDD: &str =
     "VERSION 1.0\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE spherical_coordinate_system\n";
 
@@ -78,6 +79,12 @@ pub fn all(size: f64) -> Vec<Bomb> {
         ("csv gaps of colours", import("csv"), gaps(root(2048.0), 60)),
         ("astm line", import("astm"), texts("b", vec![once(ASTM), of("0,", 300.0)])),
         ("astm lines", import("astm"), texts("b", vec![once(ASTM), of("0,0,0,0,1\n", 300.0)])),
+        (
+            "openmaterial rows",
+            import("openmaterial"),
+            texts("b", vec![once(OPENMATERIAL), of("[5e-7,1,0,0,1],", 300.0), once("[5e-7,1,0,0,1]]}}")]),
+        ),
+        ("openmaterial nested", import("openmaterial"), texts("b", vec![once(OPENMATERIAL), of("[", 300.0)])),
         ("ssdd line", import("ssdd"), texts("b", vec![once(SSDD), once("PARAM0_LIST "), of("0 ", 300.0)])),
         (
             "ssdd binary",
