@@ -5,7 +5,7 @@ use crate::instrument::{Grid, GridKind};
 use crate::sphere;
 
 /// Incidences farther apart than this say nothing of what is between them, degrees.
-const WIDEST_GAP_DEG: f64 = 30.0;
+const WIDEST_GAP_DEG: f64 = 15.0;
 /// Angles nearer than this are one, degrees.
 const SAME_DEG: f64 = 1e-6;
 

@@ -28,6 +28,8 @@ impl Quantity {
             return Self::missing("no light arrives there");
         }
         let known = |error: Option<f64>| error.filter(|error| error.is_finite());
-        Quantity { value: Some(value), se: known(se), bins: known(bins), note }
+        // What interpolation between incidences is off by is not known, and so no error is.
+        let se = if note.is_some() { None } else { known(se) };
+        Quantity { value: Some(value), se, bins: known(bins), note }
     }
 }

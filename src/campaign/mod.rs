@@ -166,8 +166,15 @@ fn is_bare_key(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.'))
 }
 
+/// How an EXR file begins.
+const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
 /// The fault of bytes that are no text, at the line of the first that is not UTF-8.
 fn no_text(name: &str, bytes: &[u8], why: String) -> Error {
+    if bytes.starts_with(&EXR) {
+        let why = "an EXR file, as tables are; a campaign, a TOML file, is needed";
+        return whole_file_fault(name, None, why.into());
+    }
     let good = std::str::from_utf8(bytes).map_or_else(|e| e.valid_up_to(), str::len);
     let line = bytes[..good].iter().filter(|b| **b == b'\n').count() + 1;
     whole_file_fault(name, Some(line), why)

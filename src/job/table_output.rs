@@ -93,14 +93,14 @@ impl<'a> TableOutput<'a> {
         let (file, digest) = writer.finish()?;
         let summary = Summary::measured(&measured, (plan, cost), &verdict, schlick.clone(), digest.clone())?;
         let file = file.on_disk()?;
-        // Of a table that is shown thinned the realisations belong to other incidences.
-        let parts = whole.as_ref().map(|_| &measured.realisations);
         let shown = match whole {
             Some((table, prediction)) => ShownTable { table, prediction, summary: summary.clone() },
             None => ShownTable::of_rows(&file, &measured, summary.clone(), memory)?,
         };
         let (campaign, prediction) = (Some(&measured.campaign), shown.prediction.as_ref());
         let page = Page::of(&shown.table, campaign, prediction, &shown.summary, specimen(&measured)?);
+        // Of a table that is shown thinned the realisations belong to other incidences.
+        let parts = (shown.table.grid.stops() == plan.stops).then_some(&measured.realisations);
         let look = pages::html::appearance::shown(&shown.table, parts);
         let page = pages::page(&Page { appearance: look.as_ref(), ..page });
         let card = pages::card(&measured.table, &digest, facts, &summary);

@@ -188,10 +188,13 @@ impl Scene<'_> {
         (1..grid.stops()).any(|stop| grid.stop_deg(stop).1 != grid.stop_deg(0).1)
     }
 
-    /// The model's flux at a stop over the incident one, the plots' colour.
+    /// The model's flux at a stop over the incident one, the mean of all colours, as albedos of a summary are.
+    // Tested by `albedos_of_colours_are_means_in_measurement_and_model` (tests/it/report.rs).
     pub fn model_albedo(&self, index: usize, stop: usize) -> Option<f64> {
-        let means = &self.prediction?.means[stop].values[index][self.colour()];
-        Some(means.iter().zip(self.table.grid.sizes(stop)).map(|(mean, size)| mean * size).sum())
+        let colours = &self.prediction?.means[stop].values[index];
+        let sizes = self.table.grid.sizes(stop);
+        let flux = |means: &Vec<f64>| means.iter().zip(&sizes).map(|(mean, size)| mean * size).sum::<f64>();
+        Some(colours.iter().map(flux).sum::<f64>() / colours.len() as f64)
     }
 }
 

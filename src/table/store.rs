@@ -125,7 +125,11 @@ fn from_parts(path: &Path, parts: Vec<ImagePart>) -> Result<Loaded> {
 
 /// The error of a file with more parts than a table has.
 pub(super) fn several(path: &Path, parts: usize) -> Error {
-    Error::format(path, format!("a table has one part, this file has {parts}"))
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let of_table = name.strip_suffix(".realisations.exr");
+    let whose = of_table
+        .map_or(String::new(), |stem| format!("; these are the realisations of {stem}.exr: name that"));
+    Error::format(path, format!("a table has one part, this file has {parts}{whose}"))
 }
 
 fn from_part(mut part: ImagePart) -> Checked<Loaded> {

@@ -224,6 +224,8 @@ fn the_command_makes_the_same_bytes_on_any_number_of_threads_and_refuses_what_is
         (&["-o", "x.png", "--light", "sun"], "sky, lamp or both needed"),
         (&["-o", "x.png", "--exposure", "50"], "must lie in [-20, 20]"),
         (&["-o", "x.png", "--scene", "blender"], "mitsuba"),
+        (&["-o", "x.jpg"], "a picture is a PNG: name it .png"),
+        (&["-o", "x.png", "--scene", "mitsuba"], "a scene is a folder"),
     ] {
         let error = exits(&render(words), 2);
         assert!(error.contains(said), "{said}: {error}");

@@ -480,6 +480,20 @@ fn the_ladders_of_a_bench_are_plotted() {
     assert!(two.find("Distance from the formula") < two.find("slope -0.470"));
 }
 
+/// Of constants 0.3, 0.6 and 0.9 over a hemisphere, whose projected solid angles add up to pi.
+#[test]
+fn albedos_of_colours_are_means_in_measurement_and_model() {
+    let mut made = made(3, 2, 1, [6, 12]);
+    for stop in &mut made.prediction.means {
+        for (colour, means) in stop.values[0].iter_mut().enumerate() {
+            means.fill(0.3 * (colour + 1) as f64);
+        }
+    }
+    let scene = Scene { table: &made.table, prediction: Some(&made.prediction), realisations: 4 };
+    let albedo = scene.model_albedo(0, 1).expect("a model");
+    assert!((albedo - 0.6 * std::f64::consts::PI).abs() < 1e-12, "{albedo}");
+}
+
 #[test]
 fn bars_of_the_albedo_are_intervals_of_95_percent() {
     let made = made(1, 2, 1, [6, 12]);

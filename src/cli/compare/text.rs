@@ -48,7 +48,10 @@ fn interval(figures: &DifferenceFigures) -> Option<String> {
 pub fn lines(found: &TableDifference) -> Vec<String> {
     let errors = if found.paired { "paired by realisation" } else { "of both tables in quadrature" };
     let mut lines: Vec<String> = found.made_comparable.iter().flat_map(|step| wrapped("", step)).collect();
-    lines.push(format!("{} bins of all orders, errors {errors}; distances relative to B:", found.bins));
+    lines.push(match found.bins {
+        0 => "all orders, without errors of single bins; distances relative to B:".to_string(),
+        bins => format!("{bins} bins of all orders, errors {errors}; distances relative to B:"),
+    });
     let cells = |figures: &DifferenceFigures| {
         let share = figures.share_outside_95.map(|share| 100.0 * share);
         vec![

@@ -108,7 +108,7 @@ fn of_law(campaign: &Campaign, side: usize, fit: &SlopeFit) -> Result<Campaign> 
     law.surface.cells = side.next_power_of_two().clamp(CELLS[0], CELLS[1]) as u32;
     law.surface.realisations = campaign.surface.realisations.clamp(REALISATIONS[0], REALISATIONS[1]);
     // What a random surface cannot be made with is refused as any campaign is.
-    Ok(campaign::parse(&campaign::to_toml(&law), &law.name, Path::new(""))?.campaign)
+    Ok(campaign::parse(campaign::to_toml(&law), &law.name, Path::new(""))?.campaign)
 }
 
 /// The table of a campaign, measured where it is not there yet.

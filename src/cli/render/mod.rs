@@ -63,6 +63,11 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if !(-20.0..=20.0).contains(&arguments.exposure) {
         return Err(Error::Usage(format!("--exposure {}: must lie in [-20, 20]", arguments.exposure)));
     }
+    let is_png = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("png"));
+    if arguments.scene.is_some() == is_png && output.extension().is_some() {
+        let what = if is_png { "a scene is a folder" } else { "a picture is a PNG: name it .png" };
+        return Err(Error::Usage(format!("-o {}: {what}", output.display())));
+    }
     let (light, camera) = (Lighting::new(arguments.light, at), Camera::beside(at[1]));
     if arguments.scene.is_some() {
         let scene = mitsuba::scene(&light, &camera, arguments.size.into());

@@ -92,7 +92,11 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
     let material = measured.campaign.optics.label();
     let material = if material.is_empty() { material } else { format!(", {material}") };
     let name = &measured.campaign.name;
-    out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations"))?;
+    let colours = match measured.table.colours.len() {
+        1 => String::new(),
+        count => format!("; albedos are means of {count} colours"),
+    };
+    out.line(format_args!("{name}{alpha}{material}: mean +- standard error over realisations{colours}"))?;
     out.lines(columns(&headers, &rows))?;
     out.lines(through_lines(measured, &angles))?;
     out.lines(optics::order_lines(measured, plan))?;

@@ -8,6 +8,7 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::io::Write;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -31,7 +32,9 @@ const CONVENTION: &str = "a row [wavelength m, theta_i, theta_r, phi_r rad, BRDF
 /// The version of the specification.
 const VERSION: &str = "1.1.0";
 /// The largest polar angle that the schema admits, rad.
-const MOST_THETA: f64 = 1.570_796;
+const MOST_THETA: f64 = 1_570_796.0 / 1e6;
+/// Wavelengths that may be given, nm.
+const NANOMETRES: RangeInclusive<f64> = 100.0..=1e6;
 /// Bytes of memory for each of the file's: a row of 15 bytes or more becomes five numbers, a sample and its place, each
 /// list half empty at worst.
 const MEMORY: u64 = 64;
@@ -105,8 +108,19 @@ fn colours(table: &BrdfTable, options: &Options) -> Checked<Vec<(f64, usize)>> {
         return Ok(own.into_iter().zip(0..).collect());
     }
     if given.len() != count {
+        let (has, give) = match count {
+            3 => ("R, G, B", "3 with --wavelengths-nm, of B, G and R"),
+            _ => ("one channel", "1 with --wavelengths-nm"),
+        };
         return Err(wrong!(
-            "OpenMATERIAL's rows have a wavelength: measure with wavelength_nm, or give {count} with --wavelengths-nm, of B, G, R"
+            "OpenMATERIAL's rows have a wavelength, the table has {has} without: give {give}"
+        ));
+    }
+    if !given.is_sorted_by(|a, b| a < b) || !given.iter().all(|nm| NANOMETRES.contains(nm)) {
+        return Err(wrong!(
+            "--wavelengths-nm {given:?}: increasing numbers of {} to {} nm needed",
+            NANOMETRES.start(),
+            NANOMETRES.end()
         ));
     }
     // Increasing wavelengths are B, G, R.

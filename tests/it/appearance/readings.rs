@@ -82,16 +82,17 @@ fn a_lambert_table_has_the_closed_forms() {
 #[test]
 fn between_incidences_readings_are_interpolated_and_said_to_be() {
     // rho = 0.2 + theta/100 degrees: linear in the angle, so that its interpolation is it.
-    let grid = fine(vec![0.0, 15.0, 30.0, 60.0, 75.0]);
+    let grid = fine(vec![0.0, 15.0, 30.0, 40.0, 50.0, 60.0, 75.0]);
     let at = of(&table(&Even(|theta| 0.2 + 0.01 * theta), &grid), None).remove(0);
     let eight = factor(&at, "8:d", 8.0);
     assert!((value(eight) - 0.28).abs() < 1e-6, "{eight:?}");
     assert_eq!(eight.note.as_deref(), Some("between theta_i 0 and 15"));
     let at_45 = factor(&at, "45:0", 45.0);
     assert!((value(at_45) - 0.65).abs() < 1e-6, "{at_45:?}");
-    assert_eq!(at_45.note.as_deref(), Some("between theta_i 30 and 60"));
+    assert_eq!(at_45.note.as_deref(), Some("between theta_i 40 and 50"));
+    assert_eq!((eight.se, at_45.se), (None, None));
     assert_eq!(factor(&at, "0:45", 0.0).note, None);
-    // 85 degrees lie beyond all incidences, and 30 degrees are the widest gap.
+    // 85 degrees lie beyond all incidences, and 15 degrees are the widest gap.
     let gloss = &at.gloss[2].gloss;
     assert_eq!(
         (gloss.value, gloss.note.as_deref()),

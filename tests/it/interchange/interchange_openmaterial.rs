@@ -48,8 +48,8 @@ fn is_valid(file: &Value) {
         let row: Vec<f64> =
             row.as_array().expect("a row").iter().map(|n| n.as_f64().expect("a number")).collect();
         assert!(row.len() == 5 && (1e-9..=17.16e-3).contains(&row[0]) && row[4] >= 0.0, "{row:?}");
-        assert!(row[1..3].iter().all(|theta| (0.0..=1.570_796).contains(theta)), "{row:?}");
-        assert!((0.0..=6.283_185).contains(&row[3]), "{row:?}");
+        assert!(row[1..3].iter().all(|theta| (0.0..=1_570_796.0 / 1e6).contains(theta)), "{row:?}");
+        assert!((0.0..=6_283_185.0 / 1e6).contains(&row[3]), "{row:?}");
         assert!(last.as_slice() < &row[..4], "sorted: {last:?} {row:?}");
         last.copy_from_slice(&row[..4]);
     }
@@ -84,8 +84,12 @@ fn tables_come_back_from_openmaterial() {
     };
     assert!(
         refused(&own, &Options::default())
-            .contains("measure with wavelength_nm, or give 3 with --wavelengths")
+            .contains("R, G, B without: give 3 with --wavelengths-nm, of B, G and R")
     );
+    for wavelengths_nm in [vec![650.0, 550.0, 450.0], vec![0.45, 0.55, 0.65]] {
+        let wrong = Options { wavelengths_nm, ..Options::default() };
+        assert!(refused(&own, &wrong).contains("increasing numbers of 100 to 1000000 nm"));
+    }
     let brushed = table(&Ggx::new(0.2, 0.5), &hemisphere(steps(30.0, 3), Some(steps(45.0, 8)), 6, 12));
     let one = Options { wavelengths_nm: vec![550.0], ..Options::default() };
     assert!(refused(&brushed, &one).contains("azimuth"), "{}", refused(&brushed, &one));

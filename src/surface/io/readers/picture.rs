@@ -108,7 +108,9 @@ fn read_png(bytes: &[u8]) -> Result<MapSamples, String> {
     let (colour, depth) = reader.output_color_type();
     if colour != ColorType::Grayscale || !matches!(depth, BitDepth::Eight | BitDepth::Sixteen) {
         return Err(format!(
-            "a picture of {colour:?} with {depth:?} bits; a height map has one grey of 8 or 16 bits"
+            "a picture of {} with {} bits; a height map has one grey of 8 or 16 bits",
+            if colour == ColorType::Grayscale { "greys" } else { "colours, a palette or transparency" },
+            depth as u8
         ));
     }
     let size = reader.output_buffer_size().ok_or("too large")?;
