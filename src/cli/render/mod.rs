@@ -63,11 +63,6 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if !(-20.0..=20.0).contains(&arguments.exposure) {
         return Err(Error::Usage(format!("--exposure {}: must lie in [-20, 20]", arguments.exposure)));
     }
-    let is_png = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("png"));
-    if arguments.scene.is_some() == is_png && output.extension().is_some() {
-        let what = if is_png { "a scene is a folder" } else { "a picture is a PNG: name it .png" };
-        return Err(Error::Usage(format!("-o {}: {what}", output.display())));
-    }
     let (light, camera) = (Lighting::new(arguments.light, at), Camera::beside(at[1]));
     if arguments.scene.is_some() {
         let scene = mitsuba::scene(&light, &camera, arguments.size.into());
@@ -75,6 +70,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     let place = Place::of(output, arguments.json)?;
     check_output(path, place.path(), arguments.force)?;
+    if output.extension().is_some() && !is_png(output) {
+        return Err(Error::Usage(format!("-o {}: a picture is a PNG: name it .png", output.display())));
+    }
     let table = table_file::load(path)?;
     let material = Material::new(&table).map_err(|why| no_sphere(path, why))?;
     for note in &material.notes {
@@ -119,6 +117,10 @@ impl Arguments {
     }
 }
 
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end.eq_ignore_ascii_case("png"))
+}
+
 /// A polar angle and an azimuth, degrees.
 #[derive(Clone, Copy)]
 struct Angles([f64; 2]);
@@ -158,6 +160,9 @@ fn no_sphere(path: &Path, why: ContentError) -> Error {
 /// The scene, the sky and the table in a folder.
 fn write_scene(arguments: &Arguments, light: &Lighting, scene: &str) -> Result<u8> {
     let (path, folder) = (&arguments.table, &arguments.output);
+    if is_png(folder) {
+        return Err(Error::Usage(format!("-o {}: a scene is a folder", folder.display())));
+    }
     let names = [mitsuba::SKY, mitsuba::TABLE, mitsuba::SCENE];
     for name in names {
         check_output(path, &folder.join(name), arguments.force)?;

@@ -111,9 +111,14 @@ pub fn waves(geometric: &GeometricOptics) -> Vec<String> {
     if !rows.is_empty() {
         let headings = ["theta_i", "4 pi s cos/l", "in step", "4 pi r cos/l", "smooth bins"];
         lines.extend(columns(&headings, &rows));
+        lines.extend(wrapped("", LIMITS_OF_RAYS));
     }
     lines
 }
+
+/// What the columns of `waves` mean.
+const LIMITS_OF_RAYS: &str = "s: rms height, r: mean radius of curvature, l: wavelength; limits pi/2 (Rayleigh) and 10. Below \
+    them light keeps step, or sees no flat facets: take a shorter wavelength, or wave optics (docs/physics.md)";
 
 fn waves_row(incidence: &GeometricIncidence) -> Vec<String> {
     vec![
