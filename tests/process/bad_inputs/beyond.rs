@@ -125,8 +125,8 @@ fn special_files() -> Vec<Row> {
 fn mixed_up() -> Vec<Row> {
     let exr = |words: &str| command("one file for another", words).file("t.exr", table_bytes());
     vec![
-        exr("check t.exr").exits(2, &["t.exr", "is not UTF-8"]),
-        exr("measure t.exr").exits(2, &["t.exr", "is not UTF-8"]),
+        exr("check t.exr").exits(2, &["t.exr", "a campaign, a TOML file, is needed"]),
+        exr("measure t.exr").exits(2, &["t.exr", "a campaign, a TOML file, is needed"]),
         measure("one file for another", "").file("x", "x").exits(0, &["verdict"]),
         command("one file for another", "validate small.toml")
             .file("small.toml", SMALL)
