@@ -6,7 +6,7 @@ use std::path::Path;
 use toml::de::DeTable;
 
 use crate::error::{Error, Fault, Result};
-use crate::files::{self, memory};
+use crate::files::{self, exr_header, memory};
 use crate::text_decoding::decode_text;
 
 mod difference;
@@ -166,12 +166,9 @@ fn is_bare_key(text: &str) -> bool {
     !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.'))
 }
 
-/// How an EXR file begins.
-const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-
 /// The fault of bytes that are no text, at the line of the first that is not UTF-8.
 fn no_text(name: &str, bytes: &[u8], why: String) -> Error {
-    if bytes.starts_with(&EXR) {
+    if bytes.starts_with(&exr_header::MAGIC) {
         let why = "an EXR file, as tables are; a campaign, a TOML file, is needed";
         return whole_file_fault(name, None, why.into());
     }

@@ -7,7 +7,7 @@
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 
-const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+pub(crate) const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 const FLAG_TILED: u32 = 1 << 9;
 const FLAG_DEEP: u32 = 1 << 11;
 const FLAG_PARTS: u32 = 1 << 12;

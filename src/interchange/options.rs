@@ -1,10 +1,14 @@
 //! What a user may choose about a foreign file.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use super::radiance::xml::SampleSide;
 use crate::instrument::klems::Basis;
 use crate::table::BrdfTable;
+
+/// Wavelengths that a user may give, nm.
+pub const NANOMETRES: RangeInclusive<f64> = 100.0..=1e6;
 
 /// Where in a MERL cell its value lies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::html::quantiles::SlopeQuantiles;
-use super::html::render::{MARK, SAVE_SCRIPT, STYLE};
+use super::html::render::plain_page;
 use super::html::sections::figures_of;
 use super::plot::plots::spread;
 use super::plot::{
@@ -69,18 +69,12 @@ impl ScanLaw {
     pub fn page(&self, quantiles: &[Vec<SlopeQuantiles>], scenes: [Scene; 2]) -> String {
         let slopes = figures_of(self.slope_chart(quantiles).iter().map(Chart::svg));
         let lobes = figures_of(lobe_charts(scenes).iter().map(Chart::svg));
-        let name = escaped(&self.name);
-        format!(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n{MARK}\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
-             script-src 'unsafe-inline'; img-src data:\">\n<title>{name}: the law of its slopes</title>\n<style>\n{STYLE}</style>\n\
-             </head>\n<body>\n<header>\n<h1>{name}: the law of its slopes</h1>\n<p id=\"verdict\">{}</p>\n</header>\n<main>\n\
-             <section id=\"slopes\" aria-label=\"Slopes\">\n<h2>Slopes</h2>\n<p>{}</p>\n{}{slopes}</section>\n\
+        let title = format!("{}: the law of its slopes", escaped(&self.name));
+        let verdict = format!("<p id=\"verdict\">{}</p>\n", escaped(&self.verdict()));
+        let main = format!(
+            "<section id=\"slopes\" aria-label=\"Slopes\">\n<h2>Slopes</h2>\n<p>{}</p>\n{}{slopes}</section>\n\
              <section id=\"lobes\" aria-label=\"In the plane of incidence\">\n<h2>In the plane of incidence</h2>\n<p>Bars are 95 % \
-             intervals.</p>\n{lobes}</section>\n<section id=\"figures\" aria-label=\"Distances\">\n<h2>Distances</h2>\n{}</section>\n\
-             </main>\n<script>\n\"use strict\";\n{SAVE_SCRIPT}\nofferDownloads();\n</script>\n</body>\n</html>\n",
-            escaped(&self.verdict()),
+             intervals.</p>\n{lobes}</section>\n<section id=\"figures\" aria-label=\"Distances\">\n<h2>Distances</h2>\n{}</section>\n",
             escaped(&format!(
                 "{} facets in {} x {} tiles; errors are over tiles. Measured beside the scan: {}, the plainest law that tiles do \
                  not tell from the best.",
@@ -91,7 +85,8 @@ impl ScanLaw {
             )),
             self.laws(),
             self.distances()
-        )
+        );
+        plain_page(&title, &verdict, &main)
     }
 
     /// Every law in a line.

@@ -14,5 +14,6 @@ pub(crate) mod optics;
 pub(crate) mod psd;
 pub(crate) mod reader;
 pub(crate) mod roughness;
+mod short_text;
 pub(crate) mod surface;
 pub(crate) mod warnings;

@@ -14,10 +14,8 @@ use crate::surface::SlopeLaw;
 /// A law, and which of its parameters are free.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlopeFamily {
-    /// gamma where it is held: 2 of GGX, infinite of Beckmann.
-    held: f64,
-    /// Whether gamma is fitted.
-    pub fits_gamma: bool,
+    /// gamma where it is held, 2 of GGX and infinite of Beckmann; `None`: it is fitted.
+    held: Option<f64>,
     /// Whether two roughnesses and an axis are fitted.
     pub anisotropic: bool,
 }
@@ -25,20 +23,23 @@ pub struct SlopeFamily {
 impl SlopeFamily {
     /// Beckmann, GGX and Student's t, with one roughness and with two.
     pub fn all() -> Vec<SlopeFamily> {
-        let laws = [(f64::INFINITY, false), (2.0, false), (f64::NAN, true)];
-        let both = |(held, fits_gamma)| {
-            [false, true].map(|anisotropic| SlopeFamily { held, fits_gamma, anisotropic })
-        };
+        let laws = [Some(f64::INFINITY), Some(2.0), None];
+        let both = |held| [false, true].map(|anisotropic| SlopeFamily { held, anisotropic });
         laws.into_iter().flat_map(both).collect()
     }
 
     /// The name in campaigns.
     pub fn name(self) -> &'static str {
-        match (self.fits_gamma, self.held) {
-            (true, _) => "student_t",
-            (_, 2.0) => "ggx",
-            _ => "beckmann",
+        match self.held {
+            None => "student_t",
+            Some(2.0) => "ggx",
+            Some(_) => "beckmann",
         }
+    }
+
+    /// Whether gamma is fitted.
+    pub fn fits_gamma(self) -> bool {
+        self.held.is_none()
     }
 
     /// Numbers of the matrix of roughness: 1 or 3.
@@ -48,14 +49,14 @@ impl SlopeFamily {
 
     /// gamma of some parameters.
     pub fn gamma(self, params: &[f64]) -> f64 {
-        if self.fits_gamma { 1.0 + params[self.matrix_params()].exp() } else { self.held }
+        self.held.unwrap_or_else(|| 1.0 + params[self.matrix_params()].exp())
     }
 
     /// Names of the decoded parameters.
     pub fn names(self) -> Vec<&'static str> {
         let mut names =
             if self.anisotropic { vec!["alpha_x", "alpha_y", "rotation_deg"] } else { vec!["alpha"] };
-        names.extend(self.fits_gamma.then_some("gamma"));
+        names.extend(self.fits_gamma().then_some("gamma"));
         names
     }
 
@@ -67,7 +68,7 @@ impl SlopeFamily {
         } else {
             vec![params[0].exp()]
         };
-        values.extend(self.fits_gamma.then(|| self.gamma(params)));
+        values.extend(self.fits_gamma().then(|| self.gamma(params)));
         values
     }
 

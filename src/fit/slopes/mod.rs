@@ -101,7 +101,7 @@ pub fn fit(tiles: &SlopeTiles, laws: &[SlopeFamily]) -> Option<SlopeFits> {
             anisotropic: law.family.anisotropic,
             parameters: named(law.family, law.family.decoded(&law.params).into_iter().map(Some)),
             standard_errors: named(law.family, law.errors.iter().copied()),
-            gamma_on_bound: law.family.fits_gamma && solve::on_bound(gamma),
+            gamma_on_bound: law.family.fits_gamma() && solve::on_bound(gamma),
             log_likelihood: law.log_likelihood,
             behind,
             behind_se,

@@ -44,11 +44,11 @@ pub fn on_bound(gamma: f64) -> bool {
 }
 
 pub fn solve(family: SlopeFamily, tiles: &SlopeTiles) -> Solved {
-    let params = if family.fits_gamma { with_gamma(family, tiles) } else { matrix(family, tiles, None) };
+    let params = if family.fits_gamma() { with_gamma(family, tiles) } else { matrix(family, tiles, None) };
     let by_tile = by_tile(family, &params, tiles);
     let sums: Vec<f64> =
         by_tile.iter().zip(tiles.tiles()).map(|(mean, tile)| mean * tile.len() as f64).collect();
-    let free = if family.fits_gamma && on_bound(family.gamma(&params)) {
+    let free = if family.fits_gamma() && on_bound(family.gamma(&params)) {
         family.matrix_params()
     } else {
         params.len()

@@ -10,6 +10,7 @@ pub use super::read::{Rgl, read};
 pub use super::write::write;
 use crate::error::wrong;
 use crate::interchange::codec::{Codec, Encoded, FormatTraits, resampling_notes};
+use crate::interchange::options::NANOMETRES;
 use crate::interchange::resample::default_grid;
 use crate::interchange::{Checked, Imported, Lookup, Options};
 use crate::table::BrdfTable;
@@ -55,7 +56,7 @@ fn wavelengths<'a>(table: &BrdfTable, options: &'a Options) -> Checked<Option<&'
     }
     if nm.len() < 2
         || nm.windows(2).any(|pair| pair[0] >= pair[1])
-        || !nm.iter().all(|nm| (100.0..=1e6).contains(nm))
+        || !nm.iter().all(|nm| NANOMETRES.contains(nm))
     {
         return Err(
             "at least two increasing wavelengths in nm needed; of R, G, B they are those of B, G, R".into()

@@ -8,7 +8,6 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::io::Write;
-use std::ops::RangeInclusive;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -21,6 +20,7 @@ use crate::error::wrong;
 use crate::files;
 use crate::instrument::Region;
 use crate::interchange::codec::{Codec, Encoded, FileContent, FormatTraits};
+use crate::interchange::options::NANOMETRES;
 use crate::interchange::read_back::{ReadBack, middles_deg};
 use crate::interchange::{Checked, Imported, Options};
 use crate::sphere;
@@ -33,8 +33,6 @@ const CONVENTION: &str = "a row [wavelength m, theta_i, theta_r, phi_r rad, BRDF
 const VERSION: &str = "1.1.0";
 /// The largest polar angle that the schema admits, rad.
 const MOST_THETA: f64 = 1_570_796.0 / 1e6;
-/// Wavelengths that may be given, nm.
-const NANOMETRES: RangeInclusive<f64> = 100.0..=1e6;
 /// Bytes of memory for each of the file's: a row of 15 bytes or more becomes five numbers, a sample and its place, each
 /// list half empty at worst.
 const MEMORY: u64 = 64;
@@ -78,11 +76,7 @@ impl Codec for OpenMaterial {
 
     fn read_back(&self, path: &Path, table: &BrdfTable, options: &Options) -> Checked<Option<ReadBack>> {
         let (pairs, _) = read(&files::read(path)?)?;
-        let order: Vec<usize> = {
-            let mut colours = colours(table, options)?;
-            colours.sort_by(|a, b| a.0.total_cmp(&b.0));
-            colours.into_iter().map(|(_, colour)| colour).collect()
-        };
+        let order = colours(table, options)?;
         let places: HashMap<_, &MeasuredPair> =
             pairs.iter().map(|pair| ((key(pair.light), key(pair.sensor)), pair)).collect();
         let each = |visit: &mut dyn FnMut(MeasuredPair) -> Checked<()>| {
@@ -91,7 +85,7 @@ impl Codec for OpenMaterial {
                 let found = found
                     .ok_or_else(|| wrong!("no row for light {light:?} and sensor {sensor:?} degrees"))?;
                 let mut values: ColourValues = found.values.clone();
-                order.iter().zip(&found.values).for_each(|(&colour, value)| values[colour] = *value);
+                order.iter().zip(&found.values).for_each(|(&(_, colour), value)| values[colour] = *value);
                 visit(MeasuredPair { light, sensor, values, ..(*found).clone() })
             })
         };
@@ -100,12 +94,14 @@ impl Codec for OpenMaterial {
     }
 }
 
-/// (wavelength in nm, colour) of what is written.
+/// (wavelength in nm, colour) of what is written, by increasing wavelength.
 fn colours(table: &BrdfTable, options: &Options) -> Checked<Vec<(f64, usize)>> {
     let (own, given) = (table.wavelengths_nm(), &options.wavelengths_nm);
     let count = table.colours.len();
     if !own.is_empty() {
-        return Ok(own.into_iter().zip(0..).collect());
+        let mut colours: Vec<(f64, usize)> = own.into_iter().zip(0..).collect();
+        colours.sort_by(|a, b| a.0.total_cmp(&b.0));
+        return Ok(colours);
     }
     if given.len() != count {
         let (has, give) = match count {
@@ -150,8 +146,6 @@ fn each_bin(table: &BrdfTable, mut visit: impl FnMut(usize, [[f64; 2]; 2]) -> Ch
 }
 
 fn write(table: &BrdfTable, colours: &[(f64, usize)], out: &mut dyn Write) -> Checked<()> {
-    let mut colours = colours.to_vec();
-    colours.sort_by(|a, b| a.0.total_cmp(&b.0));
     // 450/1e9 is the number next to 450 nm; 450e-9 may be its neighbour.
     let metres: Vec<f64> = colours.iter().map(|(nm, _)| nm / 1e9).collect();
     let mut rows: Vec<([f64; 3], usize)> = Vec::new();
@@ -175,10 +169,10 @@ fn write(table: &BrdfTable, colours: &[(f64, usize)], out: &mut dyn Write) -> Ch
         head.trim_end_matches('}')
     )?;
     let mut between = "\n";
-    for (&(_, colour), metres) in colours.iter().zip(&metres) {
+    for ((_, colour), metres) in colours.iter().zip(&metres) {
         for ([theta_i, theta_r, phi], entry) in &rows {
             // The shortest digits that are the f32 value.
-            let value = table.colours[colour].total[*entry];
+            let value = table.colours[*colour].total[*entry];
             write!(out, "{between}[{metres:e},{theta_i:.12},{theta_r:.12},{phi:.12},{value:e}]")?;
             between = ",\n";
         }

@@ -5,6 +5,8 @@ use crate::appearance::colorimetry::{Illuminant, Observer};
 use crate::appearance::reflectance::{Colour1976, Reflected};
 use crate::appearance::report::{AppearanceAtAzimuth, first_azimuths};
 use crate::appearance::{Appearance, Quantity};
+use crate::interchange::radiance::colour::rgb;
+use crate::render::picture::srgb;
 use crate::report::plot::escaped;
 use crate::report::plot::plots::spread;
 use crate::table::{BrdfTable, Realisations};
@@ -12,10 +14,6 @@ use crate::table::{BrdfTable, Realisations};
 /// The first azimuths of the light, and incidences, that are listed.
 const MOST_AZIMUTHS: usize = 4;
 const MOST_ROWS: usize = 24;
-
-/// Linear R, G, B of BT.709 from X, Y, Z (IEC 61966-2-1).
-const XYZ_TO_RGB: [[f64; 3]; 3] =
-    [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
 
 /// What the section shows of a table; nothing of one of light that has gone through alone.
 pub fn shown(table: &BrdfTable, parts: Option<&Realisations>) -> Option<Appearance> {
@@ -135,14 +133,8 @@ fn coloured(at: &AppearanceAtAzimuth) -> String {
 /// A patch of the colour under D65; of one brighter than white its hue at the brightness of white.
 fn swatch(xyz: [f64; 3]) -> String {
     let brightest = xyz[1].max(100.0);
-    let code = XYZ_TO_RGB.map(|row| {
-        let linear: f64 = row.iter().zip(xyz).map(|(weight, value)| weight * value / brightest).sum();
-        let linear = linear.clamp(0.0, 1.0);
-        let coded =
-            if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-        (255.0 * coded).round() as u8
-    });
-    let [r, g, b] = code;
+    let linear = rgb(xyz.map(|value| value / brightest));
+    let [r, g, b] = linear.map(|value| (255.0 * srgb(value.clamp(0.0, 1.0))).round() as u8);
     format!(
         "<span style=\"display:inline-block;width:1.6em;height:1em;background:#{r:02x}{g:02x}{b:02x}\"></span>"
     )

@@ -22,9 +22,9 @@ pub const MARK: &str = "<meta name=\"generator\" content=\"gonio\">";
 
 const TEMPLATE: &str = include_str!("assets/page.html");
 /// The style of all pages.
-pub(crate) const STYLE: &str = include_str!("assets/page.css");
+const STYLE: &str = include_str!("assets/page.css");
 /// What offers plots as files.
-pub(crate) const SAVE_SCRIPT: &str = include_str!("assets/save.js");
+const SAVE_SCRIPT: &str = include_str!("assets/save.js");
 /// In the order in which they build upon each other.
 const SCRIPTS: [&str; 10] = [
     include_str!("assets/table.js"),
@@ -158,6 +158,18 @@ fn filled(template: &str, parts: &[(&str, String)]) -> String {
 /// JSON that cannot end the element it stands in, nor turn the text around it.
 fn inside_script(data: &Value) -> String {
     seen_in_json(&data.to_string()).replace('<', "\\u003c")
+}
+
+/// A page of plots and tables alone: its title, what stands below that, and its sections, all as HTML.
+pub(crate) fn plain_page(title: &str, below: &str, sections: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n{MARK}\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
+         script-src 'unsafe-inline'; img-src data:\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+         <header>\n<h1>{title}</h1>\n{below}</header>\n<main>\n{sections}</main>\n\
+         <script>\n\"use strict\";\n{SAVE_SCRIPT}\nofferDownloads();\n</script>\n</body>\n</html>\n"
+    )
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::{ParameterSweep, SweptTable};
 use crate::fit::Fit;
 use crate::report::StopSummary;
-use crate::report::html::render::{MARK, SAVE_SCRIPT, STYLE};
+use crate::report::html::render::plain_page;
 use crate::report::html::sections::figures_of;
 use crate::report::plot::plots::spread;
 use crate::report::plot::{Chart, ChartAxis, Series, escaped, series_style};
@@ -21,19 +21,14 @@ impl ParameterSweep {
     pub fn page(&self, link: bool) -> String {
         let charts = figures_of(self.charts().iter().map(Chart::svg));
         let name = escaped(&self.name);
-        format!(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n{MARK}\n\
-             <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; \
-             script-src 'unsafe-inline'; img-src data:\">\n<title>{name}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-             <header>\n<h1>{name}</h1>\n<p id=\"what\">{} tables side by side.</p>\n</header>\n<main>\n\
-             <section id=\"plots\" aria-label=\"Plots\">\n<h2>Side by side</h2>\n<p>Bars are 95 % intervals of the \
+        let what = format!("<p id=\"what\">{} tables side by side.</p>\n", self.tables.len());
+        let main = format!(
+            "<section id=\"plots\" aria-label=\"Plots\">\n<h2>Side by side</h2>\n<p>Bars are 95 % intervals of the \
              measurement.</p>\n{charts}</section>\n\
-             <section id=\"tables\" aria-label=\"Tables\">\n<h2>Tables</h2>\n{}</section>\n</main>\n\
-             <script>\n\"use strict\";\n{SAVE_SCRIPT}\nofferDownloads();\n</script>\n</body>\n</html>\n",
-            self.tables.len(),
+             <section id=\"tables\" aria-label=\"Tables\">\n<h2>Tables</h2>\n{}</section>\n",
             self.listed(link)
-        )
+        );
+        plain_page(&name, &what, &main)
     }
 
     fn charts(&self) -> Vec<Chart> {

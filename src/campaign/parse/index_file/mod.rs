@@ -7,12 +7,10 @@ mod columns;
 mod dispersion;
 mod yaml;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::reader::Bounds;
-use crate::text_decoding::decode_text_or_latin1;
+use super::short_text;
 
 pub(crate) use dispersion::Dispersion;
 
@@ -26,7 +24,6 @@ pub(crate) const K: Bounds = Bounds::closed(0.0, 100.0).advice("absorption is po
 
 /// More than any table of a material has.
 const MOST_LINES: usize = 10_000;
-const LARGEST_FILE: u64 = 1 << 20;
 /// Wavelengths below this are none of light in nm, but those of light in um.
 const SHORTEST_NM: f64 = 100.0;
 
@@ -57,19 +54,7 @@ fn pair(files: [PathBuf; 2]) -> Result<Dispersion, String> {
 }
 
 fn text_of(path: &Path) -> Result<String, String> {
-    let failed = |e: std::io::Error| format!("cannot be read: {e}");
-    // A pipe might never begin.
-    if !std::fs::metadata(path).map_err(failed)?.is_file() {
-        return Err("cannot be read: is not a regular file".into());
-    }
-    let file = File::open(path).map_err(failed)?;
-    let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err("is larger than 1 MiB; this is no list of n and k".into());
-    }
-    let text = decode_text_or_latin1(&bytes)?;
-    if text.contains('\0') { Err("is no text".into()) } else { Ok(text.into_owned()) }
+    short_text::read(path, "list of n and k")
 }
 
 #[cfg(test)]

@@ -1,13 +1,9 @@
 //! A power spectral density as CSV: frequency and density on each line, under a heading that says which density.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
+use crate::campaign::parse::short_text;
 use crate::psd::{PsdKind, PsdTable};
-use crate::text_decoding::decode_text_or_latin1;
-
-const LARGEST_FILE: u64 = 1 << 20;
 
 /// What the heading must be.
 const HEADING: &str = "frequency_per_um,psd_um4 (areal) or frequency_per_um,psd_um3 (profile, one-sided)";
@@ -17,17 +13,7 @@ const KINDS: [(&str, PsdKind); 2] = [("psd_um4", PsdKind::Areal), ("psd_um3", Ps
 
 /// What the file at `path` says.
 pub fn read(path: &Path) -> Result<PsdTable, String> {
-    let failed = |e: std::io::Error| format!("cannot be read: {e}");
-    // A pipe might never begin.
-    if !std::fs::metadata(path).map_err(failed)?.is_file() {
-        return Err("cannot be read: is not a regular file".into());
-    }
-    let mut bytes = Vec::new();
-    File::open(path).map_err(failed)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(failed)?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err("is larger than 1 MiB; this is no list of a PSD".into());
-    }
-    parse(&decode_text_or_latin1(&bytes)?)
+    parse(&short_text::read(path, "list of a PSD")?)
 }
 
 /// Lines that are empty or begin with # are left out.
