@@ -35,6 +35,7 @@
 // What all modules may use.
 pub mod error;
 pub mod files;
+pub mod lanes;
 pub mod psd;
 pub mod rng;
 pub mod sphere;

@@ -7,6 +7,7 @@ pub mod sampling;
 pub mod simd;
 pub mod symmetry;
 
+pub use crate::lanes::Kernel;
 pub use grains::patch::TracedGrains;
 pub use grains::point::GrainPoint;
 pub use grains::starts::{GrainSampler, RaysFromAbove};
@@ -23,7 +24,6 @@ pub use sampling::cones::ConeSampler;
 pub use sampling::slope_index::SlopeIndex;
 pub use sampling::slope_order::{BatchedStarts, SlopeSampler};
 pub use simd::batch::RayBatch;
-pub use simd::dispatch::Kernel;
 pub use simd::hit_buffer::{HitBuffer, LONGEST, LaneHit, RayOutcome};
 pub use simd::max_pyramid::MaxPyramid;
 pub use simd::traversal::{SimdTraversal, Waves};

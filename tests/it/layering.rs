@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// The measuring side in the order of the data: a layer may import only what stands before it, or itself.
 const LAYERS: [&[&str]; 9] = [
-    &["error", "psd", "rng", "sphere", "stats", "text_decoding", "files"],
+    &["error", "lanes", "psd", "rng", "sphere", "stats", "text_decoding", "files"],
     &["campaign"],
     &["surface"],
     &["instrument"],
@@ -18,8 +18,9 @@ const LAYERS: [&[&str]; 9] = [
 ];
 
 /// Modules that may import nothing but these.
-const NARROW: [(&str, &[&str]); 8] = [
+const NARROW: [(&str, &[&str]); 9] = [
     ("error", &[]),
+    ("lanes", &[]),
     ("psd", &[]),
     ("rng", &[]),
     ("sphere", &[]),

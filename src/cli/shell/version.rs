@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 
-use crate::trace::simd::dispatch::Kernel;
+use crate::lanes::Kernel;
 
 /// Whether the words of the command line ask for it.
 pub fn is_asked(words: &[OsString]) -> bool {

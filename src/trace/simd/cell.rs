@@ -4,7 +4,7 @@ use super::batch::LANES;
 use super::hit_buffer::{HitBuffer, LaneHit};
 use super::max_pyramid::MaxPyramid;
 use super::ray_lanes::{CellExit, RayLanes};
-use super::vector::Lanes;
+use crate::lanes::vector::Lanes;
 
 /// How rays cross their cells.
 ///

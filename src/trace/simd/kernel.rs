@@ -13,7 +13,7 @@ use super::hit_buffer::{HitBuffer, LONGEST, LaneHit, RayOutcome};
 use super::max_pyramid::MaxPyramid;
 use super::queue::Queue;
 use super::ray_lanes::{CellExit, RayLanes};
-use super::vector::Lanes;
+use crate::lanes::vector::Lanes;
 
 /// Lanes that must be free before some are refilled, and that must wait before facets are tested, of each 16.
 const REFILL: usize = 4;

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::hit_buffer::LaneHit;
-use super::vector::Gathered;
+use crate::lanes::vector::Gathered;
 use crate::surface::Heightfield;
 use crate::surface::heightfield::Corners;
 use crate::trace::ray::tile_peaks::Tiles;

@@ -4,14 +4,8 @@ pub mod batch;
 pub(crate) mod cell;
 pub mod dispatch;
 pub mod hit_buffer;
-#[cfg(target_arch = "x86_64")]
-pub(crate) mod interleaved;
 pub(crate) mod kernel;
 pub mod max_pyramid;
 pub(crate) mod queue;
 pub(crate) mod ray_lanes;
-pub(crate) mod scalar;
 pub mod traversal;
-pub(crate) mod vector;
-#[cfg(target_arch = "x86_64")]
-pub(crate) mod x86;

@@ -7,7 +7,7 @@ use super::cell::CellCrossing;
 use super::hit_buffer::{HitBuffer, LONGEST, RayOutcome};
 use super::max_pyramid::MaxPyramid;
 use super::ray_lanes::RayLanes;
-use super::vector::Lanes;
+use crate::lanes::vector::Lanes;
 
 /// Room of the queue: what may be left, what is added, and what a vector writes beyond.
 const ROOM: usize = 5 * LANES;

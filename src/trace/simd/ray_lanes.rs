@@ -1,6 +1,6 @@
 //! The rays that are in the lanes of a vector.
 
-use super::vector::Lanes;
+use crate::lanes::vector::Lanes;
 
 /// The rays in the lanes.
 pub(crate) struct RayLanes<S: Lanes> {

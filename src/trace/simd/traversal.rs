@@ -6,9 +6,9 @@
 use glam::DVec3;
 
 use super::batch::RayBatch;
-use super::dispatch::Kernel;
 use super::hit_buffer::{HitBuffer, LONGEST, LaneHit, RayOutcome};
 use super::max_pyramid::MaxPyramid;
+use crate::lanes::Kernel;
 use crate::surface::heightfield::Corners;
 use crate::trace::ray::grid_traversal::GridTraversal;
 use crate::trace::ray::surface_point::{Facet, Outcome, SurfacePoint};

@@ -9,11 +9,7 @@
 
 use std::arch::x86_64::*;
 
-use super::batch::RayBatch;
-use super::hit_buffer::HitBuffer;
-use super::interleaved::Interleaved;
-use super::kernel;
-use super::max_pyramid::MaxPyramid;
+use super::LaneWork;
 use super::vector::{Gathered, Lanes, operations};
 
 /// 16 lanes. A value exists only inside `in_avx512`, whose features its operations need.
@@ -38,35 +34,35 @@ pub(crate) fn has_avx2() -> bool {
         && is_x86_feature_detected!("popcnt")
 }
 
-/// Runs the kernel in 16 lanes; `false` where the processor lacks them.
-pub(crate) fn run_avx512<const CLOSEST: bool>(
-    field: &MaxPyramid,
-    rays: &RayBatch,
-    hits: &mut HitBuffer,
-) -> bool {
+/// Does the work in 16 lanes; gives it back where the processor lacks them.
+pub(crate) fn run_avx512<W: LaneWork>(work: W) -> Option<W> {
+    if !has_avx512() {
+        return Some(work);
+    }
     // SAFETY: has_avx512() asked the processor for these very features.
-    has_avx512().then(|| unsafe { in_avx512::<CLOSEST>(field, rays, hits) }).is_some()
+    unsafe { in_avx512(work) };
+    None
 }
 
-/// Runs the kernel in 8 lanes; `false` where the processor lacks them.
-pub(crate) fn run_avx2<const CLOSEST: bool>(
-    field: &MaxPyramid,
-    rays: &RayBatch,
-    hits: &mut HitBuffer,
-) -> bool {
+/// Does the work in 8 lanes; gives it back where the processor lacks them.
+pub(crate) fn run_avx2<W: LaneWork>(work: W) -> Option<W> {
+    if !has_avx2() {
+        return Some(work);
+    }
     // SAFETY: has_avx2() asked the processor for these very features.
-    has_avx2().then(|| unsafe { in_avx2::<CLOSEST>(field, rays, hits) }).is_some()
+    unsafe { in_avx2(work) };
+    None
 }
 
 // The features stay off FMA: a fused product would round unlike the other kernels.
 #[target_feature(enable = "avx512f,avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn in_avx512<const CLOSEST: bool>(field: &MaxPyramid, rays: &RayBatch, hits: &mut HitBuffer) {
-    kernel::run::<Interleaved<Avx512>, CLOSEST>(Interleaved(Avx512(())), field, rays, hits);
+fn in_avx512(work: impl LaneWork) {
+    work.run(Avx512(()));
 }
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn in_avx2<const CLOSEST: bool>(field: &MaxPyramid, rays: &RayBatch, hits: &mut HitBuffer) {
-    kernel::run::<Interleaved<Avx2>, CLOSEST>(Interleaved(Avx2(())), field, rays, hits);
+fn in_avx2(work: impl LaneWork) {
+    work.run(Avx2(()));
 }
 
 /// Operations on registers alone.
@@ -119,6 +115,7 @@ impl Lanes for Avx512 {
         sub(a: Self::F, b: Self::F) -> Self::F = _mm512_sub_ps(a, b);
         mul(a: Self::F, b: Self::F) -> Self::F = _mm512_mul_ps(a, b);
         div(a: Self::F, b: Self::F) -> Self::F = _mm512_div_ps(a, b);
+        sqrt(a: Self::F) -> Self::F = _mm512_sqrt_ps(a);
         min(a: Self::F, b: Self::F) -> Self::F = _mm512_min_ps(a, b);
         max(a: Self::F, b: Self::F) -> Self::F = _mm512_max_ps(a, b);
         sign(a: Self::I) -> Self::I = _mm512_srai_epi32::<31>(a);
@@ -126,6 +123,7 @@ impl Lanes for Avx512 {
         lt(a: Self::F, b: Self::F) -> Self::M = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b);
         to_f(a: Self::I) -> Self::F = _mm512_cvtepi32_ps(a);
         trunc(a: Self::F) -> Self::I = _mm512_cvttps_epi32(a);
+        to_bits(a: Self::F) -> Self::I = _mm512_castps_si512(a);
         add_i(a: Self::I, b: Self::I) -> Self::I = _mm512_add_epi32(a, b);
         sub_i(a: Self::I, b: Self::I) -> Self::I = _mm512_sub_epi32(a, b);
         and_i(a: Self::I, b: Self::I) -> Self::I = _mm512_and_si512(a, b);
@@ -226,6 +224,7 @@ impl Lanes for Avx2 {
         sub(a: Self::F, b: Self::F) -> Self::F = _mm256_sub_ps(a, b);
         mul(a: Self::F, b: Self::F) -> Self::F = _mm256_mul_ps(a, b);
         div(a: Self::F, b: Self::F) -> Self::F = _mm256_div_ps(a, b);
+        sqrt(a: Self::F) -> Self::F = _mm256_sqrt_ps(a);
         min(a: Self::F, b: Self::F) -> Self::F = _mm256_min_ps(a, b);
         max(a: Self::F, b: Self::F) -> Self::F = _mm256_max_ps(a, b);
         sign(a: Self::I) -> Self::I = _mm256_srai_epi32::<31>(a);
@@ -233,6 +232,7 @@ impl Lanes for Avx2 {
         lt(a: Self::F, b: Self::F) -> Self::M = _mm256_castps_si256(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b));
         to_f(a: Self::I) -> Self::F = _mm256_cvtepi32_ps(a);
         trunc(a: Self::F) -> Self::I = _mm256_cvttps_epi32(a);
+        to_bits(a: Self::F) -> Self::I = _mm256_castps_si256(a);
         add_i(a: Self::I, b: Self::I) -> Self::I = _mm256_add_epi32(a, b);
         sub_i(a: Self::I, b: Self::I) -> Self::I = _mm256_sub_epi32(a, b);
         and_i(a: Self::I, b: Self::I) -> Self::I = _mm256_and_si256(a, b);

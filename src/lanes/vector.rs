@@ -1,4 +1,4 @@
-//! The operations that the ray kernel is written in.
+//! The operations that lanes have.
 
 use std::ops::Deref;
 
@@ -49,6 +49,7 @@ pub(crate) trait Lanes: Copy {
     fn sub(self, a: Self::F, b: Self::F) -> Self::F;
     fn mul(self, a: Self::F, b: Self::F) -> Self::F;
     fn div(self, a: Self::F, b: Self::F) -> Self::F;
+    fn sqrt(self, a: Self::F) -> Self::F;
     /// a < b ? a : b
     fn min(self, a: Self::F, b: Self::F) -> Self::F;
     /// a > b ? a : b
@@ -59,6 +60,8 @@ pub(crate) trait Lanes: Copy {
     fn to_f(self, a: Self::I) -> Self::F;
     /// Towards zero; the value must fit.
     fn trunc(self, a: Self::F) -> Self::I;
+    /// The same bits.
+    fn to_bits(self, a: Self::F) -> Self::I;
     fn add_i(self, a: Self::I, b: Self::I) -> Self::I;
     fn sub_i(self, a: Self::I, b: Self::I) -> Self::I;
     fn and_i(self, a: Self::I, b: Self::I) -> Self::I;

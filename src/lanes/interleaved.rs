@@ -27,12 +27,14 @@ impl<S: Lanes> Lanes for Interleaved<S> {
         sub(a: F, b: F) -> F;
         mul(a: F, b: F) -> F;
         div(a: F, b: F) -> F;
+        sqrt(a: F) -> F;
         min(a: F, b: F) -> F;
         max(a: F, b: F) -> F;
         abs(a: F) -> F;
         lt(a: F, b: F) -> M;
         to_f(a: I) -> F;
         trunc(a: F) -> I;
+        to_bits(a: F) -> I;
         add_i(a: I, b: I) -> I;
         sub_i(a: I, b: I) -> I;
         and_i(a: I, b: I) -> I;

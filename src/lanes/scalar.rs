@@ -1,4 +1,4 @@
-//! One ray at a time, in plain Rust: what every processor runs.
+//! One lane, in plain Rust: what every processor runs.
 
 use super::vector::{Gathered, Lanes, operations};
 
@@ -19,6 +19,7 @@ impl Lanes for One {
         sub(a: Self::F, b: Self::F) -> Self::F = a - b;
         mul(a: Self::F, b: Self::F) -> Self::F = a * b;
         div(a: Self::F, b: Self::F) -> Self::F = a / b;
+        sqrt(a: Self::F) -> Self::F = a.sqrt();
         min(a: Self::F, b: Self::F) -> Self::F = if a < b { a } else { b };
         max(a: Self::F, b: Self::F) -> Self::F = if a > b { a } else { b };
         sign(a: Self::I) -> Self::I = a >> 31;
@@ -26,6 +27,7 @@ impl Lanes for One {
         lt(a: Self::F, b: Self::F) -> Self::M = a < b;
         to_f(a: Self::I) -> Self::F = a as f32;
         trunc(a: Self::F) -> Self::I = a as i32;
+        to_bits(a: Self::F) -> Self::I = a.to_bits() as i32;
         add_i(a: Self::I, b: Self::I) -> Self::I = a.wrapping_add(b);
         sub_i(a: Self::I, b: Self::I) -> Self::I = a.wrapping_sub(b);
         and_i(a: Self::I, b: Self::I) -> Self::I = a & b;
