@@ -12,8 +12,6 @@
 //! can only have its slope where the height is extreme. Forcing it there makes needles that shadow unlike Smith's
 //! (on bumps of 4 cells, alpha 0.5: L1 0.039 with all of the error taken back, 0.030 so, 0.031 with none).
 
-use glam::Vec2;
-
 use super::slope_law::SlopeLaw;
 
 /// Octaves of the share above a rank: 1 to 2^-16, half a facet of a class of 2^15.
@@ -25,20 +23,31 @@ const KNOTS: usize = OCTAVES * KNOTS_PER_OCTAVE;
 /// the steepest eighth: turning the few steepest by classes of their own aligns needles, and makes the surface shadow
 /// itself unlike Smith's (L1 at alpha 0.5 and 75 degrees 0.057 instead of 0.050).
 const CLASSES_PER_OCTAVE: usize = 2;
-const LENGTH_CLASSES: usize = 7;
+pub(super) const LENGTH_CLASSES: usize = 7;
 /// The slope, as a share of the correlation length in cells, whose length error is taken back by half. From a half to an
 /// eighth of it the discrepancy on bumps of 4, 8 and 16 cells agrees; the slope law is the closer the larger it is.
 const HELD_SLOPE: f64 = 0.25;
 /// The share of an error that each round adds to its gain.
 const RATE: f32 = 0.7;
-/// Highest azimuth harmonic that is flattened.
-const HARMONICS: usize = 4;
+/// Azimuth harmonics that are flattened: 2, 3, 4. The first is left alone: the mean slope of a torus is 0, and the fit
+/// resists.
+const HARMONICS: [usize; 3] = [2, 3, 4];
+/// A cosine and a sine of each.
+pub(super) const TURNS: usize = 2 * HARMONICS.len();
 
-/// Mean of (cos k psi, sin k psi), k = 1, 2, ..., for each length class.
-type Harmonics = [[Vec2; HARMONICS]; LENGTH_CLASSES];
+/// Cosine and sine of each harmonic, for each length class.
+pub(super) type Harmonics = [[f32; TURNS]; LENGTH_CLASSES];
+
+/// What a field has.
+pub(super) struct Observed {
+    /// Squared slope lengths at the knots of the gain.
+    pub squared_lengths: Vec<f64>,
+    /// Means over the facets.
+    pub azimuths: Harmonics,
+}
 
 /// The corrections.
-pub struct Feedback {
+pub(super) struct Feedback {
     /// The slope whose length error is taken back by half.
     held_slope: f64,
     /// Length gains at the knots and their logarithms.
@@ -65,50 +74,12 @@ impl Feedback {
             rounds: 0,
         }
     }
-}
 
-/// What a field has.
-pub struct Observed {
-    /// Squared slope lengths at the knots.
-    squared_lengths: Vec<f64>,
-    azimuth: Harmonics,
-    counts: [f32; LENGTH_CLASSES],
-}
-
-impl Observed {
-    /// A field's lengths, `squared_quantiles(shares)`, and no facet's azimuth yet.
-    pub fn new(squared_quantiles: impl FnOnce(&[f64]) -> Vec<f64>) -> Self {
-        let knots: Vec<f64> = (0..KNOTS).map(knot_share).collect();
-        let squared_lengths = squared_quantiles(&knots);
-        Observed { squared_lengths, azimuth: Default::default(), counts: [0.0; LENGTH_CLASSES] }
-    }
-
-    /// Notes one facet's slope; `u` in (0, 1) is the rank of its length.
-    #[inline]
-    pub fn add(&mut self, slope: Vec2, u: f32) {
-        let unit = slope.normalize_or_zero();
-        let class = length_class(u);
-        let mut power = unit;
-        for harmonic in &mut self.azimuth[class] {
-            *harmonic += power;
-            power = unit.rotate(power);
-        }
-        self.counts[class] += 1.0;
-    }
-
-    fn means(&self) -> Harmonics {
-        let mean = |class: usize, k: usize| self.azimuth[class][k] / self.counts[class].max(1.0);
-        std::array::from_fn(|class| std::array::from_fn(|k| mean(class, k)))
-    }
-}
-
-impl Feedback {
     /// Turns what was observed into the next corrections; the first time, keeps the azimuths as what is to be
     /// restored.
     pub fn learn(&mut self, law: SlopeLaw, observed: &Observed) {
-        let means = observed.means();
         let Some(wanted) = &self.wanted_azimuth else {
-            self.wanted_azimuth = Some(means);
+            self.wanted_azimuth = Some(observed.azimuths);
             return;
         };
         for (knot, gain) in self.log_gain.iter_mut().enumerate() {
@@ -121,10 +92,9 @@ impl Feedback {
             }
         }
         self.gain = self.log_gain.map(f32::exp);
-        // The first harmonic is left alone: the mean slope of a torus is 0, and the fit resists.
         for (class, wanted) in wanted.iter().enumerate() {
-            for (k, wanted) in wanted.iter().enumerate().skip(1) {
-                let error = means[class][k] - wanted;
+            for (k, wanted) in wanted.iter().enumerate() {
+                let error = observed.azimuths[class][k] - wanted;
                 // The first error is what gathered over many rounds; the later ones are what one fit adds.
                 if self.rounds > 0 {
                     self.drift[class][k] += 0.4 * error;
@@ -136,55 +106,41 @@ impl Feedback {
         self.rounds += 1;
     }
 
-    /// The slope that a facet should get: of the law's length at rank `u` (corrected), nearly in its own direction.
-    ///
-    /// A surplus density of azimuths 2 sum (c_k cos k psi + s_k sin k psi) vanishes, to first order, under
-    /// psi -> psi + sum 2/k (c_k sin k psi - s_k cos k psi).
-    #[inline]
-    pub fn target(&self, law: SlopeLaw, slope: Vec2, u: f32) -> Vec2 {
-        let squared = slope.length_squared();
-        if squared == 0.0 {
-            return slope; // a level facet has no direction to keep
-        }
-        let scaled = slope * (law.squared_quantile(u) / squared).sqrt();
-        if self.rounds == 0 {
-            return scaled;
-        }
-        let unit = slope / squared.sqrt();
-        let mut power = unit;
-        let mut angle = 0.0;
-        for (k, c) in self.turn[length_class(u)].iter().enumerate() {
-            angle += 2.0 / (k + 1) as f32 * c.perp_dot(power);
-            power = unit.rotate(power);
-        }
-        // The tangent for the angle: they differ by its cube, and it is a few hundredths.
-        let turned = scaled + angle * scaled.perp();
-        turned * (self.gain_at(u) / (1.0 + angle * angle).sqrt())
+    /// 2/k times each harmonic of the turn, class by class, as a table of a power of two; `None` before anything is learnt.
+    pub fn turn_coefficients(&self) -> Option<Vec<f32>> {
+        let scaled = self.turn.as_flattened().iter().enumerate();
+        let scaled = scaled.map(|(k, turn)| 2.0 / HARMONICS[k % TURNS / 2] as f32 * turn);
+        let mut table: Vec<f32> = scaled.collect();
+        table.resize(table.len().next_power_of_two(), 0.0);
+        (self.rounds > 0).then_some(table)
     }
 
     /// The length gain at rank `u`, linear between the knots.
-    #[inline]
-    fn gain_at(&self, u: f32) -> f32 {
+    pub fn gain_at(&self, u: f32) -> f32 {
         let place = octave(u) * KNOTS_PER_OCTAVE as f32;
         let low = (place as usize).min(KNOTS - 2);
         let share = (place - low as f32).min(1.0);
         self.gain[low] + share * (self.gain[low + 1] - self.gain[low])
     }
+
+    /// The class of slope lengths at rank `u`.
+    pub fn length_class(u: f32) -> usize {
+        ((octave(u) * CLASSES_PER_OCTAVE as f32) as usize).min(LENGTH_CLASSES - 1)
+    }
 }
 
 /// -log2(1 - u), linear inside each octave: the float's own exponent and mantissa.
-#[inline]
 fn octave(u: f32) -> f32 {
     let one = 1.0f32.to_bits();
     one.saturating_sub((1.0 - u).to_bits()) as f32 / (1 << 23) as f32
 }
 
-#[inline]
-fn length_class(u: f32) -> usize {
-    ((octave(u) * CLASSES_PER_OCTAVE as f32) as usize).min(LENGTH_CLASSES - 1)
+/// The ranks at the knots of the length gain.
+pub(super) fn knot_shares() -> Vec<f64> {
+    (0..KNOTS).map(knot_share).collect()
 }
 
-/// The rank at a knot of the length gain: `octave` inverted.
+/// The rank at a knot: `octave` inverted.
 fn knot_share(knot: usize) -> f64 {
     let octave = (knot << 23) / KNOTS_PER_OCTAVE;
     1.0 - f64::from(f32::from_bits(1.0f32.to_bits() - octave as u32))

@@ -66,21 +66,6 @@ impl SlopeLaw {
             }
         }
     }
-
-    /// The square of `length_quantile`, in the precision of a patch's heights.
-    // Tested by `length_law_and_quantile_are_inverse`.
-    #[inline]
-    pub fn squared_quantile(self, u: f32) -> f32 {
-        match self {
-            SlopeLaw::Ggx => u / (1.0 - u),
-            SlopeLaw::Beckmann => -(-u).ln_1p(),
-            SlopeLaw::StudentT { power } => {
-                let power = power as f32;
-                power * (-(-u).ln_1p() / power).exp_m1()
-            }
-            SlopeLaw::Grains { .. } => self.length_quantile(f64::from(u)).powi(2) as f32,
-        }
-    }
 }
 
 #[cfg(test)]
@@ -97,14 +82,6 @@ mod tests {
             for u in [0.0, 1e-12, 0.01, 0.5, 0.9, 0.999_999].map(|u: f64| u.max(atom)) {
                 // 1 - u amplifies the rounding of the quantile by at most 1/(1 - u) = 1e6.
                 let back = law.length_cdf(law.length_quantile(u));
-                let squared = f64::from(law.squared_quantile(u as f32));
-                // One division or logarithm of an f32 u (Student: four steps); 1 - u is exact, but as far off as u,
-                // relative to 1 - u.
-                let relative = f64::from(f32::EPSILON) * (4.0 + u / (1.0 - u));
-                assert!(
-                    (squared.sqrt() - law.length_quantile(u)).abs() <= relative * squared.sqrt(),
-                    "{law:?} {u}"
-                );
                 assert!((back - u).abs() <= 4.0 * f64::EPSILON * (1e-12f64).max(1.0), "{law:?} {u} {back}");
             }
         }
