@@ -19,6 +19,8 @@ pub enum Sensor {
         above: usize,
         /// Edges of the columns.
         phi: Edges,
+        /// Rows by the cosine of the polar angle.
+        by_cosine: RowsByCosine,
     },
     /// A direction may fall into several apertures, or into none.
     Arm {
@@ -90,6 +92,7 @@ impl Sensor {
                 theta: Edges::new(&grid.theta_r_edges_deg),
                 above: grid.theta_r_edges_deg[1..].iter().filter(|&&edge| edge <= 90.0).count(),
                 phi: Edges::new(&grid.phi_r_edges_deg),
+                by_cosine: RowsByCosine::new(&grid.theta_r_edges_deg),
             },
             GridKind::Arm => {
                 let phi = |&t: &f64| grid.phi_r_deg.iter().map(move |&p| (t, p)).collect::<Vec<_>>();
@@ -143,8 +146,8 @@ impl Sensor {
         about_deg: f64,
         mut visit: impl FnMut(usize, bool),
     ) {
-        if let Sensor::Hemisphere { theta, above, phi } = self {
-            let Some(row) = row(wo, theta, *above) else { return };
+        if let Sensor::Hemisphere { theta, above, phi, by_cosine } = self {
+            let Some(row) = by_cosine.row(wo.z).or_else(|| row(wo, theta, *above)) else { return };
             let (first, azimuth) = (row * phi.len(), quick_atan2_deg(wo.y, wo.x));
             let turned = about_deg - azimuth;
             let mirrored = if turned < 0.0 { turned + 360.0 } else { turned % 360.0 };
@@ -159,8 +162,8 @@ impl Sensor {
     /// Calls `visit(bin)` for every bin that holds `wo`, a unit vector.
     pub fn each_bin(&self, wo: DVec3, mut visit: impl FnMut(usize)) {
         match self {
-            Sensor::Hemisphere { theta, above, phi } => {
-                let Some(row) = row(wo, theta, *above) else { return };
+            Sensor::Hemisphere { theta, above, phi, by_cosine } => {
+                let Some(row) = by_cosine.row(wo.z).or_else(|| row(wo, theta, *above)) else { return };
                 let azimuth = quick_atan2_deg(wo.y, wo.x);
                 visit(row * phi.len() + column(wo, azimuth, phi));
             }
@@ -191,6 +194,40 @@ impl Sensor {
                 patches.iter().enumerate().filter(|(_, patch)| holds(patch)).for_each(|(bin, _)| visit(bin));
             }
         }
+    }
+}
+
+/// Which row holds directions of a cosine, where one row holds all of about that cosine.
+#[derive(Debug, Clone)]
+pub struct RowsByCosine(Vec<u16>);
+
+/// Ranges of equal width that the cosines above the horizon are parted into, and those below.
+const COSINES: usize = 2048;
+/// No row holds all of a range.
+const SEVERAL: u16 = u16::MAX;
+/// What the angle of a vector, of unit length to 1e-11, and the arc cosine of its z are apart at most where ranges end, in
+/// degrees: 1e-11 cot(theta), and theta >= acos(1 - 1/2048) there but at the poles, where no edge is near.
+const COSINE_ERROR: f64 = 1e-6;
+
+impl RowsByCosine {
+    fn new(edges: &[f64]) -> Self {
+        let angle = |range: usize| (1.0 - range as f64 / COSINES as f64).acos().to_degrees();
+        let row_of = |range: usize| {
+            // From the pole on; at the horizon the sign of the cosine decides.
+            let (low, high) = (angle(range) - COSINE_ERROR, angle(range + 1) + COSINE_ERROR);
+            let row = edges.partition_point(|&edge| edge <= low.max(0.0)).checked_sub(1)?;
+            let holds = edges.get(row + 1).is_some_and(|&end| high < end || end == 180.0);
+            let crosses = low < 90.0 && high > 90.0;
+            u16::try_from(row).ok().filter(|_| holds && !crosses)
+        };
+        RowsByCosine((0..2 * COSINES).map(|range| row_of(range).unwrap_or(SEVERAL)).collect())
+    }
+
+    /// The row; `None` where the angle must be looked at.
+    #[inline]
+    fn row(&self, cosine: f64) -> Option<usize> {
+        let range = ((1.0 - cosine) * COSINES as f64) as usize;
+        self.0.get(range).filter(|&&row| row != SEVERAL).map(|&row| usize::from(row))
     }
 }
 
@@ -341,6 +378,30 @@ mod tests {
                 sensor.each_bin(wo, |bin| found.push(bin));
                 assert_eq!(found, [row * phi.len() + column], "{polar} {azimuth} {nudge}");
             }
+        }
+    }
+
+    #[test]
+    fn rows_by_cosine_are_those_of_the_angles() {
+        let fine: Vec<f64> = (0..=180).map(f64::from).collect();
+        for edges in [&[0.0, 2.5, 7.5, 85.0, 90.0][..], &[90.0, 120.0, 180.0], &fine] {
+            let (theta, by_cosine) = (Edges::new(edges), RowsByCosine::new(edges));
+            let above = edges[1..].iter().filter(|&&edge| edge <= 90.0).count();
+            let mut found = 0;
+            // About every edge, where ranges of the cosine end, and in between.
+            let near = edges.iter().flat_map(|edge| [-1e-7, -1e-13, 0.0, 1e-13, 1e-7].map(|off| edge + off));
+            let ranges = (0..=2 * COSINES).map(|range| 1.0 - range as f64 / COSINES as f64);
+            let between = (0..100_000).map(|k| f64::from(k) * 180e-5);
+            for polar in near.chain(ranges.map(|cosine| cosine.acos().to_degrees())).chain(between) {
+                let wo = sphere::direction_deg(polar.clamp(0.0, 180.0), 33.0);
+                if let Some(quick) = by_cosine.row(wo.z) {
+                    assert_eq!(Some(quick), row(wo, &theta, above), "{polar}");
+                    found += 1;
+                }
+            }
+            // Nearly all of those that the rows hold: 1 degree is at least 36 ranges but near the poles.
+            let held = (edges[edges.len() - 1] - edges[0]) / 180.0 * 100_000.0;
+            assert!(f64::from(found) > 0.9 * held, "{found}");
         }
     }
 

@@ -19,15 +19,15 @@ const WHOLE: f64 = 4_503_599_627_370_496.0;
 /// Facets sorted by slope.
 #[derive(Debug, Clone)]
 pub struct SlopeIndex {
-    cells_x: usize,
+    cells_x: u32,
     /// Facets of bin b are `facets[first[b]..first[b + 1]]`.
     first: Vec<u32>,
     /// 2 (y nx + x), and 1 for the upper one; in a bin by row and column.
     facets: Vec<u32>,
     /// Sum of the slopes of each bin's facets.
     sums: Vec<DVec2>,
-    /// Largest |dz/dx| or |dz/dy|.
-    steepest: f64,
+    /// Slopes between which the bins of a row or column lie; no facet is steeper than the outermost.
+    edges: Vec<f64>,
 }
 
 /// A rectangle of slopes, canonical, in field coordinates.
@@ -82,7 +82,8 @@ impl SlopeIndex {
             facets[*at as usize] = facet;
             *at += 1;
         }
-        Some(SlopeIndex { cells_x, first, facets, sums, steepest })
+        let edges = (0..=SIDE).map(|k| edge(k).clamp(-steepest, steepest)).collect();
+        Some(SlopeIndex { cells_x: cells_x as u32, first, facets, sums, edges })
     }
 
     /// Number of bins.
@@ -116,8 +117,8 @@ impl SlopeIndex {
     /// The facet of a number.
     #[inline]
     pub fn at(&self, number: u32) -> Facet {
-        let cell = number as usize / 2;
-        Facet { x: cell % self.cells_x, y: cell / self.cells_x, upper: number % 2 == 1 }
+        let cell = number / 2;
+        Facet { x: (cell % self.cells_x) as usize, y: (cell / self.cells_x) as usize, upper: number % 2 == 1 }
     }
 
     /// Sum of the slopes of a bin's facets.
@@ -136,9 +137,11 @@ impl SlopeIndex {
 
     /// The slopes that a bin holds; no facet is steeper than the outermost ones say.
     pub fn slopes(&self, bin: usize) -> Slopes {
-        let (row, column) = (bin / SIDE, bin % SIDE);
-        let edge = |k: usize| edge(k).clamp(-self.steepest, self.steepest);
-        Slopes { low: DVec2::new(edge(column), edge(row)), high: DVec2::new(edge(column + 1), edge(row + 1)) }
+        let (row, column, edges) = (bin / SIDE, bin % SIDE, &self.edges);
+        Slopes {
+            low: DVec2::new(edges[column], edges[row]),
+            high: DVec2::new(edges[column + 1], edges[row + 1]),
+        }
     }
 
     /// Calls `visit` with every bin that holds slopes of `wanted`.

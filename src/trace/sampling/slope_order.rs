@@ -68,8 +68,11 @@ impl<'a> SlopeSampler<'a> {
         let mut wait = offset;
         for bin in index.in_rows_there_and_back() {
             let count = index.count(bin);
+            if count == 0 {
+                continue;
+            }
             let [least, most] = index.slopes(bin).projected_areas(light);
-            if count == 0 || most <= 0.0 {
+            if most <= 0.0 {
                 continue;
             }
             let area = if least >= 0.0 {
@@ -139,54 +142,77 @@ impl<'a> SlopeSampler<'a> {
 /// heights, whichever block they belong to.
 #[derive(Default)]
 pub struct BatchedStarts {
-    /// Tile, facet and block, from high bits to low ones.
-    starts: Vec<u64>,
+    starts: Vec<Start>,
+    /// Samples of each tile.
+    counts: Vec<u32>,
     /// What is left of each block's stream.
     streams: Vec<Pcg64Dxsm>,
 }
 
-/// Samples of one tile of so many cells a side follow each other: the heights around it fit a core's cache.
-const TILE: usize = 64;
-/// Bits of a block's number in `BatchedStarts`.
-const BLOCK_BITS: u32 = 8;
+/// One sample.
+#[derive(Clone, Copy)]
+struct Start {
+    facet: u32,
+    tile: u16,
+    block: u16,
+}
+
+/// Samples of one tile follow each other: it has so many cells a side, more in fields of more than 4096, and what its
+/// samples read first fits the cache nearest to a core.
+const TILE: usize = 16;
+/// Tiles along a side, at most: their number has 16 bits.
+const MOST_TILES: usize = 256;
 
 impl BatchedStarts {
     /// Blocks that can be followed together.
-    pub const MOST_BLOCKS: usize = 1 << BLOCK_BITS;
-    /// Bytes of a sample, and as many again while samples are sorted.
-    pub const BYTES: usize = 16;
+    pub const MOST_BLOCKS: usize = 1 << 8;
+    /// Bytes of a sample, and as many again where it is put in order.
+    pub const BYTES: usize = 2 * size_of::<Start>();
 
     /// Adds `count` samples of equal flux; its number is how many blocks there were before. How many of them a bin of
     /// the index gets follows from equal steps; which of its facets, from their areas, by rejection.
     pub fn add(&mut self, starts: &SlopeSampler, count: u64, mut stream: Pcg64Dxsm) {
-        let block = self.streams.len() as u64;
-        let facets = starts.facets(count, &mut stream);
-        let start = |facet: u32| {
+        let (cells_x, cells_y) = (starts.field.cells_x(), starts.field.cells_y());
+        let side = TILE.max(cells_x.max(cells_y).div_ceil(MOST_TILES)) as u32;
+        let tiles_x = cells_x.div_ceil(side as usize);
+        self.counts.resize(tiles_x * cells_y.div_ceil(side as usize), 0);
+        let block = self.streams.len() as u16;
+        self.starts.extend(starts.facets(count, &mut stream).into_iter().map(|facet| {
             let Facet { x, y, .. } = starts.index.at(facet);
-            let tile = (y / TILE * starts.field.cells_x().div_ceil(TILE) + x / TILE) as u64;
-            tile << (u32::BITS + BLOCK_BITS) | u64::from(facet) << BLOCK_BITS | block
-        };
-        self.starts.extend(facets.into_iter().map(start));
+            let tile = (y as u32 / side) as usize * tiles_x + (x as u32 / side) as usize;
+            self.counts[tile] += 1;
+            Start { facet, tile: tile as u16, block }
+        }));
         self.streams.push(stream);
     }
 
     /// Calls `visit` with every sample and its block, in the order of the places: for each block the same samples in the
     /// same order as if it were alone.
     // Tested by `blocks_together_start_where_each_starts_alone`.
-    pub fn each(
-        mut self,
-        index: &SlopeIndex,
-        field: &Heightfield,
-        mut visit: impl FnMut(usize, SurfacePoint),
-    ) {
-        radsort::sort(&mut self.starts);
-        for start in self.starts {
-            let block = (start & ((1 << BLOCK_BITS) - 1)) as usize;
-            let facet = index.at((start >> BLOCK_BITS) as u32);
-            let (u, v) = point_in(facet.upper, &mut self.streams[block]);
+    pub fn each(self, index: &SlopeIndex, field: &Heightfield, mut visit: impl FnMut(usize, SurfacePoint)) {
+        let (starts, mut streams) = (in_tiles(self.starts, self.counts), self.streams);
+        for Start { facet, block, .. } in starts {
+            let (facet, block) = (index.at(facet), usize::from(block));
+            let (u, v) = point_in(facet.upper, &mut streams[block]);
             visit(block, SurfacePoint::on(field, facet, u, v));
         }
     }
+}
+
+/// Samples by tile, those of a tile in the order in which they are, by counting: there are `counts` in each tile.
+fn in_tiles(starts: Vec<Start>, counts: Vec<u32>) -> Vec<Start> {
+    let mut places = counts;
+    let mut before = 0;
+    for place in &mut places {
+        before += std::mem::replace(place, before);
+    }
+    let mut sorted = starts.clone();
+    for start in starts {
+        let place = &mut places[usize::from(start.tile)];
+        sorted[*place as usize] = start;
+        *place += 1;
+    }
+    sorted
 }
 
 #[cfg(test)]

@@ -38,8 +38,8 @@ const GOLDEN: [Golden; 6] = [
             phi_r_bins = 36
             [stop]
             samples = 131_072",
-        table: "87512f58284a31c12920ef115a528753442931c5877c7ab90a145a0ab7ce8abe",
-        realisations: "afadd902bac3ecfad0030305f99104e1606a296f4d5b9255c79232ea1cb6a49b",
+        table: "fe679a516b4505604563b26a6e035b43d568d81aa54b1b2e47ea22dc44ea7d77",
+        realisations: "766535162cea86483704b0616b8456e94dd57b1fcd6859653d0def5fd27c9f4d",
     },
     Golden {
         name: "brushed",
@@ -62,8 +62,8 @@ const GOLDEN: [Golden; 6] = [
             material = \"gold\"
             [stop]
             samples = 65_536",
-        table: "5ba00c2120bdc817d64a1801c598669b6406fc38215933794cddc6da6ddf503d",
-        realisations: "9f705d6547c922f896ce1f386123908616608ee9d6ca7a3bc7113522a6302b90",
+        table: "40f17e86a8a796a1d77aafe506fcef6ec2c91785c3d34f07bca05a20756073d5",
+        realisations: "24a65306c435c95af5781b5ea60e1c924927868397c549e27834ab5c2b6cf799",
     },
     Golden {
         name: "beckmann",
@@ -88,8 +88,8 @@ const GOLDEN: [Golden; 6] = [
             by_order = true
             [stop]
             samples = 131_072",
-        table: "c7fd4685fcec069b766c4a7fce93f927a1b370ea5480cfa339277818944df285",
-        realisations: "f278278c87862204cbb81930bfea9eea9e0b6d073e8d58da046d542ef70d30ec",
+        table: "7493aae0c347579a3230bb56ee99d07b31c140454774559b5392257d8b105ff2",
+        realisations: "b8af267426a4529238f2294ecfaa4ab5e621ff8cd38485e832ca683b4c93704b",
     },
     Golden {
         name: "smith",
@@ -132,8 +132,8 @@ const GOLDEN: [Golden; 6] = [
             aperture_deg = 2.0
             [stop]
             samples = 262_144",
-        table: "d4fc3b0272269564c89b9f8f5b71102b8d761ff7a4fd63f50b2ab5404a496936",
-        realisations: "fde231edcb3896c4bc42807c4ee242680919de692ab3196789c10b75974a76c3",
+        table: "33ebd61af3a2a3abefd6486e37f36cdfcb3a26257ffc0e39668843598d69faaf",
+        realisations: "3287d92c0606f16450b155387432bf4a03fb1903c57a5a7bc22dcfee2730a836",
     },
     Golden {
         name: "map",
