@@ -77,12 +77,16 @@ fn run_json(run: &CampaignRun) -> Value {
     json!({ "label": run.label, "tables": plan.map(|plan| plan.tables), "estimated_s": seconds })
 }
 
-/// What a height map that is there says, or why it cannot be measured.
+/// What a height map says, or why it cannot be measured. That it is not there is no fault of the campaign: a run before it
+/// may have to make it.
 fn map_notes(campaign: &Campaign, notes: &mut Vec<String>) -> Result<()> {
-    if let SurfaceKind::File(map) = &campaign.surface.kind
-        && map.resolved_path.is_file()
-    {
-        notes.append(&mut import::load(map)?.notes);
+    if let SurfaceKind::File(map) = &campaign.surface.kind {
+        if map.resolved_path.is_file() {
+            notes.append(&mut import::load(map)?.notes);
+        } else {
+            let path = map.resolved_path.display();
+            notes.push(format!("{path}: not there, so not looked at; `gonio measure` needs it"));
+        }
     }
     Ok(())
 }

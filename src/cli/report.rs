@@ -59,6 +59,10 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     paths::spare(&output, [path].into_iter().chain(&arguments.bench), "command")?;
     let benches = arguments.bench.iter().map(|path| bench_in(path)).collect::<Result<Vec<_>>>()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
+    if !is_card && output.extension().is_some_and(|end| end != "html" && end != "htm") {
+        let why = "a page is .html, the card .md; a browser prints the page as a PDF";
+        return Err(Error::Usage(format!("{}: {why}", output.display())));
+    }
     let own = if is_card { (report::card::MARK, "card") } else { (report::html::render::MARK, "page") };
     arguments.spare(&output, own)?;
     let text = match opened {

@@ -225,7 +225,7 @@ fn distance(figures: &Figures, bar: f64) -> Judgement {
     } else {
         Ruling::NotJudged
     };
-    let hidden = if ruling == Ruling::NotJudged { ": noise hides the bar" } else { "" };
+    let advice = if ruling == Ruling::NotJudged { more_realisations(noise, bar) } else { String::new() };
     Judgement {
         law: MODEL.into(),
         ruling,
@@ -233,8 +233,17 @@ fn distance(figures: &Figures, bar: f64) -> Judgement {
         limit: Some(bar),
         allowance: Some(found - low),
         reason: format!(
-            "l1_model {found:.4}, 95 % within [{low:.4}, {high:.4}], noise {noise:.4}; limit {bar:.4}{hidden}"
+            "l1_model {found:.4}, 95 % within [{low:.4}, {high:.4}], noise {noise:.4}; limit {bar:.4}{advice}"
         ),
+    }
+}
+
+/// What to do about noise, which falls as the root of the number of realisations.
+fn more_realisations(noise: f64, bar: f64) -> String {
+    let times = (noise / bar).powi(2).ceil();
+    match times > 1.0 && times.is_finite() {
+        true => format!(": noise hides the limit, {times:.0} times the realisations would do"),
+        false => ": noise hides the limit, more realisations would tell".into(),
     }
 }
 
@@ -286,6 +295,9 @@ mod tests {
         assert_eq!(ruling(0.001, Some(0.003), 0.003), Ruling::Passed);
         // Just above the bar, which the interval holds.
         assert_eq!(ruling(0.004, Some(0.001), 0.003), Ruling::NotJudged);
+        // Noise falls as the root of the realisations: four times as many halve it.
+        let reason = distance(&figures(0.001, Some(0.003), 0.007), 0.0035).reason;
+        assert!(reason.ends_with("4 times the realisations would do"), "{reason}");
         // Three realisations have no l1_model.
         let few = |l1, noise| {
             let figures = Figures { l1: Some(l1), l1_noise: Some(noise), ..Figures::default() };

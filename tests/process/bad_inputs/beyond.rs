@@ -146,5 +146,6 @@ fn mixed_up() -> Vec<Row> {
         exr("compare t.exr t.exr").exits(0, &[]),
         exr("report t.exr -o t.exr").exits(3, &["error: t.exr"]),
         exr("report t.exr -o .").exits(3, &["error: .: "]),
+        exr("report t.exr -o t.pdf").exits(2, &["error: t.pdf: a page is .html", "prints the page as a PDF"]),
     ]
 }
