@@ -112,6 +112,8 @@ pub struct Rig {
     /// Slopes of a measured map per difference of heights.
     map_slopes: Option<DVec2>,
     memory: u64,
+    /// Of the patches, once the first run has been planned.
+    size: Option<(f64, f64)>,
 }
 
 impl Rig {
@@ -142,7 +144,7 @@ impl Rig {
             Patches::Map { map, .. } => Some(DVec2::new(map.alpha_x, map.alpha_y)),
             _ => None,
         };
-        Ok(Rig { campaign, aperture_deg, patches, map_slopes, memory })
+        Ok(Rig { campaign, aperture_deg, patches, map_slopes, memory, size: None })
     }
 
     /// The campaign that is measured.
@@ -209,7 +211,7 @@ impl Rig {
 
     /// One run: every incidence with every direction of the sensor, of which the pairs are taken.
     fn run(
-        &self,
+        &mut self,
         campaign: &Campaign,
         aperture_deg: f64,
         drawn_as: Option<Position>,
@@ -235,7 +237,8 @@ impl Rig {
         let mut campaign = campaign.clone();
         campaign.light.theta_i_deg = grid.stops_deg.iter().map(|light| light[0]).collect();
         let drawn_at = drawn_as.map(|position| (position.theta_i_deg, position.phi_i_deg));
-        let plan = measure::plan_at(&campaign, grid, drawn_at, self.memory)?;
+        let plan = measure::plan_at(&campaign, grid, drawn_at, self.size, self.memory)?;
+        self.size = Some((plan.cells, plan.relief));
         let (mut tables, _) = measure::measure(&campaign, &plan, &self.patches, &|_| ())?;
         let measured = tables.pop().ok_or_else(|| Error::Internal("a budget measured no table".into()))?;
         // Of clear facets every colour has paths of its own.

@@ -61,10 +61,17 @@ pub fn plan_of(campaign: &Campaign, shard: Option<Part>, limit: u64) -> Result<P
 ///
 /// - `grid`: its azimuths count from the light where the campaign averages over the light's azimuth.
 /// - `drawn_at`: angles of the incidence whose random numbers all of them use; `None`: each its own.
+/// - `size`: `cells` and `relief` of a plan on the same patches, which of a map are known once it is read.
 ///
 /// Errors: as [`plan`].
-pub fn plan_at(campaign: &Campaign, grid: Grid, drawn_at: Option<(f64, f64)>, limit: u64) -> Result<Plan> {
-    let (plan, _) = decided_on(campaign, grid);
+pub fn plan_at(
+    campaign: &Campaign,
+    grid: Grid,
+    drawn_at: Option<(f64, f64)>,
+    size: Option<(f64, f64)>,
+    limit: u64,
+) -> Result<Plan> {
+    let (plan, _) = decided_on(campaign, grid, size.unwrap_or_else(|| cells_and_relief(campaign)));
     checked(campaign, Plan { drawn_at, ..plan }, limit)
 }
 
@@ -141,12 +148,11 @@ fn in_bands(plan: &mut Plan, memory: &Memory, stops: usize) {
 
 /// The plan with all incidences at once, and what it takes.
 fn decided(campaign: &Campaign) -> (Plan, Memory) {
-    decided_on(campaign, grid_of(campaign))
+    decided_on(campaign, grid_of(campaign), cells_and_relief(campaign))
 }
 
 /// The same on another grid than the campaign's.
-fn decided_on(campaign: &Campaign, grid: Grid) -> (Plan, Memory) {
-    let (cells, relief) = cells_and_relief(campaign);
+fn decided_on(campaign: &Campaign, grid: Grid, (cells, relief): (f64, f64)) -> (Plan, Memory) {
     let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
     let samples = blocks * BLOCK;
