@@ -72,14 +72,15 @@ pub fn coverage_factor(outside: f64, dof: Option<f64>) -> f64 {
     }
 }
 
-/// Half a unit of the second significant digit of `u` >= 0, none of 0: the tolerance of JCGM 101, 8.1.
-// Tested by `the_tolerance_is_half_a_unit_of_the_second_digit` (tests/it/budget/methods.rs).
-pub fn tolerance(u: f64) -> f64 {
+/// Half a unit of the last of `digits` significant digits of `u` >= 0, one or two, none of 0: the tolerance of JCGM 101, 8.1.
+// Tested by `the_tolerance_is_half_a_unit_of_the_last_digit` (tests/it/budget/methods.rs).
+pub fn tolerance(u: f64, digits: usize) -> f64 {
     if u == 0.0 {
         return 0.0;
     }
     // Through text, which rounds as a reader does: 0.0996 has the digits 10 and the power of 0.1.
-    let text = format!("{u:.1e}");
+    let behind = digits.saturating_sub(1);
+    let text = format!("{u:.behind$e}");
     let power: i32 = text.split_once('e').and_then(|(_, power)| power.parse().ok()).unwrap_or(0);
-    0.5 * 10f64.powi(power - 1)
+    0.5 * 10f64.powi(power - behind as i32)
 }

@@ -31,7 +31,7 @@ use crate::error::{Error, Result};
 /// The budget of a campaign. `stage` is told what is done now.
 ///
 /// Errors: `Refused` where an arm is too near the horizon to be moved, where no light arrives anywhere, and as
-/// [`crate::measure::plan`]; those of making patches.
+/// [`crate::measure::plan()`]; those of making patches.
 pub fn budget(campaign: &Campaign, uncertainty: &Uncertainty, stage: &dyn Fn(&str)) -> Result<Budget> {
     let mut measured = measure(campaign, uncertainty, stage)?;
     measured.look_for_alternatives(stage)?;

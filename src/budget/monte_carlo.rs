@@ -46,14 +46,14 @@ pub struct MonteCarlo {
 /// Whether both methods say the same (JCGM 101, 8).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Agreement {
-    /// Half a unit of the second significant digit of u_c.
+    /// Significant digits of u_c to which they do: 2, 1, or 0 where they differ.
+    pub digits: usize,
+    /// Half a unit of the last of these digits; of the first where they differ.
     pub tolerance: f64,
     /// |y - U - low|.
     pub low: f64,
     /// |y + U - high|.
     pub high: f64,
-    /// Whether both are within the tolerance.
-    pub agrees: bool,
 }
 
 impl Inputs<'_> {
@@ -119,10 +119,11 @@ impl Inputs<'_> {
 impl Agreement {
     /// Of y +- U and the interval of the trials.
     pub fn of(value: f64, gum: &Combined, trials: &MonteCarlo) -> Self {
-        let tolerance = tolerance(gum.standard_uncertainty);
         let (low, high) =
             ((value - gum.expanded - trials.low).abs(), (value + gum.expanded - trials.high).abs());
-        Agreement { tolerance, low, high, agrees: low <= tolerance && high <= tolerance }
+        let tolerance = |digits| tolerance(gum.standard_uncertainty, digits);
+        let digits = [2, 1].into_iter().find(|&digits| low.max(high) <= tolerance(digits)).unwrap_or(0);
+        Agreement { digits, tolerance: tolerance(digits.max(1)), low, high }
     }
 }
 

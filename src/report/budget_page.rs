@@ -45,7 +45,11 @@ fn place(value: &ValueBudget) -> String {
 fn values(found: &Budget) -> String {
     let row = |value: &ValueBudget| {
         let dof = value.gum.dof.map_or("∞".into(), |dof| format!("{:.0}", dof.floor()));
-        let says = if value.agreement.agrees { "agrees" } else { "differs: use it" };
+        let says = match value.agreement.digits {
+            2 => "agrees to two digits of u",
+            1 => "agrees to one digit of u",
+            _ => "differs: use it",
+        };
         format!(
             "<tr><th>{}</th><td>{:.5}</td><td>{:.5}</td><td>{dof}</td><td>{:.2}</td><td>{:.5}</td><td>{:.5} to {:.5}</td>\
              <td>{says}</td></tr>\n",

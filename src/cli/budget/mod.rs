@@ -21,8 +21,8 @@ use crate::report::budget_page;
 /// Say how uncertain values are and why: a budget by JCGM 100 and, beside it, by Monte Carlo (JCGM 101)
 #[derive(Args)]
 #[command(
-    after_help = "Of every position of [sensor.arm], or of those in uncertainty.at: the value, u, nu_eff, k and U at 95 %,\n\
-    with the inputs of [uncertainty], patches, rays, apertures, cells and what a map's preparation adds.\n\
+    after_help = "Of every position of [sensor.arm], or of uncertainty.at: value, u, nu_eff, k, U at 95 %, and\n\
+    what inputs of [uncertainty], patches, rays, apertures, cells and a map's preparation add to it.\n\
     -o writes <name>.budget.json, .csv and .html.\n\n\
     Example: gonio budget configs/budget.toml -o out/budget"
 )]

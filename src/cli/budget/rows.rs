@@ -29,7 +29,8 @@ struct ComponentRow {
     expanded: Option<f64>,
     monte_carlo_low: Option<f64>,
     monte_carlo_high: Option<f64>,
-    agrees: Option<bool>,
+    /// Digits of u_c to which both methods agree.
+    agreement_digits: Option<usize>,
 }
 
 /// All components of all values.
@@ -63,7 +64,7 @@ fn rows(value: &ValueBudget) -> Vec<ComponentRow> {
         expanded: Some(value.gum.expanded),
         monte_carlo_low: Some(value.monte_carlo.low),
         monte_carlo_high: Some(value.monte_carlo.high),
-        agrees: Some(value.agreement.agrees),
+        agreement_digits: Some(value.agreement.digits),
         ..blank.clone()
     };
     let of = |component: &Component| ComponentRow {

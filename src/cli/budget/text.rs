@@ -108,11 +108,16 @@ fn row(component: &Component) -> Vec<String> {
 
 fn monte_carlo(value: &ValueBudget) -> String {
     let (found, u) = (&value.monte_carlo, value.gum.standard_uncertainty);
-    let says = if value.agreement.agrees {
-        format!("agrees with y +- U within {}", short(value.agreement.tolerance))
-    } else {
-        let off = value.agreement.low.max(value.agreement.high);
-        format!("differs from y +- U by up to {}: use this interval", short(off))
+    let agreement = &value.agreement;
+    let says = match agreement.digits {
+        2 => format!("agrees with y +- U within {}", short(agreement.tolerance)),
+        1 => format!("agrees with y +- U to one digit of u, within {}", short(agreement.tolerance)),
+        _ => {
+            format!(
+                "differs from y +- U by up to {}: use this interval",
+                short(agreement.low.max(agreement.high))
+            )
+        }
     };
     format!(
         "mean {}, u {}, 95 % from {} to {}; {says}",
