@@ -23,6 +23,7 @@
 //!    +-- validate, fit, study    <-- theory (D, Lambda, G: formulas alone)
 //!    +-- bench                   run time against error
 //!    +-- albedo                  tables of albedos, by formula and measured
+//!    +-- budget                  uncertainty of single values, JCGM 100 and 101
 //! ```
 //!
 //! Frame: macro-normal +z, x the tangent (the axis of `alpha_x`), right-handed. All directions are unit vectors
@@ -72,6 +73,8 @@ pub mod albedo;
 pub mod render;
 
 pub mod appearance;
+
+pub mod budget;
 
 pub mod report;
 

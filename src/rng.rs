@@ -21,6 +21,8 @@ pub enum Purpose {
     Test = 4,
     /// The seeds of the runs of a ladder.
     Bench = 5,
+    /// The trials of a budget.
+    Budget = 8,
     /// Which way paths go at facets that leave it to chance.
     Facets = 7,
     /// The realisations into which a value and its error are split.
@@ -46,6 +48,13 @@ pub struct StreamId {
 pub fn stream(id: StreamId) -> Pcg64Dxsm {
     let wide = |a: u64, b: u64| (u128::from(word(id, a)) << 64) | u128::from(word(id, b));
     Pcg64Dxsm::new(wide(1, 2), wide(3, 4))
+}
+
+/// The generator of one path of a stream, by its number: paths that draw more or fewer numbers leave the others as they
+/// were.
+pub fn stream_of_path(id: StreamId, path: u64) -> Pcg64Dxsm {
+    let own = mix(key(id) ^ mix(path.wrapping_add(SPLIT_STEP)));
+    stream(StreamId { stop: own, ..id })
 }
 
 fn word(id: StreamId, salt: u64) -> u64 {

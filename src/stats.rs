@@ -1,6 +1,6 @@
 //! Statistics over realisations: mean, standard error, Student t, chi-square, Sidak. Imports nothing of the crate.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use statrs::function::gamma::{gamma_ur, ln_gamma};
 
 /// Mean and the standard error of the mean of independent values; the error is `None` for fewer than two.
@@ -55,6 +55,11 @@ pub fn student_limit(p: f64, dof: usize) -> f64 {
     let t = StudentsT::new(0.0, 1.0, dof as f64).expect("dof >= 1");
     // The lower tail keeps its digits where 1 - p/2 would lose them.
     -t.inverse_cdf(0.5 * p)
+}
+
+/// The limit that the absolute value of a normal number exceeds with probability `p` (two-sided), 0 < p < 1.
+pub fn normal_limit(p: f64) -> f64 {
+    -Normal::standard().inverse_cdf(0.5 * p)
 }
 
 /// The probability that |t| of `dof` degrees of freedom is larger (two-sided), dof >= 1.

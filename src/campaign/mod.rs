@@ -16,13 +16,16 @@ pub mod presets;
 mod runs;
 pub mod schema;
 mod to_toml;
+mod uncertainty_to_toml;
 
 pub use difference::{KeyDifference, differences};
 pub use presets::Preset;
 pub use runs::{CampaignRun, CampaignRuns, read_runs};
 pub use schema::*;
 pub use to_toml::to_toml;
+pub use uncertainty_to_toml::uncertainty_to_toml;
 
+use parse::campaign::CampaignFile;
 use parse::faults::Report;
 use parse::lists::run_lists::RunLists;
 use parse::reader::TableReader;
@@ -41,6 +44,8 @@ pub struct Parsed {
     pub notes: Vec<String>,
     /// The instrument that the arms are taken from, where a `[preset]` names one; the campaign holds those arms.
     pub preset: Option<Preset>,
+    /// `[uncertainty]`, which a budget is made of; what is measured does not depend on it.
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// Reads the campaign file at `path`, or stdin for `-`; height maps it names are looked for in its folder, or the current.
@@ -118,12 +123,15 @@ fn parse_with(bytes: &[u8], name_for_messages: &str, folder: &Path, lists: &RunL
             None
         }
     };
-    if let Some((campaign, _)) = &campaign {
-        parse::warnings::note(&report, campaign);
+    if let Some(file) = &campaign {
+        parse::warnings::note(&report, &file.campaign);
     }
     let (faults, notes) = report.into_parts();
     match campaign {
-        Some((campaign, preset)) if faults.is_empty() => Ok(Parsed { campaign, notes, preset }),
+        Some(file) if faults.is_empty() => {
+            let CampaignFile { campaign, preset, uncertainty } = file;
+            Ok(Parsed { campaign, notes, preset, uncertainty })
+        }
         None if faults.is_empty() => Err(Error::Internal("a campaign was refused without a fault".into())),
         _ => Err(Error::Campaign(faults)),
     }

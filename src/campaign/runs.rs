@@ -31,7 +31,7 @@ pub fn read_runs(path: &Path) -> Result<CampaignRuns> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = name_for_messages(path);
     let lists = RunLists::pick(0);
-    let Parsed { campaign, notes, preset } = parse_with(&bytes, &name, folder, &lists)?;
+    let Parsed { campaign, notes, preset, .. } = parse_with(&bytes, &name, folder, &lists)?;
     let Some(count) = lists.count() else {
         return Ok(CampaignRuns { runs: vec![CampaignRun { label: None, campaign }], notes, preset });
     };

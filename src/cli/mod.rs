@@ -15,6 +15,7 @@ use text::output::{Output, warn};
 mod albedo;
 mod appearance;
 mod bench;
+mod budget;
 mod check;
 mod cite;
 mod compare;
@@ -95,6 +96,7 @@ enum Verb {
     Recolour(recolour::Arguments),
     Albedo(albedo::Arguments),
     Appearance(appearance::Arguments),
+    Budget(budget::Arguments),
     Init(init::Arguments),
     Materials(lists::materials::Arguments),
     Presets(lists::presets::Arguments),
@@ -131,6 +133,7 @@ impl Verb {
             Verb::Recolour(arguments) => recolour::run(arguments),
             Verb::Albedo(arguments) => albedo::run(arguments),
             Verb::Appearance(arguments) => appearance::run(arguments),
+            Verb::Budget(arguments) => budget::run(arguments),
             Verb::Init(arguments) => init::run(arguments),
             Verb::Materials(arguments) => lists::materials::run(arguments),
             Verb::Presets(arguments) => lists::presets::run(arguments),

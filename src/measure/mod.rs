@@ -30,7 +30,7 @@ pub use persist::run_files::{PartFile, ResumableRun, RunFiles};
 pub use persist::run_state::{RunState, StoredRun};
 pub use persist::shards::Shards;
 
-pub use plan::{Disk, Plan, Saving, StartSampler, plan, plan_of, plan_within, resumed, stops};
+pub use plan::{Disk, Plan, Saving, StartSampler, plan, plan_at, plan_of, plan_within, resumed, stops};
 pub use prepared_patch::CELLS_PER_START;
 pub use session::{Pace, ProcessEnd, Session};
 pub use stopping::StoppedBy;

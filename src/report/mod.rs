@@ -1,5 +1,6 @@
 //! What a measurement says to its reader: the summary, the page, the plot in the terminal.
 
+pub mod budget_page;
 pub mod card;
 pub mod html;
 pub mod markdown;

@@ -43,6 +43,14 @@ mod albedo {
     mod formula;
     mod measured;
 }
+mod budget {
+    mod command;
+    mod coverage;
+    mod geometry;
+    mod methods;
+    mod schema;
+    mod sensitivities;
+}
 mod campaign {
     mod config_faults;
     mod config_round_trip;

@@ -15,6 +15,7 @@ mod held;
 mod names;
 mod physics;
 mod row;
+mod uncertainties;
 
 #[test]
 fn the_text_of_a_campaign_is_answered_row_by_row() {
@@ -29,6 +30,11 @@ fn values_outside_physics_are_answered_row_by_row() {
 #[test]
 fn densities_and_lengths_are_answered_row_by_row() {
     row::all_hold(densities::rows());
+}
+
+#[test]
+fn uncertainties_are_answered_row_by_row() {
+    row::all_hold(uncertainties::rows());
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! The whole file, and its small tables: `name`, `seed`, `[trace]`, `[stop]`, `[expect]`,
-//! `[scale]`, `[bench]`.
+//! `[scale]`, `[bench]`, `[uncertainty]`.
 
 use std::path::Path;
 
@@ -8,11 +8,12 @@ use super::lists::ranges::{self, whole_numbers};
 use super::lists::run_lists::{MOST_RUNS, RunLists};
 use super::psd::PITCH_UM;
 use super::reader::{Bounds, GivenValue, Slot, TableReader, plain};
-use super::{arms, optics, surface};
+use super::{arms, optics, surface, uncertainty};
 use crate::campaign::presets;
 use crate::campaign::presets::Preset;
 use crate::campaign::schema::{
     Campaign, Expect, ExpectedMasking, Optics, PhysicalScale, Resolution, Stop, Surface, SurfaceKind, Trace,
+    Uncertainty,
 };
 
 /// Words for [`ExpectedMasking`].
@@ -39,16 +40,32 @@ const MOST_APART: u32 = 16;
 /// Up to eleven days.
 const SECONDS: Bounds = Bounds::closed(1.0, 1e6);
 
+/// What a campaign file holds.
+pub(crate) struct CampaignFile {
+    pub campaign: Campaign,
+    /// The instrument that the arms are taken from.
+    pub preset: Option<Preset>,
+    /// What a budget is made of: no part of what is measured.
+    pub uncertainty: Option<Uncertainty>,
+}
+
 /// Reads a whole file; height maps are looked for in `folder`.
-pub(crate) fn campaign(
-    root: TableReader<'_>,
-    folder: &Path,
-    lists: &RunLists,
-) -> Option<(Campaign, Option<Preset>)> {
-    let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect, scale, bench] =
+pub(crate) fn campaign(root: TableReader<'_>, folder: &Path, lists: &RunLists) -> Option<CampaignFile> {
+    let [name, seed, surface, light, sensor, preset, optics, trace, stop, expect, scale, bench, uncertainty] =
         root.keys([
-            "name", "seed", "surface", "light", "sensor", "preset", "optics", "trace", "stop", "expect",
-            "scale", "bench",
+            "name",
+            "seed",
+            "surface",
+            "light",
+            "sensor",
+            "preset",
+            "optics",
+            "trace",
+            "stop",
+            "expect",
+            "scale",
+            "bench",
+            "uncertainty",
         ]);
     let name = name.required("it names the output; letters, digits, _ - .").and_then(valid_name);
     let seed = seed.or(1, |i| {
@@ -90,6 +107,14 @@ pub(crate) fn campaign(
     let (stop, expect) = (self::stop(&stop, realisations), self::expect(&expect));
     let scale = self::scale(&scale, surface.as_ref(), optics.as_ref());
     let bench = bench.or(None, |i| resolution(i, surface.as_ref()).map(Some));
+    let uncertainty = match (&surface, &light, &sensor, sides.as_ref().and(optics.as_ref())) {
+        (Some(surface), Some(light), Some(sensor), Some(optics)) => {
+            let around = uncertainty::Around { surface, light, sensor, optics };
+            uncertainty.or(None, |i| uncertainty::uncertainty(i, &around).map(Some))
+        }
+        // Their faults come first: what a budget may ask depends on all of them.
+        _ => None,
+    };
     let campaign = Campaign {
         name: name?.to_string(),
         seed: seed?,
@@ -103,7 +128,7 @@ pub(crate) fn campaign(
         scale: scale?,
         bench: bench?,
     };
-    Some((campaign, preset))
+    Some(CampaignFile { campaign, preset, uncertainty: uncertainty? })
 }
 
 fn valid_name<'a>(item: &GivenValue<'a>) -> Option<&'a str> {

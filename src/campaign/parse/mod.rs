@@ -16,4 +16,5 @@ pub(crate) mod reader;
 pub(crate) mod roughness;
 mod short_text;
 pub(crate) mod surface;
+pub(crate) mod uncertainty;
 pub(crate) mod warnings;

@@ -6,6 +6,7 @@ mod alpha;
 pub(crate) mod optics;
 pub(crate) mod psd;
 pub(crate) mod sample;
+pub(crate) mod uncertainty;
 
 use serde::Serialize;
 
@@ -13,6 +14,7 @@ pub use alpha::Alpha;
 pub use optics::{Dielectric, FresnelLaw, LightSide, Medium, Optics, Polarisation, RefractiveIndex};
 pub use psd::{PhysicalScale, PsdSurface};
 pub use sample::*;
+pub use uncertainty::{Correlation, Distribution, InputQuantity, QUANTITIES, Quantity, Uncertainty};
 
 /// A whole campaign file.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -94,7 +94,7 @@ pub fn starts_stream(
     realisation: u64,
     block: u64,
 ) -> StreamId {
-    let (theta_i, phi_i) = plan.grid.stop_deg(stop);
+    let (theta_i, phi_i) = plan.drawn_at.unwrap_or_else(|| plan.grid.stop_deg(stop));
     let phi =
         if plan.averages_azimuth { 0.0 } else { sphere::reduced_deg(phi_i - campaign.surface.rotation_deg) };
     StreamId {

@@ -39,12 +39,17 @@ impl Context<'_> {
     /// Paths through a law.
     fn block_by_law(&self, work: &Work, block: u64, walk: &SmithWalk, tally: &mut Tally) {
         let arms = self.arms(work, block);
-        let mut rng = rng::stream(self.starts_stream(work, block));
+        let id = self.starts_stream(work, block);
+        let mut rng = rng::stream(id);
         let flux = 1.0 / self.plan.block_starts as f64;
         let mut followed = BlockTracer::one(self, work, arms, flux, tally);
-        for _ in 0..self.plan.block_starts {
+        for path in 0..self.plan.block_starts {
             if followed.is_given_up() {
                 return;
+            }
+            if self.plan.drawn_at.is_some() {
+                // Paths draw more or fewer numbers: each begins where it does under other angles.
+                rng = rng::stream_of_path(id, path);
             }
             followed.follow_law(walk, &mut rng);
         }

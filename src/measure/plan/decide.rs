@@ -57,6 +57,24 @@ pub fn plan_of(campaign: &Campaign, shard: Option<Part>, limit: u64) -> Result<P
     checked(campaign, plan, limit)
 }
 
+/// The plan of other directions than the campaign's, such as a list of points with an aperture about each.
+///
+/// - `grid`: its azimuths count from the light where the campaign averages over the light's azimuth.
+/// - `drawn_at`: angles of the incidence whose random numbers all of them use; `None`: each its own.
+/// - `size`: `cells` and `relief` of a plan on the same patches, which of a map are known once it is read.
+///
+/// Errors: as [`plan`].
+pub fn plan_at(
+    campaign: &Campaign,
+    grid: Grid,
+    drawn_at: Option<(f64, f64)>,
+    size: Option<(f64, f64)>,
+    limit: u64,
+) -> Result<Plan> {
+    let (plan, _) = decided_on(campaign, grid, size.unwrap_or_else(|| cells_and_relief(campaign)));
+    checked(campaign, Plan { drawn_at, ..plan }, limit)
+}
+
 /// The plan of a run that began with so many incidences at a time, or with all.
 ///
 /// Errors: `Refused` where these do not fit `limit` bytes; as [`plan`].
@@ -130,8 +148,11 @@ fn in_bands(plan: &mut Plan, memory: &Memory, stops: usize) {
 
 /// The plan with all incidences at once, and what it takes.
 fn decided(campaign: &Campaign) -> (Plan, Memory) {
-    let grid = grid_of(campaign);
-    let (cells, relief) = cells_and_relief(campaign);
+    decided_on(campaign, grid_of(campaign), cells_and_relief(campaign))
+}
+
+/// The same on another grid than the campaign's.
+fn decided_on(campaign: &Campaign, grid: Grid, (cells, relief): (f64, f64)) -> (Plan, Memory) {
     let averages_azimuth = campaign.light.azimuth == Azimuth::Relative;
     let blocks = campaign.stop.samples.div_ceil(BLOCK);
     let samples = blocks * BLOCK;
@@ -143,7 +164,8 @@ fn decided(campaign: &Campaign) -> (Plan, Memory) {
     // The statistical surface does not know where a path goes before it has left, and facets must leave no choice.
     let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
     let known = explicit && campaign.optics.mirrors();
-    let apertures_only = grid.kind == GridKind::Arm && campaign.trace.bounces == 1 && known;
+    let cones = matches!(grid.kind, GridKind::Arm | GridKind::Points);
+    let apertures_only = cones && campaign.trace.bounces == 1 && known;
     let total = [grid.stops() as u128, u128::from(realisations), u128::from(samples), roughnesses as u128];
     let start_sampler = StartSampler::decided(campaign, &grid, &folded, (samples, apertures_only));
     let mut plan = Plan {
@@ -165,6 +187,7 @@ fn decided(campaign: &Campaign) -> (Plan, Memory) {
         folded,
         colours: campaign.optics.colours(),
         sums: FresnelSums::of(campaign),
+        drawn_at: None,
         skipped: Vec::new(),
         band_stops: grid.stops(),
         memory_bytes: 0,

@@ -70,6 +70,10 @@ pub struct Plan {
     /// What is summed of every path; tests have colours traced that follow from others.
     #[serde(skip)]
     pub sums: FresnelSums,
+    /// Angles (theta_i, phi_i) in whose place those of the incidences draw: an incidence that was moved a little keeps
+    /// the random numbers that it had there. `None`: each incidence has its own.
+    #[serde(skip)]
+    pub drawn_at: Option<(f64, f64)>,
     /// What is left out, and why.
     pub skipped: Vec<Saving>,
     /// Incidences that are measured and written at a time: all, or as many as fit the memory.

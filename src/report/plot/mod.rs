@@ -9,6 +9,7 @@ pub mod masking;
 pub mod plots;
 pub mod polar;
 pub mod roughness;
+pub mod shares;
 pub mod style;
 
 pub use axis::ChartAxis;

@@ -12,7 +12,7 @@ const LONGEST_LINE: usize = 600;
 const MOST_SECONDS: u32 = 60;
 
 /// Commands whose options an answer may name.
-const VERBS: [&str; 15] = [
+const VERBS: [&str; 16] = [
     "check",
     "surface",
     "measure",
@@ -28,6 +28,7 @@ const VERBS: [&str; 15] = [
     "recolour",
     "albedo",
     "appearance",
+    "budget",
 ];
 
 /// Sets up what a row needs beside plain files.
