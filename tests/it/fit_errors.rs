@@ -226,7 +226,7 @@ fn two_roughnesses_of_a_round_law_come_out_alike_and_their_intervals_hold_it() {
 #[test]
 fn the_jackknife_is_what_leaving_out_and_fitting_again_gives() {
     // The model is not the truth: the second derivatives are not Fisher's matrix.
-    let grid = grid(&[0.0]);
+    let grid = one_side();
     let data = simulated(law(Masking::DirectionCorrelated, false), &grid, 8, 0.03, 3000.0, &mut test_rng(5));
     for law in [
         law(Masking::Separable, false),
