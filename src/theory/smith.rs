@@ -206,9 +206,12 @@ pub fn beckmann_lambda(a: f64) -> f64 {
 /// From here on the step of the rule may be twice as wide, from twice this on three times.
 const WIDER: f64 = 2.25;
 
+/// Terms of a rule of quadrature, by fours.
+type Rule = Vec<[(f64, f64); 4]>;
+
 /// Rules of step 1/7, 2/7 and 3/7 up to t = 6.57, where t^2 exp(-t^2) is 8e-18: (t^2, t^2 exp(-t^2) step/pi), by fours, the last
 /// ones filled up with terms of no weight.
-static TRAPEZOIDS: LazyLock<[Vec<[(f64, f64); 4]>; 3]> = LazyLock::new(|| {
+static TRAPEZOIDS: LazyLock<[Rule; 3]> = LazyLock::new(|| {
     let term = |k: usize, every: usize| {
         let t = k as f64 / 7.0;
         let t2 = t * t;
