@@ -2,7 +2,7 @@
 //!
 //! One patch, order 1, bins of 5 x 10 degrees, no plane. Blocks are measured by both ways again and again with draws of
 //! their own, alternately: time and variance of a bin stand for the time to an equal error. The means of both must agree.
-//! `cargo bench --bench grains`.
+//! `cargo bench -p gonio-benches --bench grains`.
 
 #[path = "common/blocks.rs"]
 mod blocks;

@@ -1,7 +1,7 @@
 //! Question: up to which fraction of the hemisphere does an index of the facets pay?
 //!
 //! Whole measurements of order 1 at alpha 0.2, processor time for each surface sample, median of five: what
-//! `measure/start_sampler.rs` decides by. `cargo bench --bench index`.
+//! `measure/start_sampler.rs` decides by. `cargo bench -p gonio-benches --bench index`.
 
 use std::path::Path;
 

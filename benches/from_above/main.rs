@@ -3,7 +3,7 @@
 //!
 //! One patch, light at four zenith angles, order 1, bins of 5 x 10 degrees. Blocks are measured by both ways again and
 //! again with draws of their own, alternately: time and variance of a bin stand for the time to an equal error. The means
-//! of both must agree. `cargo bench --bench from_above`.
+//! of both must agree. `cargo bench -p gonio-benches --bench from_above`.
 
 mod beam;
 

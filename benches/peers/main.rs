@@ -1,6 +1,6 @@
 //! Question: how fast are the ray kernels on the heights and rays that other tracers were timed on?
 //!
-//! `cargo bench --bench peers -- --scene DIR --n 1024 --work w0,w1,w2,w3`: a folder of `hf_N.npy`, `w0_N.npy`,
+//! `cargo bench -p gonio-benches --bench peers -- --scene DIR --n 1024 --work w0,w1,w2,w3`: a folder of `hf_N.npy`, `w0_N.npy`,
 //! `w1_N.npy`, `w2_N.npy` (f32; rays as ox oy oz dx dy dz, lengths in cells). Workloads: w0 mask, w1 shadow, w2 full,
 //! w3 path. `Mray/cpu-s` is the median rate by processor time of one thread.
 

@@ -99,8 +99,10 @@ fn an_analytic_interface_returns_its_roughness_and_its_index() {
         [(Ndf::Ggx, 0.3, 1.5, 0..=12), (Ndf::Beckmann, 0.2, 1.33, 6..=12), (Ndf::Ggx, 0.2, 1.0 / 1.5, 0..=12)]
     {
         let masking = Masking::HeightCorrelated;
-        let table =
-            table(grid(&[10.0, 45.0], &[0.0], 15.0, edges), &Microfacet::isotropic(ndf, alpha), masking, eta);
+        // One side of the plane of incidence: the other has its mirror image.
+        let phi_r_edges_deg = (0..=6).map(|k| 30.0 * f64::from(k)).collect();
+        let grid = Grid { phi_r_edges_deg, ..grid(&[10.0, 45.0], &[0.0], 15.0, edges) };
+        let table = table(grid, &Microfacet::isotropic(ndf, alpha), masking, eta);
         let data = FitData::new(&table, None, None);
         // A table of nobody knows which side its light came from.
         let fits = fit::fit(&data, &FitLaw::all(&data));
@@ -118,7 +120,7 @@ fn an_analytic_interface_returns_its_roughness_and_its_index() {
 /// Glass of a statistical surface: the models are exact.
 const GLASS: &str = "name = \"g\"\nseed = 4\n[surface]\nrealisations = 8\n[surface.smith]\nalpha = 0.3\n\
     [optics]\nfacet = \"dielectric\"\neta = 1.5\n[light]\ntheta_i_deg = [0, 30, 60]\n\
-    [sensor.hemisphere]\ntheta_r_bins = 12\nphi_r_bins = 24\nside = \"both\"\n[stop]\nsamples = 131_072\n";
+    [sensor.hemisphere]\ntheta_r_bins = 12\nphi_r_bins = 24\nside = \"both\"\n[stop]\nsamples = 32_768\n";
 
 #[test]
 fn measured_glass_returns_its_roughness_and_its_index() {
@@ -138,7 +140,7 @@ fn measured_glass_returns_its_roughness_and_its_index() {
             let se = best.standard_errors.get(name).expect("an error");
             // Student's limit of one in a thousand for eight realisations; errors that mean something.
             holds(&best, name, truth, stats::student_limit(1e-3, 7) * se);
-            assert!(se < 0.02 * truth, "{light} {side} {name}: {se}");
+            assert!(se < 0.04 * truth, "{light} {side} {name}: {se}");
         }
         // A model that is exact leaves the noise alone.
         assert!(best.chi2_per_dof.expect("errors") < 1.2, "{light} {side}: {:?}", best.chi2_per_dof);
@@ -148,7 +150,7 @@ fn measured_glass_returns_its_roughness_and_its_index() {
 #[test]
 fn the_command_says_the_index_and_refuses_models_that_know_no_refraction() {
     let folder = tempfile::tempdir().expect("temporary folder");
-    let table = measured_one(&GLASS.replace("131_072", "16_384")).table;
+    let table = measured_one(&GLASS.replace("32_768", "16_384")).table;
     store::save(&folder.path().join("g.exr"), &table).expect("saved");
     let text = stdout(&gonio(folder.path(), &["fit", "g.exr"]));
     assert!(text.starts_with("best: ggx ") && text.contains("eta 1."), "{text}");

@@ -10,6 +10,7 @@ use gonio::theory::{Masking, Ndf};
 use rand_pcg::Pcg64Dxsm;
 use rayon::prelude::*;
 
+use crate::support::long::or_long;
 use crate::support::measuring::{measured_one, test_rng};
 
 const ALPHA: f64 = 0.3;
@@ -119,6 +120,11 @@ fn data_of(grid: &Grid, parts: &[Vec<f32>]) -> FitData {
     FitData { perfect_mirror: true, ..FitData::new(&table, None, Some(&parts)) }
 }
 
+/// Numbers of realisations that intervals are judged for: few and many, with GONIO_LONG=1 those between as well.
+fn realisation_counts() -> &'static [usize] {
+    or_long(&[4, 16][..], &[4, 8, 16][..])
+}
+
 /// What many fits say of one parameter.
 struct Shown {
     covered: f64,
@@ -169,7 +175,7 @@ fn intervals_of_simulated_tables_hold_the_truth_in_95_of_100_cases() {
     // Bins with few hits and none, where weights from the scatter of few realisations pull; patches that are off in
     // all bins together, or not at all.
     let truth = law(Masking::HeightCorrelated, false);
-    for count in [4, 8, 16] {
+    for &count in realisation_counts() {
         for (patch, hits) in [(0.0, 300.0), (0.02, 6000.0), (0.03, 2e5)] {
             let cases = 300;
             let fits: Vec<Fit> = (0..cases)
@@ -189,7 +195,7 @@ fn two_roughnesses_of_a_round_law_come_out_alike_and_their_intervals_hold_it() {
     let truth = law(Masking::HeightCorrelated, true);
     // Half a turn, for the law is the same after it; with the hits of the other half.
     let turns: Vec<f64> = (0..3).map(|k| 60.0 * f64::from(k)).collect();
-    for count in [4, 8, 16] {
+    for &count in realisation_counts() {
         let cases = 100;
         let fits: Vec<Fit> = (0..cases)
             .into_par_iter()
@@ -226,7 +232,7 @@ fn two_roughnesses_of_a_round_law_come_out_alike_and_their_intervals_hold_it() {
 #[test]
 fn the_jackknife_is_what_leaving_out_and_fitting_again_gives() {
     // The model is not the truth: the second derivatives are not Fisher's matrix.
-    let grid = grid(&[0.0]);
+    let grid = one_side();
     let data = simulated(law(Masking::DirectionCorrelated, false), &grid, 8, 0.03, 3000.0, &mut test_rng(5));
     for law in [
         law(Masking::Separable, false),

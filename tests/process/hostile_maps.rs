@@ -126,9 +126,10 @@ fn each_ends(seed: u64, maps: usize) {
     assert!(tables > maps / 5 && refused > maps / 5);
 }
 
+/// What happens to one map in fourteen is seen with probability 0.95, with GONIO_LONG=1 one in 67.
 #[test]
 fn hostile_maps_end_with_a_table_or_one_line() {
-    each_ends(151, or_long(70, 200));
+    each_ends(151, or_long(40, 200));
 }
 
 #[test]

@@ -9,13 +9,23 @@ use gonio::surface::Heightfield;
 use gonio::trace::{Facet, SurfacePoint};
 use rand_pcg::Pcg64Dxsm;
 
-/// All tables of a campaign; its height maps lie in `folder`.
+/// All tables of a campaign; its height maps lie in `folder`. Where it asks for fewer surface samples than a block has, blocks
+/// have no more than those, as those of `bench`: a test pays for what it asks for.
 pub fn measured_in(folder: &Path, text: &str) -> Vec<Measured> {
     let parsed = campaign::parse(text, "c.toml", folder).unwrap_or_else(|e| panic!("refused: {e}\n{text}"));
-    let plan = measure::plan(&parsed.campaign).expect("it fits the memory");
+    let mut plan = measure::plan(&parsed.campaign).expect("it fits the memory");
+    by_few(&mut plan, parsed.campaign.stop.samples);
     let patches = Patches::prepare(&parsed.campaign, &mut Vec::new()).expect("patches");
     let (tables, _) = measure::measure(&parsed.campaign, &plan, &patches, &|_| ()).expect("no ray is lost");
     tables
+}
+
+/// Gives a plan blocks of no more surface samples than these.
+pub fn by_few(plan: &mut Plan, samples: u64) {
+    if samples < plan.block_starts {
+        plan.total_samples = plan.total_samples / plan.samples * samples;
+        (plan.block_starts, plan.samples) = (samples, samples);
+    }
 }
 
 /// The table of a campaign with one roughness and without files, measured after `change` of its plan.

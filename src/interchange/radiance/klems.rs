@@ -7,19 +7,17 @@
 
 use std::fmt::Write;
 
-use rayon::prelude::*;
-
 use super::colour;
+use super::patch_means::means;
 pub use super::patchwise::Patchwise;
 use super::patchwise::{bases_of, grid};
 use super::xml::{DataBlock, Document, SampleSide, negative_note, short};
 use super::{sides, xml, xml_writer};
 use crate::error::wrong;
+use crate::instrument::GridKind;
 use crate::instrument::klems::{Basis, Ring, patches};
-use crate::instrument::{GridKind, Region};
 use crate::interchange::codec::{Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::foreign_table;
-use crate::interchange::resample::nodes;
 use crate::interchange::{Brdf, Checked, Colour, Imported, Lookup, Options, needed};
 use crate::table::BrdfTable;
 
@@ -98,9 +96,10 @@ fn matrix_of(side: &sides::Side<'_>, wanted: Option<Basis>) -> Checked<Values> {
         return Ok((bases, matrix, "the table's own patches, as they are".into()));
     }
     let basis = wanted.unwrap_or(Basis::Full);
-    let patches = patches(basis.rings());
-    let matrix = means(as_function(table, side.through)?.as_ref(), &patches);
-    let note = format!("resampled to {} patches: lobes narrower than those are not held", patches.len());
+    let brdf = as_function(table, side.through)?;
+    let matrix = means(brdf.as_ref(), basis.rings(), table.grid.is_isotropic());
+    let count = patches(basis.rings()).len();
+    let note = format!("resampled to {count} patches: lobes narrower than those are not held");
     Ok(([basis.rings().to_vec(), basis.rings().to_vec()], matrix, note))
 }
 
@@ -135,29 +134,6 @@ fn as_function(table: &BrdfTable, through: bool) -> Checked<Box<dyn Brdf>> {
         return Ok(Box::new(Patchwise::new(table.clone())?));
     }
     Ok(Box::new(Lookup::of_side(table, through)?))
-}
-
-/// Means over pairs of patches, light major.
-fn means(brdf: &dyn Brdf, basis: &[[f64; 4]]) -> Vec<Colour> {
-    let outward = |turn: f64| {
-        let region = |&[t1, t2, p1, p2]: &[f64; 4]| Region::Rectangle {
-            theta: [t1.to_radians(), t2.to_radians()],
-            phi: [(p1 + turn).to_radians(), (p2 + turn).to_radians()],
-        };
-        basis.iter().map(|patch| nodes(&region(patch))).collect::<Vec<_>>()
-    };
-    let (light, sensor) = (outward(180.0), outward(0.0));
-    let mean = |k: usize| {
-        let mut sum = [0.0; 3];
-        for (wi, w) in &light[k / basis.len()] {
-            for (wo, v) in &sensor[k % basis.len()] {
-                let value = brdf.brdf(*wi, *wo);
-                sum.iter_mut().zip(value).for_each(|(s, f)| *s += w * v * f);
-            }
-        }
-        sum
-    };
-    (0..basis.len() * basis.len()).into_par_iter().map(mean).collect()
 }
 
 /// One channel as text, a line a patch of the sensor, in the nine digits that an f32 needs; `value` counts light major.

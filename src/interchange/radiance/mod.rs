@@ -2,6 +2,7 @@
 
 pub(crate) mod colour;
 pub mod klems;
+pub(crate) mod patch_means;
 pub(crate) mod patchwise;
 pub(crate) mod sides;
 pub(crate) mod tensor_cells;

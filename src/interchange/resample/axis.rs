@@ -15,14 +15,15 @@ pub(crate) struct Tap {
 
 /// At most four taps.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Taps {
-    taps: [Tap; 4],
-    count: usize,
+pub(crate) struct Taps<'a> {
+    nodes: &'a [Node],
+    weights: [f64; 4],
 }
 
-impl Taps {
+impl Taps<'_> {
     pub fn iter(&self) -> impl Iterator<Item = Tap> + '_ {
-        self.taps[..self.count].iter().copied()
+        let tap = |(&(_, node, reflected), weight): (&Node, f64)| Tap { node, weight, reflected };
+        self.nodes.iter().zip(self.weights).map(tap)
     }
 }
 
@@ -52,7 +53,7 @@ impl Nodes {
     }
 
     /// `count` taps, 4 or fewer, of the nodes about x.
-    fn taps(&self, x: f64, count: usize) -> Taps {
+    fn taps(&self, x: f64, count: usize) -> Taps<'_> {
         let count = count.min(self.all.len());
         let start = self.at_most(x).saturating_sub(count.div_ceil(2)).min(self.all.len() - count);
         let nodes = &self.all[start..start + count];
@@ -67,11 +68,7 @@ impl Nodes {
             [a, b] => [weight(x, a, [b]), weight(x, b, [a]), 0.0, 0.0],
             _ => [1.0, 0.0, 0.0, 0.0],
         };
-        let mut taps = [Tap { node: 0, weight: 0.0, reflected: false }; 4];
-        for ((tap, &(_, node, reflected)), weight) in taps.iter_mut().zip(nodes).zip(weights) {
-            *tap = Tap { node, weight, reflected };
-        }
-        Taps { taps, count }
+        Taps { nodes, weights }
     }
 
     /// How many of the angles are at most `x`. On an even axis it takes no search.
@@ -110,16 +107,16 @@ impl Polar {
     }
 
     /// The cubic's taps at `x` >= 0.
-    pub fn cubic(&self, x: f64) -> Taps {
+    pub fn cubic(&self, x: f64) -> Taps<'_> {
         self.taps(x, 4)
     }
 
     /// The taps of the straight line at `x` >= 0.
-    pub fn linear(&self, x: f64) -> Taps {
+    pub fn linear(&self, x: f64) -> Taps<'_> {
         self.taps(x, 2)
     }
 
-    fn taps(&self, x: f64, count: usize) -> Taps {
+    fn taps(&self, x: f64, count: usize) -> Taps<'_> {
         let all = &self.nodes.all;
         self.nodes.taps(x.clamp(all[0].0, all[all.len() - 1].0), count)
     }
@@ -143,11 +140,11 @@ impl AzimuthCircle {
         AzimuthCircle { nodes: Nodes::new(all.collect()), count }
     }
 
-    pub fn cubic(&self, x: f64) -> Taps {
+    pub fn cubic(&self, x: f64) -> Taps<'_> {
         self.taps(x, if self.count < 4 { 2 } else { 4 })
     }
 
-    pub fn linear(&self, x: f64) -> Taps {
+    pub fn linear(&self, x: f64) -> Taps<'_> {
         self.taps(x, 2)
     }
 
@@ -157,7 +154,7 @@ impl AzimuthCircle {
         self.nodes.all.windows(2).map(step).fold(0.0, f64::max)
     }
 
-    fn taps(&self, x: f64, count: usize) -> Taps {
+    fn taps(&self, x: f64, count: usize) -> Taps<'_> {
         // No remainder, which is as dear as a division: most angles are in range.
         let x = if (0.0..TAU).contains(&x) { x } else { x.rem_euclid(TAU) };
         self.nodes.taps(x, count.min(self.count))

@@ -74,7 +74,22 @@ impl Guide {
 
     /// f of the law, positive.
     pub fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let lobe = lobe_brdf(self.lobe, wi, wo);
+        self.with_lobe(lobe_brdf(self.lobe, wi, wo))
+    }
+
+    /// The same at facets of normal `h`, the one that sends `wi` to `wo`, where D(h) and the projected area `sigma` of the
+    /// lobe towards `wi` are known.
+    pub fn brdf_of_facets(&self, (h, d): (DVec3, f64), (wi, sigma): (DVec3, f64), wo: DVec3) -> Colour {
+        let share = self.lobe.facets.share(wi, wo, h);
+        self.with_lobe(d * share / (sigma * self.lobe.sigma(wo)))
+    }
+
+    /// The even part alone: f where no facet sends light.
+    pub fn diffuse(&self) -> Colour {
+        self.diffuse
+    }
+
+    fn with_lobe(&self, lobe: f64) -> Colour {
         std::array::from_fn(|c| self.diffuse[c] + self.gloss[c] * lobe)
     }
 

@@ -9,6 +9,7 @@ use glam::DVec3;
 use super::axis::Taps;
 use super::guide::Guide;
 use super::incidence_values::IncidenceValues;
+use super::lobe::Facets;
 use crate::interchange::Colour;
 use crate::sphere;
 
@@ -16,9 +17,19 @@ use crate::sphere;
 pub struct Guided {
     pub values: IncidenceValues,
     pub guide: Guide,
+    /// The projected area of the law's lobe towards the light of every incidence, [theta_i][phi_i]. Where every azimuth of the
+    /// light is alike, so is the lobe.
+    sigmas: Vec<f64>,
 }
 
 impl Guided {
+    /// A table between its incidences, with the law that it nearly follows.
+    pub fn new(values: IncidenceValues, facets: Facets) -> Self {
+        let guide = Guide::of(&values, facets);
+        let sigmas = values.all_wi().iter().map(|&wi| guide.lobe().sigma(wi)).collect();
+        Guided { values, guide, sigmas }
+    }
+
     /// The value at any pair of directions; `theta` and `phi` are those of `wi`.
     pub fn brdf(&self, wi: DVec3, (theta, phi): (f64, f64), wo: DVec3) -> Colour {
         let over = |taps, all| self.over_incidences((wi, phi), wo, taps, all);
@@ -34,11 +45,16 @@ impl Guided {
         &self,
         (wi, phi): (DVec3, f64),
         wo: DVec3,
-        (polar, circle): (Taps, Taps),
+        (polar, circle): (Taps<'_>, Taps<'_>),
         all: bool,
     ) -> Option<Colour> {
-        let facets = self.guide.lobe().facets;
-        let h = facets.normal(wi, wo);
+        let lobe = self.guide.lobe();
+        let facets = lobe.facets;
+        // D is that of all incidences: they are seen at the same half vector.
+        let h = facets.normal(wi, wo).map(|h| (h, lobe.d(h)));
+        let law = |wi, sigma, wo| {
+            h.map_or(self.guide.diffuse(), |facet| self.guide.brdf_of_facets(facet, (wi, sigma), wo))
+        };
         let colours = 0..=self.values.last_colour();
         // Where every azimuth of the light is alike, the incidences have that of `wi`.
         let turn = self.values.is_isotropic().then(|| phi.sin_cos());
@@ -55,7 +71,7 @@ impl Guided {
                     None => (self.values.phi_i()[p.node], at),
                 };
                 let to = match h {
-                    Some(h) => facets.onward(from, h),
+                    Some((h, _)) => facets.onward(from, h),
                     // Light that met several facets, at equal `wo` of incidences where it did.
                     None => Some(wo).filter(|&wo| facets.normal(from, wo).is_none()),
                 };
@@ -65,13 +81,13 @@ impl Guided {
                     }
                     continue;
                 };
-                let (value, law) =
-                    (self.values.at_stop((t.node, p.node), phi_i, to), self.guide.brdf(from, to));
+                let value = self.values.at_stop((t.node, p.node), phi_i, to);
+                let law = law(from, self.sigmas[t.node * self.values.phi_i().len() + p.node], to);
                 colours.clone().for_each(|c| sum[c] += weight * value[c] / law[c]);
                 weights += weight;
             }
         }
-        let law = self.guide.brdf(wi, wo);
+        let law = law(wi, lobe.sigma(wi), wo);
         (weights > 0.0).then(|| std::array::from_fn(|c| law[c] * sum[c] / weights))
     }
 }

@@ -120,6 +120,11 @@ impl IncidenceValues {
         self.wi[ti * self.phi_i.len() + pi]
     }
 
+    /// The directions of the light of all incidences, [theta_i][phi_i].
+    pub fn all_wi(&self) -> &[DVec3] {
+        &self.wi
+    }
+
     /// Whether every azimuth of the light is alike.
     pub fn is_isotropic(&self) -> bool {
         self.isotropic
@@ -141,7 +146,7 @@ impl IncidenceValues {
     }
 
     /// Taps of the cubic over the incidences at a direction of the light.
-    pub fn stop_taps(&self, theta: f64, phi: f64) -> (Taps, Taps) {
+    pub fn stop_taps(&self, theta: f64, phi: f64) -> (Taps<'_>, Taps<'_>) {
         (self.stops_polar.cubic(theta), self.stops_circle.cubic(phi))
     }
 
@@ -150,7 +155,8 @@ impl IncidenceValues {
     pub fn at_stop(&self, (ti, pi): (usize, usize), phi_i: f64, wo: DVec3) -> Colour {
         let fold = &self.folds[pi];
         let phi_r = fold.azimuth(sphere::phi(wo)) - if self.relative { fold.azimuth(phi_i) } else { 0.0 };
-        let rows = self.rows.cubic(sphere::theta(wo));
+        // `wo` is a unit vector: its angle needs no `hypot`, which is as dear as all taps together.
+        let rows = self.rows.cubic((wo.x * wo.x + wo.y * wo.y).sqrt().atan2(wo.z));
         let near = self.columns.cubic(phi_r);
         // Only next to the pole is anything seen through it.
         let far = rows.iter().any(|row| row.reflected).then(|| self.columns.cubic(phi_r + PI));
@@ -177,7 +183,7 @@ impl IncidenceValues {
     }
 
     /// Taps of straight lines between the incidences at a direction of the light.
-    pub fn linear_taps(&self, theta: f64, phi: f64) -> (Taps, Taps) {
+    pub fn linear_taps(&self, theta: f64, phi: f64) -> (Taps<'_>, Taps<'_>) {
         (self.stops_polar.linear(theta), self.stops_circle.linear(phi))
     }
 }

@@ -41,7 +41,7 @@ impl Lookup {
 
     fn of(table: &BrdfTable, facets: Facets) -> Checked<Self> {
         let values = IncidenceValues::new(table)?;
-        let guided = Guided { guide: Guide::of(&values, facets), values };
+        let guided = Guided::new(values, facets);
         // Single directions do not say how much light goes elsewhere.
         let sized = matches!(table.grid.kind, GridKind::Hemisphere | GridKind::Patches);
         let levels = sized.then(|| Levels::of(&guided));

@@ -11,7 +11,7 @@ use crate::surface::grains;
 /// Surface samples of an incidence on a patch for each of its cells from which on sorting the facets by slope pays.
 const FEWEST_SAMPLES_PER_CELL: f64 = 1.0 / 64.0;
 /// Share of the samples on grains that the light sees, below which rays from above are better: where both take the same
-/// time for the same error (`cargo bench --bench grains`: 1.4 to 0.9 between shares of 0.55 and 0.42).
+/// time for the same error (`cargo bench -p gonio-benches --bench grains`: 1.4 to 0.9 between shares of 0.55 and 0.42).
 const FEWEST_SEEN: f64 = 0.45;
 /// Apertures that cover more than this fraction of the hemisphere are not worth an index.
 const MOST_OF_HEMISPHERE: f64 = 0.25;
@@ -129,7 +129,7 @@ impl Apertures {
 /// Whether an index of the facets is worth its making: whether at every incidence the apertures, mirrored ones included,
 /// cover little enough of the hemisphere.
 ///
-/// Estimated break-even: see `MOST_OF_HEMISPHERE` (`cargo bench --bench index`).
+/// Estimated break-even: see `MOST_OF_HEMISPHERE` (`cargo bench -p gonio-benches --bench index`).
 // Tested by `the_facet_index_changes_nothing_but_noise`.
 fn are_few(grid: &Grid, folded: &[bool]) -> bool {
     folded.iter().enumerate().all(|(stop, &folded)| {

@@ -9,13 +9,16 @@ use gonio::measure::{self, Patches};
 use gonio::stats::{sidak, student_limit};
 use gonio::theory::{Masking, Ndf};
 
+use crate::support::measuring::by_few;
+
 fn measured(surface: &str, more: &str, chosen: Chosen) -> (AlbedoTable, Certificate) {
     let text = format!(
         "name = \"albedo\"\nseed = 3\n[surface]\n{surface}\n[light]\ntheta_i_deg = [0, 60]\n{more}\n"
     );
     let parsed = campaign::parse(&text, "c.toml", Path::new("")).unwrap_or_else(|e| panic!("{e}\n{text}"));
     let setup = albedo::campaign_of(&parsed.campaign, chosen).expect("has the axes");
-    let plan = measure::plan(&setup.campaign).expect("it fits the memory");
+    let mut plan = measure::plan(&setup.campaign).expect("it fits the memory");
+    by_few(&mut plan, setup.campaign.stop.samples);
     let patches = Patches::prepare(&setup.campaign, &mut Vec::new()).expect("patches");
     albedo::measure(&setup, &plan, &patches, &|_| ()).expect("no ray is lost")
 }
@@ -33,7 +36,7 @@ fn the_white_furnace_of_rough_glass_is_1() {
         alpha: list(&[0.05, 0.1, 0.2, 0.5, 1.0]),
         eta: list(&[1.1, 1.5, 2.4]),
     };
-    let trace = "[trace]\nbounces = 400\n[stop]\nsamples = 65536";
+    let trace = "[trace]\nbounces = 400\n[stop]\nsamples = 8192";
     let (table, certificate) =
         measured("realisations = 4\n[surface.smith]\nalpha = 0.3", &format!("{GLASS}{trace}"), chosen);
     assert!(certificate.ok, "{:?}", certificate.lines());
@@ -52,7 +55,7 @@ fn the_white_furnace_of_rough_glass_is_1() {
                 (back.value + through.value - 1.0).abs() <= 3.0 * se + 1e-12,
                 "{side} {cell}: {back:?} {through:?}"
             );
-            // 400 bounces leave nothing of 65,536 paths; the sum of all is exact but for the rounding of 800 shares.
+            // 400 bounces leave nothing of 8192 paths; the sum of all is exact but for the rounding of 800 shares.
             assert!(rest.value.abs() < 1e-12, "{side} {cell}: {rest:?}");
         }
     }
@@ -75,7 +78,7 @@ fn order_1_of_rough_glass_is_the_formulas() {
 
 #[test]
 fn mirrors_have_their_split_and_their_orders() {
-    let more = "[sensor.hemisphere]\n[trace]\nbounces = 12\n[stop]\nsamples = 65536";
+    let more = "[sensor.hemisphere]\n[trace]\nbounces = 12\n[stop]\nsamples = 16384";
     let grains = "realisations = 8\n[surface.grains]\nalpha = 0.5\ncoverage = 0.8";
     let heights = "realisations = 8\ncells = 64\ncorrelation_cells = 4\n[surface.ggx]\nalpha = 0.5";
     for surface in

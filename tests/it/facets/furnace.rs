@@ -8,7 +8,7 @@ use gonio::table::RealisationPart;
 use crate::support::measuring::measured;
 
 const ETA: f64 = 1.5;
-const SAMPLES: u64 = 65_536;
+const SAMPLES: u64 = 16_384;
 const LAWS: [&str; 2] = ["ggx", "beckmann"];
 
 /// Light and sensor as `arms` has them.

@@ -11,7 +11,7 @@ use gonio::validate::Prediction;
 
 use crate::support::measuring::measured;
 
-const SAMPLES: f64 = 65_536.0;
+const SAMPLES: f64 = 16_384.0;
 const SMITH: &str = "[surface.smith]\nalpha = 0.5";
 const ONCE: &str = "bounces = 1";
 

@@ -145,7 +145,8 @@ fn light_between_the_sides_of_a_groove_has_both_reflections() {
                  height_unit_um = 1\nperiodic = true\ndetrend = \"none\"\nrefine = 1\n\
                  [optics]\neta = {eta}\nk = {k}\nfresnel = \"exact\"\npolarisation = \"mueller\"\n\
                  [light]\ntheta_i_deg = [{theta}]\nazimuth = \"absolute\"\nphi_i_deg = [0]\n\
-                 [sensor.hemisphere]\nbins = \"centred\"\n[trace]\nbounces = 3\n[stop]\nsamples = 4096\n"
+                 [sensor.hemisphere]\ntheta_r_bins = 18\nphi_r_bins = 24\nbins = \"centred\"\n[trace]\nbounces = 3\n\
+                 [stop]\nsamples = 256\n"
             ),
         );
         let grid = &tables[0].table.grid;

@@ -11,7 +11,7 @@ fn text(surface: &str, thetas: &str, sensor: &str) -> String {
     format!(
         "name = \"patches\"\n[surface]\n{surface}\n[optics]\nfacet = \"dielectric\"\neta = 1.5\n[light]\n\
          theta_i_deg = {thetas}\nazimuth = \"absolute\"\nphi_i_deg = [17, 140]\nside = \"both\"\n[sensor.{sensor}\n\
-         side = \"both\"\n[trace]\nbounces = 3\n[stop]\nsamples = 65536\n"
+         side = \"both\"\n[trace]\nbounces = 3\n[stop]\nsamples = 8192\n"
     )
 }
 

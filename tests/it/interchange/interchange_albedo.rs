@@ -214,7 +214,14 @@ fn every_resampled_file_has_the_albedo_of_its_table() {
     let lookup = Lookup::new(&own).expect("a product");
     let read = |format: Format| -> Box<dyn Brdf> {
         let path = folder.path().join(format.name());
-        export(&own, format, &Options::default(), &path).unwrap_or_else(|why| panic!("{why}"));
+        let written = export(&own, format, &Options::default(), &path).unwrap_or_else(|why| panic!("{why}"));
+        if format == Format::Merl {
+            // A degree of theta_d is two of the sensor's; up to 1.4 of theta_h, 2.8: 3.5 together, read linearly. A straight line
+            // lies step^2/8 f'' off, and ln f of GGX has along the sensor's angle, half of which is the half vector's, a second
+            // derivative of 1/alpha^2 = 11 at most.
+            let l1 = written.read_back.expect("light").l1;
+            assert!(l1 > 0.0 && l1 <= 3.5f64.to_radians().powi(2) / 8.0 * 11.0, "{l1}");
+        }
         let bytes = std::fs::read(&path).expect("written");
         match format {
             Format::Rgl => Box::new(rgl::read(&bytes).expect("sound")),

@@ -10,9 +10,11 @@ const REALISATIONS: usize = 8;
 const COLUMNS: usize = 36;
 
 fn table(seed: u64) -> Measured {
+    // As many correlation lengths either way: smaller patches are made sooner.
+    let (cells, length) = or_long((64, 4), (128, 8));
     measured_one(&format!(
         "name = \"coverage\"\nseed = {seed}\n\
-         [surface]\nrealisations = {REALISATIONS}\ncells = 128\n[surface.ggx]\nalpha = 0.4\n\
+         [surface]\nrealisations = {REALISATIONS}\ncells = {cells}\ncorrelation_cells = {length}\n[surface.ggx]\nalpha = 0.4\n\
          [light]\ntheta_i_deg = [45]\n[sensor.hemisphere]\nphi_r_bins = {COLUMNS}\n[stop]\nsamples = 65536\n"
     ))
 }

@@ -13,6 +13,7 @@ use gonio::table::{
 };
 
 use crate::support::alone::{alone, path_of};
+use crate::support::long::or_long;
 use crate::support::mutations::Bits;
 
 fn grid() -> Grid {
@@ -323,7 +324,7 @@ fn damaged_tables_are_errors_and_never_panic() {
     alone(module_path!(), "damaged_tables_are_errors_and_never_panic", || {
         let table = table(1);
         let bytes = store::encode(&table).expect("encodes");
-        damage(&bytes, 4_000, 11, |bytes, cut| {
+        damage(&bytes, or_long(1_500, 4_000), 11, |bytes, cut| {
             let Some(loaded) = format_error(store::decode(here(), bytes)) else { return };
             assert!(!cut, "a file cut at {} bytes was read", bytes.len());
             let checked = !loaded.warnings.iter().any(|warning| warning.contains("gonio.digest"));
@@ -346,7 +347,7 @@ fn damaged_realisations_are_errors_and_never_panic() {
         };
         let parts = Realisations { parts: (0..3).map(part).collect() };
         let bytes = realisations::encode(&parts, &table, 1).expect("encodes");
-        damage(&bytes, 2_000, 12, |bytes, cut| {
+        damage(&bytes, or_long(1_000, 2_000), 12, |bytes, cut| {
             assert!(format_error(realisations::decode(here(), bytes)).is_none() || !cut);
         });
     });

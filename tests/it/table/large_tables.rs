@@ -123,8 +123,8 @@ fn bands_of_a_table_are_its_rows() {
 
 const CAMPAIGN: &str = "name = \"rows\"\nseed = 3\n[surface]\nrealisations = 4\ncells = 64\ncorrelation_cells = 4.0\n\
     [surface.ggx]\nalpha_x = 0.3\nalpha_y = 0.5\n[light]\ntheta_i_deg = [0, 30, 60]\nazimuth = \"absolute\"\n\
-    phi_i_deg = { from = 0, to = 315, step = 45 }\n[sensor.hemisphere]\ntheta_r_bins = 18\nphi_r_bins = 36\n\
-    [optics]\nmaterials = [\"gold\", \"copper\"]\n[trace]\nbounces = 2\n[stop]\nsamples = 65536\n";
+    phi_i_deg = { from = 0, to = 315, step = 45 }\n[sensor.hemisphere]\ntheta_r_bins = 9\nphi_r_bins = 24\n\
+    [optics]\nmaterials = [\"gold\", \"copper\"]\n[trace]\nbounces = 2\n[stop]\nsamples = 8192\n";
 
 fn measured() -> (Campaign, measure::Measured) {
     let campaign = campaign::parse(CAMPAIGN, "rows", Path::new("")).expect("sound").campaign;

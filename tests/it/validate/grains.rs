@@ -6,6 +6,8 @@ use gonio::measure::{self, Patches};
 use gonio::validate::{Verdict, examine};
 use std::path::Path;
 
+use crate::support::measuring::by_few;
+
 const HEMISPHERE: &str = "[sensor.hemisphere]\ntheta_r_bins = 18\nphi_r_bins = 36\nbins = \"aligned\"";
 
 /// The verdict on a campaign of grains, nothing averaged over the azimuth. Sides are such that some 16,000 grains lie on a
@@ -16,7 +18,8 @@ fn verdict(surface: &str, light: &str, sensor: &str, samples: u32) -> Verdict {
          [surface.grains]\n{surface}\n[light]\n{light}\nazimuth = \"absolute\"\nphi_i_deg = [0]\n{sensor}\n[stop]\nsamples = {samples}\n"
     );
     let campaign = campaign::parse(&text, "c.toml", Path::new("")).expect("a good campaign").campaign;
-    let plan = measure::plan(&campaign).expect("it fits");
+    let mut plan = measure::plan(&campaign).expect("it fits");
+    by_few(&mut plan, campaign.stop.samples);
     let patches = Patches::prepare(&campaign, &mut Vec::new()).expect("nothing to load");
     let (mut measured, _) = measure::measure(&campaign, &plan, &patches, &|_| {}).expect("no path is lost");
     let measured = measured.pop().expect("one roughness");
@@ -31,7 +34,7 @@ fn nothing_but_noise_lies_between_grains_and_their_law() {
         "coverage = 0.9\nside = 150\nalpha = 0.5\nbase = \"absorbing\"",
     ];
     for surface in cases {
-        let verdict = verdict(surface, "theta_i_deg = [10, 60, 80]", HEMISPHERE, 65_536);
+        let verdict = verdict(surface, "theta_i_deg = [10, 60, 80]", HEMISPHERE, 16_384);
         // No bin beyond Sidak's limit at 1 % over about 1,000 bins with 31 degrees of freedom.
         assert!(verdict.ok, "{surface}: {:?}", verdict.failures);
         let exact = &verdict.comparisons[0];

@@ -20,7 +20,7 @@ fn arms_in_all_places() -> (Vec<Vec<f32>>, Vec<f32>) {
          [surface.ggx]\nalpha_x = 0.3\nalpha_y = 0.5\n\
          [light]\ntheta_i_deg = {THETAS:?}\nazimuth = \"absolute\"\nphi_i_deg = {PHIS:?}\naperture_deg = 8\n\
          [sensor.arm]\ntheta_r_deg = {THETAS:?}\nphi_r_deg = {PHIS:?}\naperture_deg = 8\nphi_r_from = \"sample\"\n\
-         [stop]\nsamples = 131_072\n"
+         [stop]\nsamples = 32_768\n"
     );
     let measured = measured_one(&text);
     let parts = measured.realisations.parts.iter().map(|part| part.single[0].clone()).collect();
@@ -93,7 +93,9 @@ fn judged_against(measured: &Measured, prediction: Option<&Prediction>) -> Recip
 /// than 3 with 0.3 %. Power: a level that is 30 % in truth is seen with probability 0.96, by sixty one of 15 % with 0.99.
 #[test]
 fn binned_reciprocity_raises_no_false_alarm() {
-    let heights = "cells = 128\ncorrelation_cells = 4\n[surface.ggx]\nalpha = 0.3";
+    // Gaussian heights are made in a fifth of the time that GGX's take.
+    let law = or_long("beckmann", "ggx");
+    let heights = &format!("cells = 128\ncorrelation_cells = 4\n[surface.{law}]\nalpha = 0.3");
     // What theory predicts is the same for all of them.
     let first = binned(heights, 1, 16_384);
     let prediction = Prediction::of(&first.campaign, &first.table.grid);

@@ -16,7 +16,7 @@ fn unobstructed(surface: &str, light: &str, optics: &str) -> Measured {
          [surface]\nrealisations = 8\ncells = 256\n[surface.{surface}\n\
          [light]\ntheta_i_deg = [0, 30, 60, 75]\n{light}\n\
          [sensor.hemisphere]\ntheta_r_bins = 9\nphi_r_bins = 18\nbins = \"aligned\"\n{optics}\n\
-         [trace]\nvisibility = false\n[stop]\nsamples = 131_072\n"
+         [trace]\nvisibility = false\n[stop]\nsamples = 65_536\n"
     ))
 }
 
