@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::gum::{Combined, OUTSIDE, tolerance};
-use crate::campaign::{Distribution, InputQuantity};
+use crate::campaign::{Distribution, InputQuantity, QUANTITIES};
 use crate::rng::{self, Purpose, StreamId};
 
 /// Trials that share a stream.
@@ -62,7 +62,7 @@ impl Inputs<'_> {
     /// Independent normal numbers are made correlated and mapped to the distributions (a Gaussian copula: coefficients are
     /// exact of normal inputs). t: Bailey 1994, sqrt(nu (u^(-2/nu) - 1)) cos(2 pi v).
     pub fn draw(&self, draws: &mut Pcg64Dxsm, errors: &mut [f64]) {
-        let mut normal = [0.0; 15];
+        let mut normal = [0.0; QUANTITIES.len()];
         let normal = &mut normal[..self.inputs.len()];
         normal.iter_mut().for_each(|z| *z = rng::normal(draws));
         for (k, input) in self.inputs.iter().enumerate() {

@@ -5,11 +5,11 @@
 
 use super::differences::Derivative;
 use super::positions::{AngleErrors, Position};
-use crate::campaign::{InputQuantity, Quantity};
+use crate::campaign::{InputQuantity, QUANTITIES, Quantity};
 use crate::stats;
 
 /// Errors of the inputs by [`Quantity`], in the units of the campaign.
-pub type Errors = [f64; 15];
+pub type Errors = [f64; QUANTITIES.len()];
 
 /// Variables that were moved together.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,7 +94,7 @@ pub fn slope_factor(errors: &Errors) -> f64 {
 
 /// The errors of the inputs by quantity.
 pub fn by_quantity(inputs: &[InputQuantity], errors: &[f64]) -> Errors {
-    let mut all = [0.0; 15];
+    let mut all = [0.0; QUANTITIES.len()];
     for (input, error) in inputs.iter().zip(errors) {
         all[input.quantity as usize] = *error;
     }
