@@ -52,13 +52,14 @@ pub struct SlopeClass {
 
 /// The class that holds a slope: a table is read in a third of the time that the edges are searched in.
 fn class_of(slope: f64) -> usize {
-    // Exact: the factor is a power of two.
-    let (parts, before) = (PARTS * slope, (PARTS * EDGES[0]) as i64);
-    let part = (parts as i64 - i64::from(parts < (parts as i64) as f64)).saturating_sub(before);
-    match usize::try_from(part) {
-        Ok(part) => CLASS_OF_PART.get(part).map_or(CLASSES - 1, |&class| usize::from(class)),
-        Err(_) => 0,
+    if slope.is_nan() || slope < EDGES[0] {
+        return 0;
     }
+    // Exact: the factor is a power of two.
+    let parts = PARTS * slope;
+    let below = parts as i64 - i64::from(parts < (parts as i64) as f64);
+    let part = below.saturating_sub((PARTS * EDGES[0]) as i64) as usize;
+    CLASS_OF_PART.get(part).map_or(CLASSES - 1, |&class| usize::from(class))
 }
 
 impl SeenBySlope {
