@@ -163,7 +163,9 @@ def test_other_threads_go_on_meanwhile(campaign):
 
 
 PROGRAM = """
-import sys, time, gonio
+import signal, sys, time, gonio
+# A shell's background jobs ignore SIGINT.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 def begun(done, total):
     if total:
         print("begun", flush=True)
