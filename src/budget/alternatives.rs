@@ -1,7 +1,7 @@
 //! What the measurement itself may be off by: differences from the same measurement done otherwise.
 
 use super::positions::Position;
-use super::rig::{Rig, Seen, Setting, Wanted};
+use super::rig::{Rig, Seen, Setting};
 use crate::campaign::{Campaign, Detrend, Gaps, SurfaceKind};
 use crate::error::Result;
 use crate::stats;
@@ -36,21 +36,22 @@ pub struct LeftOut {
 /// f(a) - f(0) from f(a) - f(a/2), where f(a) = f(0) + c a^2.
 const OF_HALF: f64 = 4.0 / 3.0;
 
-/// All that exist of a campaign.
+/// All that exist of a campaign; `nominal` and `middle` are what is seen of it anew, and as if moved.
 pub fn alternatives(
     rig: &mut Rig,
     positions: &[Position],
     nominal: &[Seen],
+    middle: &[Seen],
     stage: &dyn Fn(&str),
 ) -> Result<(Vec<Alternative>, Vec<LeftOut>)> {
     let (mut found, mut left_out) = (Vec::new(), Vec::new());
     let [cone, _] = rig.half_angles_deg();
     stage("halving the apertures");
     let half = Setting { aperture: 0.5, ..Setting::NOMINAL };
-    found.push(of_half_angle(rig, "aperture size", &half, positions)?);
+    found.push(of_half_angle(rig, "aperture size", &half, positions, middle)?);
     if cone > 0.0 {
         let half = Setting { cone: 0.5, ..Setting::NOMINAL };
-        found.push(of_half_angle(rig, "cone size", &half, positions)?);
+        found.push(of_half_angle(rig, "cone size", &half, positions, middle)?);
     } else {
         left_out.push(LeftOut { name: "cone size", why: "the light is parallel".into() });
     }
@@ -61,8 +62,7 @@ pub fn alternatives(
                 let [_, aperture] = rig.half_angles_deg();
                 let samples = campaign.stop.samples;
                 let mut otherwise = Rig::new(&campaign, aperture, samples, &mut Vec::new())?;
-                let wanted: Vec<Wanted> = positions.iter().map(|&at| Wanted { drawn_as: None, at }).collect();
-                let seen = otherwise.read(&Setting::NOMINAL, &wanted)?;
+                let seen = otherwise.read_anew(positions)?;
                 found.push(Alternative { name, half_widths: differences(nominal, &seen, 1.0) });
             }
             Err(why) => left_out.push(LeftOut { name, why }),
@@ -79,10 +79,10 @@ fn of_half_angle(
     name: &'static str,
     half: &Setting,
     positions: &[Position],
+    whole: &[Seen],
 ) -> Result<Alternative> {
-    let wanted: Vec<Wanted> = positions.iter().map(|&at| Wanted { drawn_as: Some(at), at }).collect();
-    let (whole, half) = (rig.read(&Setting::NOMINAL, &wanted)?, rig.read(half, &wanted)?);
-    Ok(Alternative { name, half_widths: differences(&whole, &half, OF_HALF) })
+    let half = rig.read_as_moved(half, positions)?;
+    Ok(Alternative { name, half_widths: differences(whole, &half, OF_HALF) })
 }
 
 /// |mean of the differences| times `scale`, realisation by realisation.

@@ -55,7 +55,13 @@ impl Measured {
             half_widths: &[],
             seed: campaign.seed,
         };
-        let check = instruments::check(&mut self.rig, (uncertainty, &inputs), &self.responses, &combined)?;
+        let check = instruments::check(
+            &mut self.rig,
+            (uncertainty, &inputs),
+            &self.responses,
+            &self.middle,
+            &combined,
+        )?;
         Ok(Budget {
             schema: SCHEMA,
             name: campaign.name.clone(),

@@ -7,10 +7,6 @@ use crate::stats;
 /// Probability outside of the intervals of a budget.
 pub const OUTSIDE: f64 = 0.05;
 
-/// Degrees of freedom from which on Student's limit is that of a series about the normal one: `statrs` loses its digits where
-/// there are millions.
-const MANY: f64 = 200.0;
-
 /// One input of a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Term {
@@ -56,19 +52,11 @@ pub fn combine(terms: &[Term], factor: &[Vec<f64>]) -> Combined {
 
 /// The limit that |t| exceeds with probability `outside`; degrees of freedom are cut to a whole number (JCGM 100, G.4.1),
 /// at least 1.
-///
-/// Many: z + (z^3 + z)/(4 nu) + (5 z^5 + 16 z^3 + 3 z)/(96 nu^2), Abramowitz and Stegun 26.7.5; the next term is below 1e-6.
 // Tested by `limits_of_many_degrees_of_freedom_are_those_of_tables` (tests/it/budget/methods.rs).
 pub fn coverage_factor(outside: f64, dof: Option<f64>) -> f64 {
-    let z = stats::normal_limit(outside);
     match dof {
-        None => z,
-        Some(dof) if dof < MANY => stats::student_limit(outside, (dof as usize).max(1)),
-        Some(dof) => {
-            let (dof, z2) = (dof.floor(), z * z);
-            let (first, second) = ((z2 + 1.0) * z / 4.0, ((5.0 * z2 + 16.0) * z2 + 3.0) * z / 96.0);
-            z + first / dof + second / (dof * dof)
-        }
+        None => stats::normal_limit(outside),
+        Some(dof) => stats::student_limit(outside, (dof as usize).max(1)),
     }
 }
 

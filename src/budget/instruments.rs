@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::monte_carlo::Inputs;
 use super::positions::Position;
 use super::response::{Errors, Response, angles, by_quantity, slope_factor};
-use super::rig::{OpticsChange, Rig, Setting, Wanted};
+use super::rig::{OpticsChange, Rig, Seen, Setting, Wanted};
 use crate::campaign::{Quantity, Uncertainty};
 use crate::error::Result;
 use crate::rng::{self, Purpose, StreamId};
@@ -27,19 +27,18 @@ pub struct Check {
     pub noise: Option<f64>,
 }
 
-/// Measures some instruments. `combined`: u_c of every value, by pair and colour.
+/// Measures some instruments. `middle`: one without errors; `combined`: u_c of every value, by pair and colour.
 pub fn check(
     rig: &mut Rig,
     (uncertainty, inputs): (&Uncertainty, &Inputs),
     responses: &[Vec<Response>],
+    middle: &[Seen],
     combined: &[Vec<f64>],
 ) -> Result<Check> {
     let positions: Vec<Position> = responses.iter().map(|colours| colours[0].position).collect();
     let relative = |quantity: Quantity| {
         uncertainty.inputs.iter().any(|input| input.quantity == quantity && input.relative)
     };
-    let at_rest: Vec<Wanted> = positions.iter().map(|&at| Wanted { drawn_as: Some(at), at }).collect();
-    let nominal = rig.read(&Setting::NOMINAL, &at_rest)?;
     let (mut squares, mut noises, mut count, mut instruments) = (0.0, 0.0, 0usize, 0usize);
     for number in 0..INSTRUMENTS {
         let id = StreamId {
@@ -69,7 +68,7 @@ pub fn check(
                 optical[Quantity::Reading as usize] = 0.0;
                 let predicted = response.value_at(&optical, relative) - response.value;
                 let change =
-                    moved[pair].brdf[colour].iter().zip(&nominal[pair].brdf[colour]).map(|(a, b)| a - b);
+                    moved[pair].brdf[colour].iter().zip(&middle[pair].brdf[colour]).map(|(a, b)| a - b);
                 let (measured, se) = stats::mean_and_se(change);
                 squares += ((measured - predicted) / u).powi(2);
                 noises += (se.unwrap_or(0.0) / u).powi(2);

@@ -3,7 +3,7 @@
 use super::alternatives::{self, Alternative, LeftOut};
 use super::positions::{self, Position};
 use super::response::Response;
-use super::rig::{Rig, Seen, Setting, Wanted};
+use super::rig::{Rig, Seen, Setting};
 use super::sensitivities;
 use crate::campaign::{Campaign, SensorArm, Uncertainty};
 use crate::error::{Error, Result};
@@ -13,6 +13,8 @@ use crate::stats;
 pub struct Measured {
     pub(super) positions: Vec<Position>,
     pub(super) nominal: Vec<Seen>,
+    /// The same with the random numbers of moved pairs: what differences are taken from.
+    pub(super) middle: Vec<Seen>,
     /// Answers to errors of the inputs: \[pair\]\[colour\].
     pub responses: Vec<Vec<Response>>,
     pub(super) alternatives: Vec<Alternative>,
@@ -34,8 +36,7 @@ pub fn measure(campaign: &Campaign, uncertainty: &Uncertainty, stage: &dyn Fn(&s
     let mut notes = Vec::new();
     let mut rig = Rig::new(campaign, aperture_deg, samples, &mut notes)?;
     let positions = positions::positions(campaign, uncertainty);
-    let wanted: Vec<Wanted> = positions.iter().map(|&at| Wanted { drawn_as: None, at }).collect();
-    let nominal = rig.read(&Setting::NOMINAL, &wanted)?;
+    let nominal = rig.read_anew(&positions)?;
     let mean = |values: &Vec<f64>| stats::mean(values);
     let values: Vec<Vec<f64>> = nominal.iter().map(|seen| seen.brdf.iter().map(mean).collect()).collect();
     if values.iter().flatten().all(|value| *value == 0.0) {
@@ -44,16 +45,18 @@ pub fn measure(campaign: &Campaign, uncertainty: &Uncertainty, stage: &dyn Fn(&s
             campaign.name
         )));
     }
-    let responses = sensitivities::responses(&mut rig, &uncertainty.inputs, &positions, &values, stage)?;
+    let middle = rig.read_as_moved(&Setting::NOMINAL, &positions)?;
+    let responses =
+        sensitivities::responses(&mut rig, &uncertainty.inputs, &positions, &values, &middle, stage)?;
     let (alternatives, left_out) = (Vec::new(), Vec::new());
-    Ok(Measured { positions, nominal, responses, alternatives, left_out, notes, rig, samples })
+    Ok(Measured { positions, nominal, middle, responses, alternatives, left_out, notes, rig, samples })
 }
 
 impl Measured {
     /// Measures the same otherwise.
     pub(super) fn look_for_alternatives(&mut self, stage: &dyn Fn(&str)) -> Result<()> {
         (self.alternatives, self.left_out) =
-            alternatives::alternatives(&mut self.rig, &self.positions, &self.nominal, stage)?;
+            alternatives::alternatives(&mut self.rig, &self.positions, &self.nominal, &self.middle, stage)?;
         Ok(())
     }
 

@@ -165,6 +165,22 @@ impl Rig {
         }
     }
 
+    /// Pairs of directions as `measure` draws them.
+    ///
+    /// Errors: as [`Self::read`].
+    pub fn read_anew(&mut self, positions: &[Position]) -> Result<Vec<Seen>> {
+        let wanted: Vec<Wanted> = positions.iter().map(|&at| Wanted { drawn_as: None, at }).collect();
+        self.read(&Setting::NOMINAL, &wanted)
+    }
+
+    /// Pairs of directions at a setting, with the random numbers that they have when they are moved.
+    ///
+    /// Errors: as [`Self::read`].
+    pub fn read_as_moved(&mut self, setting: &Setting, positions: &[Position]) -> Result<Vec<Seen>> {
+        let wanted: Vec<Wanted> = positions.iter().map(|&at| Wanted { drawn_as: Some(at), at }).collect();
+        self.read(setting, &wanted)
+    }
+
     /// The wanted pairs of directions, in their order.
     ///
     /// Errors: as `measure::plan` and `measure::measure`.

@@ -22,16 +22,17 @@ const SMALLEST_STEP_DEG: f64 = 0.05;
 /// The arms stay by twice the step and so much more above the horizon, parts of the step.
 const ROOM: f64 = 2.2;
 
-/// The responses of all pairs: \[pair\]\[colour\]. `values` are those of the campaign itself, by pair and colour.
+/// The responses of all pairs: \[pair\]\[colour\]. `values` are those of the campaign itself, by pair and colour;
+/// `middle` what is seen of it with the random numbers of moved pairs.
 pub fn responses(
     rig: &mut Rig,
     inputs: &[InputQuantity],
     positions: &[Position],
     values: &[Vec<f64>],
+    middle: &[Seen],
     stage: &dyn Fn(&str),
 ) -> Result<Vec<Vec<Response>>> {
     let has = |quantity: Quantity| inputs.iter().any(|input| input.quantity == quantity);
-    let middle = read(rig, &Setting::NOMINAL, positions)?;
     let blank = |(position, values): (&Position, &Vec<f64>)| {
         let of = |(colour, &value): (usize, &f64)| Response {
             position: *position,
@@ -55,7 +56,7 @@ pub fn responses(
     if has(Quantity::HeightScale) || has(Quantity::PitchScale) {
         stage("scaling the heights");
         let set = |x: f64| Setting { slopes: 1.0 + x, ..nominal };
-        let groups = balanced(SLOPE_STEPS, values, |step| single(rig, positions, &middle, step, &set))?;
+        let groups = balanced(SLOPE_STEPS, values, |step| single(rig, positions, middle, step, &set))?;
         fill(&mut all, groups, |response| &mut response.slopes);
     }
     let [cone, aperture] = rig.half_angles_deg();
@@ -63,19 +64,19 @@ pub fn responses(
     let step = |half_angle: f64| HALF_ANGLE_STEP.min((room / half_angle - 1.0) / ROOM);
     if has(Quantity::LampCone) {
         stage("widening the light's cone");
-        let groups = single(rig, positions, &middle, step(cone), &|x| Setting { cone: 1.0 + x, ..nominal })?;
+        let groups = single(rig, positions, middle, step(cone), &|x| Setting { cone: 1.0 + x, ..nominal })?;
         fill(&mut all, groups, |response| &mut response.cone);
     }
     if has(Quantity::SensorAperture) {
         stage("widening the aperture");
         let set = |x: f64| Setting { aperture: 1.0 + x, ..nominal };
-        let groups = single(rig, positions, &middle, step(aperture), &set)?;
+        let groups = single(rig, positions, middle, step(aperture), &set)?;
         fill(&mut all, groups, |response| &mut response.aperture);
     }
     if !all[0][0].constants.is_empty() {
         stage("changing the material");
         let moved: Vec<Quantity> = all[0][0].constants.iter().map(|(quantity, _)| *quantity).collect();
-        let groups = optics(rig, positions, &middle, &moved)?;
+        let groups = optics(rig, positions, middle, &moved)?;
         fill(&mut all, groups, |response| &mut response.optics);
     }
     Ok(all)
@@ -113,13 +114,6 @@ fn constants(optics: &Optics, colour: usize, inputs: &[InputQuantity]) -> Vec<(Q
     inputs.iter().filter_map(|input| Some((input.quantity, value(input.quantity)?))).collect()
 }
 
-/// The pairs of directions at a setting, with the random numbers of moved ones.
-fn read(rig: &mut Rig, setting: &Setting, positions: &[Position]) -> Result<Vec<Seen>> {
-    let wanted: Vec<Wanted> =
-        positions.iter().map(|&position| Wanted { drawn_as: Some(position), at: position }).collect();
-    rig.read(setting, &wanted)
-}
-
 /// One variable that leaves the directions alone.
 fn single(
     rig: &mut Rig,
@@ -140,7 +134,7 @@ fn moved_by(
     step: f64,
     set: &dyn Fn(f64) -> Setting,
 ) -> Result<[Vec<Seen>; 4]> {
-    let mut at = |steps: f64| read(rig, &set(steps * step), positions);
+    let mut at = |steps: f64| rig.read_as_moved(&set(steps * step), positions);
     Ok([at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?])
 }
 
@@ -174,7 +168,7 @@ fn optics(
     }
     let both = match quantities {
         &[a, b] => {
-            let mut at = |x: f64| read(rig, &set(&[(a, x), (b, x)]), positions);
+            let mut at = |x: f64| rig.read_as_moved(&set(&[(a, x), (b, x)]), positions);
             Some([at(step)?, at(-step)?])
         }
         _ => None,

@@ -147,7 +147,7 @@ impl Sensor {
         mut visit: impl FnMut(usize, bool),
     ) {
         if let Sensor::Hemisphere { theta, above, phi, by_cosine } = self {
-            let Some(row) = by_cosine.row(wo.z).or_else(|| row(wo, theta, *above)) else { return };
+            let Some(row) = row(wo, theta, *above, by_cosine) else { return };
             let (first, azimuth) = (row * phi.len(), quick_atan2_deg(wo.y, wo.x));
             let turned = about_deg - azimuth;
             let mirrored = if turned < 0.0 { turned + 360.0 } else { turned % 360.0 };
@@ -163,7 +163,7 @@ impl Sensor {
     pub fn each_bin(&self, wo: DVec3, mut visit: impl FnMut(usize)) {
         match self {
             Sensor::Hemisphere { theta, above, phi, by_cosine } => {
-                let Some(row) = by_cosine.row(wo.z).or_else(|| row(wo, theta, *above)) else { return };
+                let Some(row) = row(wo, theta, *above, by_cosine) else { return };
                 let azimuth = quick_atan2_deg(wo.y, wo.x);
                 visit(row * phi.len() + column(wo, azimuth, phi));
             }
@@ -237,9 +237,14 @@ fn near_polar_deg(wo: DVec3) -> f64 {
 }
 
 /// The row that holds `wo`, of which `above` lie above the horizon; `None` where those of its hemisphere are none.
+fn row(wo: DVec3, theta: &Edges, above: usize, by_cosine: &RowsByCosine) -> Option<usize> {
+    by_cosine.row(wo.z).or_else(|| row_by_angle(wo, theta, above))
+}
+
+/// The same, by the angle alone.
 ///
 /// The sign of wo.z decides the hemisphere: an angle of 90 degrees is the rounding of one just off it.
-fn row(wo: DVec3, theta: &Edges, above: usize) -> Option<usize> {
+fn row_by_angle(wo: DVec3, theta: &Edges, above: usize) -> Option<usize> {
     let rows = if wo.z > 0.0 { 0..above } else { above..theta.len() };
     let last = rows.end.checked_sub(1).filter(|last| rows.start <= *last)?;
     let found = theta.find_quickly(near_polar_deg(wo), || sphere::theta(wo).to_degrees());
@@ -395,7 +400,7 @@ mod tests {
             for polar in near.chain(ranges.map(|cosine| cosine.acos().to_degrees())).chain(between) {
                 let wo = sphere::direction_deg(polar.clamp(0.0, 180.0), 33.0);
                 if let Some(quick) = by_cosine.row(wo.z) {
-                    assert_eq!(Some(quick), row(wo, &theta, above), "{polar}");
+                    assert_eq!(Some(quick), row_by_angle(wo, &theta, above), "{polar}");
                     found += 1;
                 }
             }

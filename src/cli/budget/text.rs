@@ -2,11 +2,14 @@
 
 use crate::budget::{Budget, Component, Kind, ValueBudget};
 use crate::cli::text::layout::{columns, wrapped};
+use crate::cli::text::numbers::two_digits;
 
 /// Values whose components are printed; JSON, CSV and page have all.
 const MOST_VALUES: usize = 8;
 /// Components below this share are counted together.
 const LEAST_SHARE: f64 = 5e-4;
+/// Digits after the point, at most.
+const MOST_DIGITS: f64 = 12.0;
 
 /// All values in a table, then the components of the first ones.
 pub fn lines(found: &Budget) -> Vec<String> {
@@ -99,10 +102,7 @@ fn row(component: &Component) -> Vec<String> {
         Kind::Input => component.standard_uncertainty.map_or(String::new(), short),
         _ => String::new(),
     };
-    let contribution = match (component.contribution, component.contribution_error) {
-        (None, _) => String::new(),
-        (Some(part), _) => short(part),
-    };
+    let contribution = component.contribution.map_or(String::new(), short);
     vec![component.name.clone(), law, own, sensitivity, contribution, percent(component.share)]
 }
 
@@ -155,7 +155,7 @@ fn remarks(found: &Budget) -> Vec<String> {
 /// A number in the digits of an error of two digits.
 fn digits(value: f64, error: f64) -> String {
     if error > 0.0 && error.is_finite() {
-        let decimals = (1.0 - error.log10().floor()).clamp(0.0, 12.0) as usize;
+        let decimals = two_digits(error, MOST_DIGITS);
         format!("{value:.decimals$}")
     } else {
         short(value)
@@ -168,7 +168,7 @@ fn short(value: f64) -> String {
     if size == 0.0 {
         "0".into()
     } else if (1e-4..1e3).contains(&size) {
-        let decimals = (1.0 - size.log10().floor()).clamp(0.0, 12.0) as usize;
+        let decimals = two_digits(size, MOST_DIGITS);
         format!("{value:.decimals$}")
     } else {
         format!("{value:.1e}")

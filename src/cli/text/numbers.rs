@@ -34,11 +34,16 @@ pub fn with_error(mean: f64, se: Option<f64>) -> String {
     match se {
         None => format!("{mean:.5} +- n/a"),
         Some(se) if se > 0.0 => {
-            let decimals = (1.0 - se.log10().floor()).clamp(0.0, 9.0) as usize;
+            let decimals = two_digits(se, 9.0);
             format!("{mean:.decimals$} +- {se:.decimals$}")
         }
         Some(_) => format!("{mean:.5} +- 0"),
     }
+}
+
+/// Digits after the point that show two significant ones of `size` > 0, at most `most`.
+pub fn two_digits(size: f64, most: f64) -> usize {
+    (1.0 - size.log10().floor()).clamp(0.0, most) as usize
 }
 
 /// A number, or `n/a`.

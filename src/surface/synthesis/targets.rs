@@ -142,8 +142,7 @@ impl LaneWork for WriteDivergence<'_> {
         let room = || TargetRow { slopes: [(); 2].map(|()| [(); 2].map(|()| padded(n + 1))) };
         let (mut before, mut here) = (room(), room());
         let first = self.heights[..n].to_vec();
-        let row = |heights: &[f32], y: usize| heights[y * n..][..n].to_vec();
-        let mut rows = Rows::new(&row(self.heights, n - 1), &first);
+        let mut rows = Rows::new(&self.heights[(n - 1) * n..], &first);
         self.targets(l, &rows, &mut before);
         let mut out = padded(n);
         for y in 0..n {
