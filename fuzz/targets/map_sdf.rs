@@ -1,6 +1,4 @@
 #![no_main]
 //! Surface data files, binary and text.
 
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| gonio_fuzz::scan("map_sdf", bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| gonio_fuzz::read("map_sdf", bytes));

@@ -1,6 +1,4 @@
 #![no_main]
 //! Maps of Digital Surf, plain and compressed.
 
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| gonio_fuzz::scan("map_sur", bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| gonio_fuzz::read("map_sur", bytes));

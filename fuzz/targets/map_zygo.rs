@@ -1,6 +1,4 @@
 #![no_main]
 //! Zygo MetroPro.
 
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| gonio_fuzz::scan("map_zygo", bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| gonio_fuzz::read("map_zygo", bytes));

@@ -1,7 +1,4 @@
 #![no_main]
 //! SSDD texts.
 
-use gonio::interchange::text::ssdd;
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| gonio_fuzz::reason(ssdd::read_with_notes(bytes)));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| gonio_fuzz::read("ssdd", bytes));

@@ -17,8 +17,8 @@ use gonio::measure::{self, Patches, RunState, Session};
 use gonio::surface::io::map_file;
 use gonio::table::{BrdfTable, RealisationPart, Realisations, realisations, store};
 
+use super::readers::CHECKPOINTED;
 use super::scans::BEGINNINGS;
-use super::{checkpoint_of, read};
 use crate::support::radiance;
 
 type Answer = Result<(), Box<dyn std::error::Error>>;
@@ -42,7 +42,9 @@ fn seed(target: &str, name: &str, bytes: &[u8]) -> Answer {
 
 /// A seed that its reader takes: a fuzzer that starts at a refusal comes no deeper.
 fn sound_seed(target: &str, name: &str, bytes: &[u8]) -> Answer {
-    read(target, bytes).map_err(|why| format!("seed {name} of {target}: {why}"))?;
+    let format: Format = target.parse()?;
+    interchange::decode(format, &Options::default(), bytes)
+        .map_err(|why| format!("seed {name} of {target}: {why}"))?;
     seed(target, name, bytes)
 }
 
@@ -110,13 +112,12 @@ fn formats() -> Answer {
 
 /// A run at its beginning and at its end.
 fn checkpoints() -> Answer {
-    let (campaign, plan) = checkpoint_of();
-    let patches = Patches::prepare(&campaign, &mut Vec::new())?;
-    let empty = RunState::new(&campaign, &plan);
-    let whole =
-        measure::measure_missing(&campaign, &plan, &patches, empty.clone(), &Session::plain(&|_| ()))?;
+    let (campaign, plan) = &*CHECKPOINTED;
+    let patches = Patches::prepare(campaign, &mut Vec::new())?;
+    let empty = RunState::new(campaign, plan);
+    let whole = measure::measure_missing(campaign, plan, &patches, empty.clone(), &Session::plain(&|_| ()))?;
     for (name, run_state) in [("empty", empty), ("whole", whole)] {
-        let bytes = run_state.to_bytes(1, &campaign, &plan)?;
+        let bytes = run_state.to_bytes(1, campaign, plan)?;
         seed("checkpoint", name, sealed::open(KIND, &bytes)?)?;
     }
     Ok(())
