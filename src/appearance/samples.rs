@@ -99,7 +99,7 @@ impl<'a> TableSamples<'a> {
         }
         if !reading.is_resolved() {
             let [bins, most] = [reading.bins_deg, reading.most_deg].map(|[a, b]| format!("{a:.2} x {b:.2}"));
-            return Err(format!("bins of {bins} degrees there, {most} at most would do"));
+            return Err(format!("bins of {bins} degrees (theta_r x phi_r) there, {most} at most would do"));
         }
         let (plane, coarse) = (sum(|w| w.plane), sum(|w| w.coarse));
         if (plane - coarse).abs() > MOST_OPEN * plane || !(low..=high).contains(&plane) {

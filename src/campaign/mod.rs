@@ -10,6 +10,7 @@ use crate::files::{self, exr_header, memory};
 use crate::text_decoding::decode_text;
 
 mod difference;
+pub mod key_tables;
 pub mod materials;
 pub mod parse;
 pub mod presets;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::text::output::{Output, print_error, to_json, warn};
+use super::text::output::{Output, note, print_error, to_json, warn};
 use super::text::plan;
 use crate::campaign::{self, Campaign, CampaignRun, CampaignRuns, SurfaceKind};
 use crate::error::{Error, Result};
@@ -35,9 +35,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Err(error @ Error::Campaign(_)) if arguments.json => return answer(&error),
         parsed => parsed?,
     };
-    let CampaignRuns { runs, mut notes, preset } = parsed;
+    let CampaignRuns { runs, notes: mut warnings, preset } = parsed;
     let campaign = runs[0].campaign.clone();
-    map_notes(&campaign, &mut notes)?;
+    let prepared = map_notes(&campaign, &mut warnings)?;
     let plan = measure::plan(&campaign);
     let mut out = Output::default();
     if arguments.json {
@@ -50,6 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
                 Value::Null
             }
         };
+        let notes = [warnings, prepared].concat();
         let preset = to_json(&preset)?;
         let apertures = to_json(&worst(&campaign))?;
         let waves = to_json(&GeometricOptics::of(&campaign, &grid_of(&campaign)))?;
@@ -59,7 +60,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         }))?;
         return Ok(code);
     }
-    notes.iter().for_each(warn);
+    warnings.iter().for_each(warn);
+    prepared.iter().for_each(note);
     let plan = plan?;
     out.lines(preset.iter().flat_map(plan::preset))?;
     out.lines(plan::facts(&campaign, &plan, Disk::of(&campaign, &plan, SIZE_LIMIT)))?;
@@ -77,18 +79,16 @@ fn run_json(run: &CampaignRun) -> Value {
     json!({ "label": run.label, "tables": plan.map(|plan| plan.tables), "estimated_s": seconds })
 }
 
-/// What a height map says, or why it cannot be measured. That it is not there is no fault of the campaign: a run before it
-/// may have to make it.
-fn map_notes(campaign: &Campaign, notes: &mut Vec<String>) -> Result<()> {
-    if let SurfaceKind::File(map) = &campaign.surface.kind {
-        if map.resolved_path.is_file() {
-            notes.append(&mut import::load(map)?.notes);
-        } else {
-            let path = map.resolved_path.display();
-            notes.push(format!("{path}: not there, so not looked at; `gonio measure` needs it"));
-        }
+/// How a height map is prepared, or why it cannot be measured. That it is not there is no fault of the campaign, but a warning:
+/// a run before it may have to make it.
+fn map_notes(campaign: &Campaign, warnings: &mut Vec<String>) -> Result<Vec<String>> {
+    let SurfaceKind::File(map) = &campaign.surface.kind else { return Ok(vec![]) };
+    if map.resolved_path.is_file() {
+        return Ok(import::load(map)?.notes);
     }
-    Ok(())
+    let path = map.resolved_path.display();
+    warnings.push(format!("{path}: not there, so not looked at; `gonio measure` needs it"));
+    Ok(vec![])
 }
 
 /// The faults as JSON.

@@ -11,6 +11,7 @@ use super::streams::Place;
 use super::text::layout::wrapped;
 use super::text::output::{Output, to_json, warn};
 use super::text::progress::Stage;
+use crate::campaign::parse::height_map;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
@@ -135,6 +136,13 @@ fn guessed(file: &Path) -> Result<Format> {
         let mut head = Vec::new();
         files::open(file)?.take(HEAD).read_to_end(&mut head).map_err(|e| Error::io(file, e))?;
         possible.retain(|format| format.begins(&head));
+    }
+    let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if possible.is_empty() && height_map::ENDINGS.contains(&&*ending) {
+        return Err(Error::Usage(format!(
+            "{0}: no table by its name; a height map is a surface: gonio init --surface scan --map {0}",
+            file.display()
+        )));
     }
     only("--from", file, &possible)
 }

@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Mutex;
 
-use clap::{ColorChoice, Parser, Subcommand};
+use clap::{ColorChoice, CommandFactory, Parser, Subcommand};
 
 use crate::error::{Error, Result};
 use crate::job::threads;
@@ -168,6 +168,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
         let arguments = match Arguments::try_parse_from(words) {
             Ok(arguments) => arguments,
             Err(answer) => {
+                let answer = shell::options::with_tip(answer, &Arguments::command());
                 // Help and version too; a reader that has gone away does not change the answer.
                 answer.print().ok();
                 return Ok(answer.exit_code().try_into().unwrap_or(2));
@@ -240,8 +241,6 @@ pub fn guarded<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     use super::*;
 
     #[test]

@@ -50,7 +50,8 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let [path] = &arguments.tables[..] else { return side_by_side(arguments) };
+    let tables = without_realisations(&arguments.tables);
+    let [path] = &tables[..] else { return side_by_side(arguments, &tables) };
     if arguments.fit {
         return Err(Error::Usage("--fit is for several tables; of one: gonio fit".into()));
     }
@@ -70,6 +71,20 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Opened::Rows(mut rows) => by_rows(&mut rows, is_card, &benches)?,
     };
     write(&output, text.as_bytes())
+}
+
+/// The tables without the realisations of those among them, which `*.exr` names too.
+fn without_realisations(paths: &[PathBuf]) -> Vec<PathBuf> {
+    let belongs = |path: &PathBuf| {
+        let stem = path.to_str().and_then(|name| name.strip_suffix(".realisations.exr"));
+        stem.is_some_and(|stem| paths.contains(&format!("{stem}.exr").into()))
+    };
+    let (left_out, tables): (Vec<&PathBuf>, Vec<&PathBuf>) = paths.iter().partition(|path| belongs(path));
+    if let [first, rest @ ..] = &left_out[..] {
+        let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
+        note(format_args!("left out: {}{more}, the realisations of a table that is given", first.display()));
+    }
+    tables.into_iter().cloned().collect()
 }
 
 /// The page next to a table; of one from stdin, stdout.
@@ -93,8 +108,7 @@ fn write(output: &Path, text: &[u8]) -> Result<u8> {
 }
 
 /// A page of several tables, or the CSV of their figures.
-fn side_by_side(arguments: &Arguments) -> Result<u8> {
-    let tables = &arguments.tables;
+fn side_by_side(arguments: &Arguments, tables: &[PathBuf]) -> Result<u8> {
     let Some(output) = &arguments.output else {
         return Err(Error::Usage(
             "several tables need a name for their page: -o FILE.html, or FILE.csv or FILE.nc for their figures".into(),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::text::output::{Output, to_json, warn};
+use super::text::output::{Output, note, to_json, warn};
 use super::text::progress::{RunProgress, Stage};
 use crate::campaign::{self, Parsed};
 use crate::error::{Error, Result};
@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let (campaign, plan) = study::turned(&campaign)?;
     let mut notes = Vec::new();
     let patches = Patches::prepare(&campaign, &mut notes)?;
-    notes.iter().for_each(warn);
+    notes.iter().for_each(note);
     let progress = RunProgress::new(plan.total_samples, "samples");
     let (results, _) = measure::measure(&campaign, &plan, &patches, &|starts| progress.add(starts))?;
     progress.finish();

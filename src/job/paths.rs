@@ -167,7 +167,10 @@ pub fn spare_foreign(path: &Path, mark: &str, what: &str) -> Result<()> {
     if is_own { Ok(()) } else { Err(already_exists(path, &format!("is no {what} of this program"))) }
 }
 
-/// The refusal to replace a file.
+/// The refusal to replace a file, or to write where a folder is.
 pub fn already_exists(path: &Path, what: &str) -> Error {
+    if path.is_dir() {
+        return Error::format(path, "is a folder; name a file in it");
+    }
     Error::format(path, format!("{what}; --force replaces it, another name or folder leaves it as it is"))
 }

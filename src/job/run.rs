@@ -74,7 +74,7 @@ impl Run<'_> {
             Some(folder) => Patches::from_folder(campaign, folder)?,
             None => Patches::prepare(campaign, &mut notes)?,
         };
-        notes.iter().for_each(|note| watcher.warn(note));
+        notes.iter().for_each(|note| watcher.note(note));
         if let Some(free) = files::free_bytes(&self.files.folder).filter(|free| disk.bytes() > *free) {
             watcher.little_room(&self.files.folder, disk, free);
         }

@@ -120,6 +120,7 @@ pub(super) fn energy(energy: &Energy) -> Judgement {
         None if energy.counted => "(errors n/a), limit 1 and 3 errors of counting".into(),
         None => "(errors n/a), limit 1".into(),
     };
+    let colour = energy.largest_albedo_colour.as_ref().map_or(String::new(), |name| format!(" ({name})"));
     let violations = match energy.violations {
         0 => String::new(),
         count => format!("; above it at {count} incidences and colours"),
@@ -130,7 +131,7 @@ pub(super) fn energy(energy: &Energy) -> Judgement {
         figure: Some(albedo),
         limit: Some(1.0),
         allowance: energy.largest_albedo_se.map(|se| 3.0 * se),
-        reason: format!("largest albedo {albedo:.5} {error}{violations}"),
+        reason: format!("largest albedo {albedo:.5}{colour} {error}{violations}"),
     }
 }
 

@@ -22,6 +22,9 @@ pub struct Energy {
     pub largest_albedo: Option<f64>,
     /// Its standard error.
     pub largest_albedo_se: Option<f64>,
+    /// Its colour, where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_albedo_colour: Option<String>,
     /// Stops and colours above 1 by more than three standard errors.
     pub violations: usize,
     /// Whether the errors of counting are allowed for where no others are known: the table was measured.
@@ -60,6 +63,7 @@ impl Energy {
         self.counted |= other.counted;
         if other.largest_albedo > self.largest_albedo {
             (self.largest_albedo, self.largest_albedo_se) = (other.largest_albedo, other.largest_albedo_se);
+            self.largest_albedo_colour = other.largest_albedo_colour;
         }
     }
 
@@ -82,6 +86,8 @@ impl Energy {
                 energy.violations += usize::from(albedo > 1.0 + 3.0 * noise + 1e-6);
                 if energy.largest_albedo.is_none_or(|largest| albedo > largest) {
                     (energy.largest_albedo, energy.largest_albedo_se) = (Some(albedo), se);
+                    let several = table.colours.len() > 1;
+                    energy.largest_albedo_colour = several.then(|| table.colour_names().swap_remove(colour));
                 }
             }
         }

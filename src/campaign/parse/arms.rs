@@ -140,6 +140,7 @@ pub(crate) fn sensor(slot: &Slot<'_>, light: Option<&LightArm>, through: bool) -
     let given: Vec<&Slot<'_>> = kinds.iter().filter(|slot| slot.given().is_some()).collect();
     let mut read: Vec<Option<SensorArm>> = given.iter().filter_map(|s| s.given()).map(read).collect();
     let sensor = match given[..] {
+        [] if kinds.iter().any(Slot::is_misspelt) => return None,
         [] => {
             return slot
                 .refuse("exactly one is required: [sensor.hemisphere], [sensor.arm] or [sensor.patches]");

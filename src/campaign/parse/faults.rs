@@ -2,6 +2,7 @@
 
 use std::cell::RefCell;
 use std::cmp::Reverse;
+use std::collections::HashSet;
 use std::ops::Range;
 
 use crate::error::Fault;
@@ -27,6 +28,7 @@ struct FaultList {
     faults: Vec<Fault>,
     unlisted: usize,
     notes: Vec<String>,
+    misspelt: HashSet<String>,
 }
 
 impl<'s> Report<'s> {
@@ -57,6 +59,16 @@ impl<'s> Report<'s> {
         self.found.borrow().faults.len() >= LISTED
     }
 
+    /// Records that the file has a wrong key in the place of `key`.
+    pub fn misspelt(&self, key: String) {
+        self.found.borrow_mut().misspelt.insert(key);
+    }
+
+    /// Whether a wrong key stands in the place of `key`.
+    pub fn is_misspelt(&self, key: &str) -> bool {
+        self.found.borrow().misspelt.contains(key)
+    }
+
     /// Records a note: what the user should know though nothing is wrong. Printed like a fault.
     pub fn note(&self, key: &str, at: Option<usize>, value: Option<String>, text: String) {
         let note = self.located(key, at, value, text).to_string();
@@ -71,7 +83,7 @@ impl<'s> Report<'s> {
     /// All faults in the order of the file (those without a place last), and all notes.
     pub fn into_parts(self) -> (Vec<Fault>, Vec<String>) {
         let path = self.path.to_string();
-        let FaultList { mut faults, unlisted, notes } = self.found.into_inner();
+        let FaultList { mut faults, unlisted, notes, .. } = self.found.into_inner();
         faults.sort_by_key(|f| (f.line.unwrap_or(usize::MAX), f.column));
         if unlisted > 0 {
             let allowed = format!("{unlisted} further faults are not listed");

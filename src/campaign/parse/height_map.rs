@@ -26,7 +26,7 @@ pub(crate) const OUTLIERS: [(&str, Outliers); 3] =
 const DEGREE: u32 = 2;
 
 /// Endings of the files that may be height maps.
-const ENDINGS: [&str; 15] = [
+pub(crate) const ENDINGS: [&str; 15] = [
     "exr", "npy", "gsf", "gwy", "x3p", "sur", "sdf", "asc", "xyz", "txt", "csv", "dat", "tif", "tiff", "png",
 ];
 /// Endings of files that hold neither pitches nor a unit.

@@ -10,6 +10,7 @@ use toml::de::{DeTable, DeValue};
 
 pub(crate) use super::bounds::{Bounds, plain};
 use super::faults::{Report, nearest};
+use crate::campaign::key_tables::table_of;
 
 /// Largest float that stands for a whole number: beyond 2^53 neighbouring whole numbers share a float.
 const WHOLE_FLOATS: f64 = 9_007_199_254_740_992.0;
@@ -44,18 +45,32 @@ impl<'a> TableReader<'a> {
     /// One slot for each of `names`, given or not. Every other key of the table is a fault.
     pub fn keys<const N: usize>(self, names: [&'static str; N]) -> [Slot<'a>; N] {
         let entries = self.entries.into_iter().flatten();
-        for (key, _) in entries.filter(|(key, _)| !names.contains(&key.get_ref().as_ref())) {
+        for (key, value) in entries.filter(|(key, _)| !names.contains(&key.get_ref().as_ref())) {
             let place = self.place.child(key.get_ref(), Some(key.span().start));
             // Looking for the nearest name is the slow part, and a file may hold a million wrong keys.
-            let near = if place.report.is_full() { None } else { nearest(key.get_ref(), &names) };
-            let advice = match near {
-                Some(name) => format!("did you mean `{name}`?"),
-                None if N == 0 => "this table has no keys".to_string(),
-                None => format!("known here: {}", names.join(", ")),
-            };
+            let full = place.report.is_full();
+            let advice =
+                if full { String::new() } else { self.advice(key.get_ref(), value.get_ref(), &names) };
             place.report.fault(&place.key, place.at, None, format!("unknown key; {advice}"));
         }
         names.map(|name| self.slot(name))
+    }
+
+    /// What was meant by a key that is none of `names`: one spelt nearly so, one that its text names (`model = "ggx"` for
+    /// `[surface.ggx]`), or one of another table. The first two count as given from now on.
+    fn advice(&self, key: &str, value: &DeValue<'_>, names: &[&'static str]) -> String {
+        let named = value.as_str().and_then(|text| names.iter().find(|name| **name == text));
+        if let Some(name) = named.copied().or_else(|| nearest(key, names)) {
+            let meant = self.place.child(name, None).key;
+            let advice = if named.is_some() { format!("[{meant}]") } else { format!("`{name}`") };
+            self.place.report.misspelt(meant);
+            return format!("did you mean {advice}?");
+        }
+        let known = match names {
+            [] => "this table has no keys".to_string(),
+            names => format!("known here: {}", names.join(", ")),
+        };
+        table_of(key).map_or(known.clone(), |table| format!("{known}; {key} belongs in {table}"))
     }
 
     /// The slot of one key, the others not looked at.
@@ -90,6 +105,11 @@ impl<'a> Slot<'a> {
         self.given()
     }
 
+    /// Whether a wrong key stands for this one.
+    pub fn is_misspelt(&self) -> bool {
+        self.item.is_none() && self.place.report.is_misspelt(&self.place.key)
+    }
+
     /// What `read` makes of the given value, or `default`.
     pub fn or<T>(&self, default: T, read: impl FnOnce(&GivenValue<'a>) -> Option<T>) -> Option<T> {
         self.item.as_ref().map_or(Some(default), read)
@@ -103,10 +123,11 @@ impl<'a> Slot<'a> {
         }
     }
 
-    /// A fault of this key, whether it was given or not.
+    /// A fault of this key, whether it was given or not; none where another key stands for it, which is a fault already.
     pub fn refuse<T>(&self, allowed: impl Into<String>) -> Option<T> {
         match &self.item {
             Some(item) => item.refuse(allowed),
+            None if self.is_misspelt() => None,
             None => {
                 self.place.report.fault(&self.place.key, self.place.at, None, allowed.into());
                 None

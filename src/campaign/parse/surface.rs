@@ -94,6 +94,7 @@ pub(crate) fn surface(
     let rotation_deg = rotation.or(0.0, rotation_deg);
     let keys = PatchKeys { realisations, cells, correlation_cells, mirror_images };
     let kind = match given[..] {
+        [] if kinds.iter().any(Slot::is_misspelt) => None,
         [] => slot.refuse(format!("exactly one kind is required: {KINDS}")),
         [_] => read.pop().flatten(),
         [first, second, ..] => second.refuse(format!(

@@ -285,6 +285,9 @@ fn described(media: &[Medium]) -> String {
         [one] => format!("{} at {one} nm", index(&media[0])),
         [first, .., last] => {
             let what = if media.iter().all(|medium| medium.k == 0.0) { "n" } else { "n and k" };
+            if let [b, g, r] = nm[..] {
+                return format!("{what} at {b}, {g} and {r} nm, which become B, G and R");
+            }
             format!("{what} at {} wavelengths from {first} to {last} nm", nm.len())
         }
     }

@@ -9,7 +9,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::export::check_output;
-use super::text::output::{Output, to_json, warn};
+use super::text::output::{Output, note, to_json, warn};
 use super::text::progress::RunProgress;
 use crate::albedo::Chosen;
 use crate::albedo::files::Kind;
@@ -138,7 +138,7 @@ impl Arguments {
     }
 
     fn measured(&self, path: &Path) -> Result<(AlbedoTable, Certificate)> {
-        let Parsed { mut campaign, mut notes, .. } = campaign::read(path)?;
+        let Parsed { mut campaign, notes: warnings, .. } = campaign::read(path)?;
         campaign.seed = self.seed.unwrap_or(campaign.seed);
         let list = |nodes: &Option<Nodes>| nodes.clone().map(|nodes| nodes.0);
         let chosen = Chosen { mu: list(&self.mu), alpha: list(&self.alpha), eta: list(&self.eta) };
@@ -151,8 +151,10 @@ impl Arguments {
                 campaign.name
             )));
         }
+        let mut notes = Vec::new();
         let patches = Patches::prepare(&setup.campaign, &mut notes)?;
-        notes.iter().chain(&setup.notes).for_each(warn);
+        warnings.iter().chain(&setup.notes).for_each(warn);
+        notes.iter().for_each(note);
         let progress = RunProgress::new(plan.total_samples, "samples");
         let measured = albedo::measure(&setup, &plan, &patches, &|samples| progress.add(samples));
         progress.finish();

@@ -183,7 +183,7 @@ fn of_one(
     let [document, picture] = outputs(arguments, (path, campaign), folder, &resolved)?;
     let mut notes = Vec::new();
     let mut patches = Patches::prepare(campaign, &mut notes)?;
-    notes.iter().for_each(warn);
+    notes.iter().for_each(note);
     let progress = RunProgress::new(ladders.total_samples(), "samples");
     let bench = bench::bench(campaign, ladders, &mut patches, &|starts| progress.add(starts))?;
     progress.finish();

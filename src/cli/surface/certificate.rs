@@ -166,7 +166,7 @@ impl MapFigures {
         [
             format!("map     {} {unit}, pitch {} {unit} (refine {})", pair(*size), pair(*pitch), self.refine),
             format!(
-                "map     Sq {} {unit}, Sdq (rms slope) {}, median slope {}",
+                "map     as traced: Sq {} {unit}, Sdq (rms slope) {}, median slope {}",
                 Digits(scale * sq),
                 Digits(self.sdq),
                 Digits(self.median_slope)
@@ -199,8 +199,14 @@ pub fn lines(entries: &[PatchEntry], pooled: &Pooled, map: bool) -> Vec<String> 
         "patch", "KS", "azimuth", "|h1|", "|h2|", "r(h)", "r(h^2)", "skew", "kurt", "range", "|mean|",
         "median",
     ];
-    let rows: Vec<Vec<String>> = entries.iter().enumerate().map(row).collect();
-    let mut lines = columns(&HEADINGS, &rows);
+    let mut headings = HEADINGS.to_vec();
+    let mut rows: Vec<Vec<String>> = entries.iter().enumerate().map(row).collect();
+    // No law was wanted of a map.
+    if map {
+        headings.remove(1);
+        rows.iter_mut().for_each(|row| drop(row.remove(1)));
+    }
+    let mut lines = columns(&headings, &rows);
     let units = if map {
         "slopes are ratios of lengths, range is in the unit of the heights; azimuth: least..most, 1 is even;"
     } else {
@@ -212,11 +218,13 @@ pub fn lines(entries: &[PatchEntry], pooled: &Pooled, map: bool) -> Vec<String> 
             units,
             "h1, h2: harmonics of the slope azimuth psi; r: rank correlation of slope length with height,",
             "with its square; mean: of the slope; median: of its length",
-            "",
         ]
         .map(String::from),
     );
-    lines.push(format!("all patches: KS {}", or_na(pooled.ks, 5)));
+    if map && entries.len() == 1 {
+        return lines;
+    }
+    lines.extend([String::new(), format!("all patches: KS {}", or_na(pooled.ks, 5))]);
     lines.extend(columns(&["harmonic", "mean", "standard error", "t", "even?"], &harmonics(pooled)));
     lines.push(match pooled.t_limit {
         Some(limit) => {

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use self::certificate::{MapFigures, PatchEntry, Pooled, RayBound};
 use self::roughness::RoughnessEntry;
 use super::streams::folder;
-use super::text::output::{Output, json_text, parsed_json, to_json, warn};
+use super::text::output::{Output, json_text, note, parsed_json, to_json, warn};
 use super::text::progress::RunProgress;
 use crate::campaign::{self, Campaign, Parsed, SurfaceKind};
 use crate::error::{Error, Result};
@@ -50,13 +50,15 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let Parsed { mut campaign, mut notes, .. } = campaign::read(&arguments.campaign)?;
+    let Parsed { mut campaign, notes: warnings, .. } = campaign::read(&arguments.campaign)?;
     campaign.seed = arguments.seed.unwrap_or(campaign.seed);
     measure::plan(&campaign)?;
     let (folder, _claim) = paths::open_folder(arguments.output.as_deref(), &campaign)?;
+    let mut notes = Vec::new();
     let job = PatchJob::new(arguments, &campaign, folder, &mut notes)?;
     let areal = job.roughness(&mut notes)?;
-    notes.iter().for_each(warn);
+    warnings.iter().for_each(warn);
+    notes.iter().for_each(note);
     job.check_folder(&arguments.campaign)?;
     let progress = RunProgress::new(job.count, "patches");
     let (entries, slopes) = job.make_all(&progress)?;
@@ -64,7 +66,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let pooled = Pooled::of(&entries, slopes.and_then(|slopes| slopes.ks()));
     let bounds = job.ray_bounds(&entries);
     let figures = job.figures(&entries);
-    let mut document = job.document(&entries, &pooled, (&bounds, figures.as_ref()), &notes)?;
+    let mut document =
+        job.document(&entries, &pooled, (&bounds, figures.as_ref()), &[warnings, notes].concat())?;
     if let Some(areal) = &areal {
         document["roughness"] = to_json(areal)?;
         let picture = plot::roughness::picture(&areal.before, &areal.after, areal.unit_um);

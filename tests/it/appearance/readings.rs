@@ -112,7 +112,7 @@ fn what_bins_do_not_resolve_is_not_invented() {
     // Bins of 5 x 10 degrees, at 60 degrees 8.7 to 9.1 across.
     let at = rough(0.2, 18, 36);
     let note = at.gloss[0].gloss.note.as_deref().unwrap_or_default();
-    assert_eq!(note, "bins of 5.00 x 4.23 degrees there, 0.90 x 1.80 at most would do");
+    assert_eq!(note, "bins of 5.00 x 4.23 degrees (theta_r x phi_r) there, 0.90 x 1.80 at most would do");
     assert!(at.gloss.iter().all(|gloss| gloss.gloss.value.is_none()), "{:?}", at.gloss);
     assert!([&at.haze.reflection_haze, &at.haze.haze_2, &at.haze.doi].iter().all(|q| q.value.is_none()));
     assert!(at.scatter.iter().all(|s| s.tis.value.is_none() && s.reflectance.value.is_some()));
