@@ -22,7 +22,7 @@ from .errors import (
     RefusedError,
     UsageError,
 )
-from .measurement import Measurement, load, measure, measure_all
+from .measurement import Measurement, budget, load, measure, measure_all
 
 if TYPE_CHECKING:
     from . import models
@@ -39,6 +39,7 @@ __all__ = [
     "Measurement",
     "RefusedError",
     "UsageError",
+    "budget",
     "load",
     "measure",
     "measure_all",

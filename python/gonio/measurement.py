@@ -75,6 +75,19 @@ def measure_all(
     return _measured(campaign, overrides, output, progress, {**options, "several": True})
 
 
+def budget(campaign: Campaign, /, **overrides: Any) -> dict[str, Any]:
+    """The uncertainty budget of a campaign with ``[uncertainty]``, as ``gonio budget --json``.
+
+    ``campaign`` and ``overrides`` as of ``measure``. ``values``: for each pair of directions and colour the value, ``u``,
+    ``nu_eff``, ``k`` and ``U`` at 95 %, in 1/sr, and its components; ``covariance`` of all values, 1/sr^2; ``check``: the
+    comparison with Monte Carlo; ``left_out``.
+
+    Raises ``UsageError`` where the campaign says nothing of its instrument's uncertainty, and as ``measure``.
+    """
+    found: dict[str, Any] = json.loads(finished(_gonio.Task.budget(_source(campaign, overrides))))
+    return found
+
+
 def load(path: FilePath) -> "Measurement":
     """A table from its file, ``<name>.exr``, with the realisations and the summary that lie next to it.
 

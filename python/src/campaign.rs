@@ -46,7 +46,8 @@ impl Source {
         }
     }
 
-    fn name(&self) -> String {
+    /// What messages call it.
+    pub fn name(&self) -> String {
         self.path.as_ref().map_or("campaign".into(), |path| path.display().to_string())
     }
 

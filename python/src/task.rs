@@ -7,11 +7,13 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use gonio::budget;
 use gonio::cli;
 use gonio::error::{Error, Result};
 use gonio::job::{Measurement, TablePaths, Watcher, Written, WrittenTable};
 use gonio::measure::Disk;
 use pyo3::prelude::*;
+use serde::Serialize;
 
 use crate::campaign::Source;
 use crate::failure::raised;
@@ -124,6 +126,19 @@ impl Task {
         })
     }
 
+    /// Begins an uncertainty budget; the result is its JSON.
+    #[staticmethod]
+    fn budget(py: Python<'_>, source: Source) -> PyResult<Task> {
+        begin(py, move |shared| {
+            let parsed = source.read()?;
+            parsed.notes.iter().for_each(|note| shared.warn(note));
+            let uncertainty = parsed.required_uncertainty(&source.name())?;
+            let found = budget::budget(&parsed.campaign, uncertainty, &|_| ())?;
+            found.notes.iter().for_each(|note| shared.warn(note));
+            json(&found)
+        })
+    }
+
     /// Waits for so many seconds at most: whether the work is over.
     fn wait(&self, py: Python<'_>, seconds: f64) -> bool {
         let time = Duration::try_from_secs_f64(seconds).unwrap_or_default();
@@ -155,6 +170,10 @@ impl Task {
         let outcome = locked(&self.0.outcome).take();
         raised(py, outcome.unwrap_or_else(unfinished))
     }
+}
+
+fn json(answer: &impl Serialize) -> Result<String> {
+    serde_json::to_string(answer).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
 }
 
 fn begin(py: Python<'_>, work: impl FnOnce(&Shared) -> Result<String> + Send + 'static) -> PyResult<Task> {
@@ -194,7 +213,7 @@ fn measured(source: &Source, options: &Options, shared: &Shared) -> Result<Strin
     match job.write()? {
         Written::Tables(all) => {
             let paths: Vec<&PathBuf> = all.iter().map(|paths| &paths.table).collect();
-            serde_json::to_string(&paths).map_err(|e| Error::Internal(format!("printing JSON: {e}")))
+            json(&paths)
         }
         Written::Shard { .. } => Err(Error::Internal("a shard was measured".into())),
     }

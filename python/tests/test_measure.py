@@ -106,6 +106,20 @@ def test_refusals_have_their_own_class(campaign, tmp_path, small):
         gonio.load(tmp_path / "damaged.exr")
 
 
+def test_a_budget_is_that_of_the_command(binary, campaign, tmp_path):
+    import json
+
+    keys = {"uncertainty": {"reading": {"u": 0.002}, "at": [[30, 0, 45, 180]]}}
+    with pytest.raises(gonio.UsageError, match="uncertainty: required"):
+        gonio.budget(campaign)
+    found = gonio.budget(campaign, **keys)
+    text = campaign.read_text() + "[uncertainty]\nreading = { u = 0.002 }\nat = [[30, 0, 45, 180]]\n"
+    (tmp_path / "same.toml").write_text(text)
+    ended = subprocess.run([binary, "budget", tmp_path / "same.toml", "--json"], capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
+    assert found == json.loads(ended.stdout) and found["values"]
+
+
 def test_what_the_program_warns_of_is_a_warning(campaign):
     arm = {"hemisphere": None, "arm": {"theta_r_deg": [0], "aperture_deg": 1.0}}
     with pytest.warns(gonio.GonioWarning, match="the sensor stands where the lamp is") as seen:

@@ -17,14 +17,12 @@ pub mod presets;
 mod runs;
 pub mod schema;
 mod to_toml;
-mod uncertainty_to_toml;
 
 pub use difference::{KeyDifference, differences};
 pub use presets::Preset;
 pub use runs::{CampaignRun, CampaignRuns, read_runs};
 pub use schema::*;
-pub use to_toml::to_toml;
-pub use uncertainty_to_toml::uncertainty_to_toml;
+pub use to_toml::{to_toml, uncertainty_to_toml};
 
 use parse::campaign::CampaignFile;
 use parse::faults::Report;
@@ -47,6 +45,18 @@ pub struct Parsed {
     pub preset: Option<Preset>,
     /// `[uncertainty]`, which a budget is made of; what is measured does not depend on it.
     pub uncertainty: Option<Uncertainty>,
+}
+
+impl Parsed {
+    /// What the instrument is known to; the error says what to add to the campaign in `file`.
+    pub fn required_uncertainty(&self, file: &str) -> Result<&Uncertainty> {
+        self.uncertainty.as_ref().ok_or_else(|| {
+            Error::Usage(format!(
+                "{file}: uncertainty: required; say what the instrument is known to, such as [uncertainty] with \
+                 reading = {{ u = 0.002 }}"
+            ))
+        })
+    }
 }
 
 /// Reads the campaign file at `path`, or stdin for `-`; height maps it names are looked for in its folder, or the current.

@@ -12,8 +12,8 @@ use super::streams::folder;
 use super::text::output::{Output, json_text, to_json, warn};
 use super::text::progress::Stage;
 use crate::budget::{self, Budget};
-use crate::campaign::{self, Parsed};
-use crate::error::{Error, Result};
+use crate::campaign;
+use crate::error::Result;
 use crate::files;
 use crate::job::paths;
 use crate::report::budget_page;
@@ -42,14 +42,10 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let path = &arguments.campaign;
-    let Parsed { campaign, notes, uncertainty, .. } = campaign::read(path)?;
-    notes.iter().for_each(warn);
-    let uncertainty = uncertainty.ok_or_else(|| {
-        Error::Usage(format!(
-            "{}: uncertainty: required; say what the instrument is known to, such as [uncertainty] with reading = {{ u = 0.002 }}",
-            path.display()
-        ))
-    })?;
+    let parsed = campaign::read(path)?;
+    parsed.notes.iter().for_each(warn);
+    let uncertainty = parsed.required_uncertainty(&path.display().to_string())?;
+    let campaign = &parsed.campaign;
     if campaign.stop.seconds.is_some() || campaign.stop.relative_error.is_some() {
         warn(format_args!(
             "{}: stop.samples decides how long a budget measures; seconds and relative_error do not",
@@ -61,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         return Err(paths::already_exists(taken, "is there already"));
     }
     if let Some(places) = &places {
-        paths::spare_inputs(&places.each_ref().map(PathBuf::as_path), path, &campaign)?;
+        paths::spare_inputs(&places.each_ref().map(PathBuf::as_path), path, campaign)?;
     }
     let line = RefCell::new(None);
     let stage = |text: &str| {
@@ -69,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         line.replace(None);
         line.replace(Some(Stage::begin(text)));
     };
-    let found = budget::budget(&campaign, &uncertainty, &stage)?;
+    let found = budget::budget(campaign, uncertainty, &stage)?;
     line.replace(None);
     found.notes.iter().for_each(warn);
     let document = to_json(&found)?;

@@ -1,7 +1,7 @@
 //! `[uncertainty]` back into the TOML it could have been read from.
 
-use super::parse::uncertainty::DISTRIBUTIONS;
-use super::schema::{Distribution, InputQuantity, Uncertainty};
+use crate::campaign::parse::uncertainty::DISTRIBUTIONS;
+use crate::campaign::schema::{Distribution, InputQuantity, Uncertainty};
 
 /// The table as resolved: after a campaign's own TOML ([`to_toml`](super::to_toml())) it reads as the same again.
 // Tested by `uncertainties_survive_the_way_through_toml` (tests/it/budget/schema.rs).
