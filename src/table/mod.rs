@@ -4,6 +4,7 @@ pub mod brdf_table;
 mod channels;
 mod content_digest;
 pub mod gaps;
+mod grid_attribute;
 mod halves;
 pub mod realisations;
 pub mod recolour;
@@ -14,7 +15,8 @@ mod test_tables;
 pub mod writer;
 
 pub use brdf_table::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
-pub use channels::{MUELLER_ELEMENTS, check_grid};
+pub use channels::MUELLER_ELEMENTS;
 pub(crate) use channels::{Plane, planes};
+pub use grid_attribute::check_grid;
 pub use rows::TableRows;
 pub use writer::TableWriter;

@@ -10,7 +10,8 @@ use crate::files::NewFile;
 use crate::files::image::{self, ImagePart};
 use crate::instrument::Grid;
 
-use super::channels::{self, ColourName, DIGEST, GRID};
+use super::channels::{self, ColourName, DIGEST};
+use super::grid_attribute::{self, GRID};
 use super::{BrdfTable, RealisationPart, Realisations, SchlickSums, store};
 
 /// The attribute by which a file of realisations is told as one of ours.
@@ -68,7 +69,7 @@ pub fn file_bytes(grid: &Grid, channels: usize, parts: usize) -> u64 {
     let (stops, bins) = (grid.stops() as u64, grid.bins() as u64);
     let channels = channels as u64;
     let pixels = stops.saturating_mul(bins).saturating_mul(channels * 4);
-    let text = channels::grid_text(grid).map_or(0, |text| text.len() as u64);
+    let text = grid_attribute::grid_text(grid).map_or(0, |text| text.len() as u64);
     let header = 1024 + text + 48 * channels;
     let chunks = stops.div_ceil(16) * 20;
     pixels.saturating_add(header + chunks).saturating_mul(parts as u64).saturating_add(16)
@@ -198,7 +199,7 @@ fn to_part(
     table_digest: &str,
     group_size: usize,
 ) -> Checked<ImagePart> {
-    let (height, width) = channels::check_grid(&table.grid)?;
+    let (height, width) = grid_attribute::check_grid(&table.grid)?;
     let names = table.colour_names();
     if values.total.len() != names.len() || values.single.len() != names.len() {
         return Err(wrong!("{} has other colours than the table", part_name(index)));
@@ -209,7 +210,7 @@ fn to_part(
         channels::insert(&mut part, &format!("single.{name}"), &values.single[c])?;
     }
     channels::insert_schlick(&mut part, values.schlick.as_ref(), table.is_by_order())?;
-    let grid = channels::grid_text(&table.grid)?;
+    let grid = grid_attribute::grid_text(&table.grid)?;
     part.set_text(GRID, &grid);
     part.set_text(TABLE_DIGEST, table_digest);
     part.set_text(GROUP_SIZE, &group_size.to_string());
@@ -220,7 +221,7 @@ fn to_part(
 
 fn from_parts(parts: Vec<ImagePart>) -> Checked<RealisationsFile> {
     let first = parts.first().ok_or("no parts")?;
-    let grid = channels::read_grid(first)?;
+    let grid = grid_attribute::read_grid(first)?;
     let same =
         |name: &str| first.text(name).map(str::to_string).ok_or_else(|| format!("no {name} attribute"));
     let (table_digest, group) = (same(TABLE_DIGEST)?, same(GROUP_SIZE)?);
@@ -237,7 +238,7 @@ fn from_parts(parts: Vec<ImagePart>) -> Checked<RealisationsFile> {
             let what = format!("its name is {:?}, not `{}`", part.name, part_name(index));
             return Err(wrong(what.into()));
         }
-        if channels::read_grid(&part).map_err(wrong)? != grid
+        if grid_attribute::read_grid(&part).map_err(wrong)? != grid
             || part.text(TABLE_DIGEST) != Some(&table_digest)
             || part.text(GROUP_SIZE) != Some(&group)
         {

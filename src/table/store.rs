@@ -11,8 +11,9 @@ use crate::files::NewFile;
 use crate::files::image::{self, ImagePart, Samples};
 use crate::instrument::Grid;
 
-use super::channels::{self, ColourName, DIGEST, GRID, MUELLER_ELEMENTS, Plane};
+use super::channels::{self, ColourName, DIGEST, MUELLER_ELEMENTS, Plane};
 use super::content_digest::ContentDigest;
+use super::grid_attribute::{self, GRID};
 use super::{BrdfTable, ColourChannels, TableWriter};
 
 const VERSION: &str = "gonio.version";
@@ -151,7 +152,7 @@ pub(super) struct TableHeader {
 /// Reads what a part says besides its values; channels that are none of a table's are taken out of it.
 pub(super) fn header(part: &mut ImagePart) -> Checked<TableHeader> {
     let mut warnings = Vec::new();
-    let grid = channels::read_grid(part)?;
+    let grid = grid_attribute::read_grid(part)?;
     let seed = read_seed(part, &mut warnings)?;
     let mut attribute = |name: &str| {
         let text = part.text(name);
@@ -208,11 +209,11 @@ pub(super) fn outline(
     grid: &Grid,
     planes: &BTreeMap<String, Plane>,
 ) -> Checked<ImagePart> {
-    let (height, width) = channels::check_grid(grid)?;
+    let (height, width) = grid_attribute::check_grid(grid)?;
     let mut part = ImagePart { width, height, ..ImagePart::default() };
     part.channels = planes.iter().map(|(name, plane)| (name.clone(), plane.kind())).collect();
     part.set_text(DIGEST, &"0".repeat(64));
-    part.set_text(GRID, &channels::grid_text(grid)?);
+    part.set_text(GRID, &grid_attribute::grid_text(grid)?);
     part.set_text(VERSION, &table.version);
     part.set_text(CAMPAIGN, &table.campaign);
     part.set_text(CONVENTION, &convention(grid));
@@ -360,7 +361,7 @@ mod tests {
         let mut part = to_part(&table(1)).expect("sound");
         let mut grid = table(1).grid;
         grid.theta_i_deg.push(80.0);
-        part.set_text(GRID, &channels::grid_text(&grid).expect("prints"));
+        part.set_text(GRID, &grid_attribute::grid_text(&grid).expect("prints"));
         assert!(reason(part).contains("3 incidences and 6 bins, the image is 6 wide and 2 high"));
     }
 

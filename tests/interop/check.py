@@ -127,11 +127,45 @@ def sweep(folder):
     return check(f"netcdf: values of {variables} variables that differ from the CSV", off + abs(variables - len(head)), 0)
 
 
+def mesh(folder):
+    """trimesh sees the heights of a patch, every facet turned upwards."""
+    import trimesh
+
+    (folder / "mesh.toml").write_text(CAMPAIGN)
+    gonio("surface", folder / "mesh.toml", "-o", folder / "mesh", "--npy", "--glb")
+    heights = np.load(folder / "mesh" / "patch_000.npy")
+    found = trimesh.load(folder / "mesh" / "patch_000.glb", force="mesh", process=False)
+    # The first row and column stand again at the end; y of the file is up, z of the file runs against the rows.
+    wanted = np.pad(heights, ((0, 1), (0, 1)), mode="wrap")
+    x, y, z = found.vertices.T.reshape(3, *wanted.shape)
+    ok = check("glb: vertices whose height differs", float((y != wanted).sum()), 0)
+    pitch = 1 / 0.5
+    places = np.abs(x - pitch * np.arange(65)[None, :]).max() + np.abs(z + pitch * np.arange(65)[:, None]).max()
+    ok &= check("glb: distance of the vertices from the grid, cells", places / pitch, 1e-6)
+    upright = found.triangles_cross[:, 1] / pitch**2
+    # A cross product is twice a facet's area; its upright part is that of the facet's shadow, here of half a cell. f32.
+    return ok & check(f"glb: shadow of the {len(upright)} facets off a cell's half", np.abs(upright - 1).max(), 1e-5)
+
+
+CAMPAIGN = """name = "mesh"
+[surface]
+realisations = 1
+cells = 64
+[surface.ggx]
+alpha = 0.5
+[light]
+theta_i_deg = [0]
+[sensor.hemisphere]
+[stop]
+samples = 1
+"""
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         parts = (rgl, energy.between, measured.pairs_and_sphere, radiance.matrices, radiance.trees, radiance.normal,
-                 radiance.colours, radiance.tools, through.blocks, wincalc.matrices, plain, albedos, sweep)
+                 radiance.colours, radiance.tools, through.blocks, wincalc.matrices, plain, albedos, sweep, mesh)
         ok = [part(folder) for part in parts]
     sys.exit(0 if all(ok) else 1)
 

@@ -82,8 +82,8 @@ fn commands() -> Vec<(Vec<&'static str>, Vec<&'static str>)> {
         ),
         (words("merge shards -o out"), TABLE.to_vec()),
         (
-            words("surface small.toml -o out --npy"),
-            vec!["patch_001.exr", "patch_001.npy", "certificate.json"],
+            words("surface small.toml -o out --npy --glb"),
+            vec!["patch_001.exr", "patch_001.npy", "patch_001.glb", "certificate.json"],
         ),
         (words("export in/small.exr --to npz -o out/small.npz"), vec!["small.npz"]),
         (words("export in/small.exr --to pabopto -o out/folder"), vec!["folder"]),

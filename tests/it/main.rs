@@ -60,6 +60,7 @@ mod surface {
     mod areal;
     mod certificate;
     mod height_maps;
+    mod meshes;
     mod mirrored_maps;
     mod prepared_maps;
     mod psd;

@@ -2,6 +2,7 @@
 
 pub(crate) mod checks;
 pub mod export;
+pub mod glb;
 pub mod import;
 pub mod map_file;
 pub mod prepare;
