@@ -23,7 +23,7 @@ const REPLICATES: usize = 24;
 const UNSEEN: Mirrors<fn(DVec3, DVec3)> = Mirrors(|_, _| ());
 
 fn numbers(block: u64) -> Pcg64Dxsm {
-    stream(StreamId { seed: 1, purpose: Purpose::Bench, realisation: 0, stop: 0, block })
+    stream(StreamId { seed: 1, purpose: Purpose::Bench, realisation: 0, incidence: 0, block })
 }
 
 fn main() {

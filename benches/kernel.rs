@@ -11,7 +11,7 @@ const CELLS: usize = 256;
 const RAYS: u64 = 16_384;
 
 fn kernels(criterion: &mut Criterion) {
-    let id = StreamId { seed: 1, purpose: Purpose::Bench, realisation: 0, stop: 0, block: 0 };
+    let id = StreamId { seed: 1, purpose: Purpose::Bench, realisation: 0, incidence: 0, block: 0 };
     let mut rng = rng::stream(id);
     let field = Synthesiser::new(SlopeLaw::Ggx, CELLS, 8.0).patch(&mut rng);
     let Some(lanes) = MaxPyramid::new(&field) else { return };

@@ -33,10 +33,10 @@ pub fn main() -> Result<()> {
     let tables = Measurement::new(campaign).run()?;
     for measured in &tables {
         println!("theta_i  albedo of one bounce, mean of the colours");
-        for (index, stop) in measured.stops.iter().enumerate() {
-            let theta = measured.table.grid.stop_deg(index).0;
+        for (index, incidence) in measured.incidences.iter().enumerate() {
+            let theta = measured.table.grid.incidence_deg(index).0;
             // Unknown errors are not invented: a single patch has none.
-            match stop.single() {
+            match incidence.single() {
                 (Some(mean), Some(se)) => println!("{theta:>7}  {mean:.4} +- {se:.4}"),
                 (Some(mean), None) => println!("{theta:>7}  {mean:.4} +- n/a"),
                 _ => println!("{theta:>7}  not seen"),

@@ -39,7 +39,7 @@ pub struct StreamId {
     /// Realisation, from 0.
     pub realisation: u64,
     /// The incidence by its angles (`incidence_key`), 0 where incidences share the draw.
-    pub stop: u64,
+    pub incidence: u64,
     /// Block, from 0; 0 where blocks share the draw.
     pub block: u64,
 }
@@ -54,11 +54,11 @@ pub fn stream(id: StreamId) -> Pcg64Dxsm {
 /// were.
 pub fn stream_of_path(id: StreamId, path: u64) -> Pcg64Dxsm {
     let own = mix(key(id) ^ mix(path.wrapping_add(SPLIT_STEP)));
-    stream(StreamId { stop: own, ..id })
+    stream(StreamId { incidence: own, ..id })
 }
 
 fn word(id: StreamId, salt: u64) -> u64 {
-    [id.seed, id.purpose as u64, id.realisation, id.stop, id.block]
+    [id.seed, id.purpose as u64, id.realisation, id.incidence, id.block]
         .iter()
         .fold(mix(salt), |hash, &part| mix(hash ^ mix(part.wrapping_add(SPLIT_STEP))))
 }
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     fn id(realisation: u64, block: u64) -> StreamId {
-        StreamId { seed: 1, purpose: Purpose::Test, realisation, stop: 0, block }
+        StreamId { seed: 1, purpose: Purpose::Test, realisation, incidence: 0, block }
     }
 
     /// z = (chi2 - dof)/sqrt(2 dof) of 2^20 first draws in 16,384 bins; |z| < 4.5 has probability 7e-6 of failing

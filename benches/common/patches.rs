@@ -61,7 +61,7 @@ pub fn criterion() -> Criterion<ProcessorTime> {
 
 /// A stream of numbers.
 pub fn numbers(seed: u64) -> Pcg64Dxsm {
-    rng::stream(StreamId { seed, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 })
+    rng::stream(StreamId { seed, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 })
 }
 
 /// A GGX patch of correlation length 8 cells.

@@ -91,8 +91,8 @@ pub fn model_means<'py>(
     let Some((_, prediction)) = found else { return Ok(None) };
     let of_masking = |(masking, name): (usize, &'static str)| {
         let mut values = Vec::new();
-        for stop in &prediction.means {
-            let colours = &stop.values[masking];
+        for incidence in &prediction.means {
+            let colours = &incidence.values[masking];
             (0..colours[0].len()).for_each(|bin| values.extend(colours.iter().map(|colour| colour[bin])));
         }
         (name, doubles(py, &values))
@@ -112,7 +112,7 @@ pub fn picture(py: Python<'_>, path: PathBuf) -> PyResult<Option<String>> {
         let masking = of_campaign.as_ref().map(|(campaign, _)| expect::masking(campaign));
         let index = prediction.map_or(0, |prediction| prediction.model.masking_index(masking));
         let scene = Scene { table: &table, prediction, realisations: realisations as usize };
-        Ok(shown_sweeps(&scene).first().and_then(|sweep| polar(&scene, &sweep.stops, index)))
+        Ok(shown_sweeps(&scene).first().and_then(|sweep| polar(&scene, &sweep.incidences, index)))
     };
     on_threads(py, 0, drawn)
 }

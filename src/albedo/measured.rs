@@ -10,7 +10,7 @@ use crate::campaign::{self, Campaign, LightArm, LightSide};
 use crate::error::{Error, Result};
 use crate::instrument::grid_of;
 use crate::measure::accumulate::lost_light::with_bound;
-use crate::measure::{self, Measured, Patches, Plan, StopResult};
+use crate::measure::{self, IncidenceResult, Measured, Patches, Plan};
 use crate::stats;
 use crate::validate::prediction::model::Model;
 use crate::validate::{Estimate, expect};
@@ -22,7 +22,7 @@ const AVERAGE: &str = "name_avg: 2 times the integral over mu of value(mu) mu dm
     errors from the averages of each realisation";
 
 /// What a quantity is of: the incidence in all materials of a slab, as one value for each realisation.
-type OfStops = Box<dyn Fn(&[&StopResult]) -> Vec<f64>>;
+type OfIncidences = Box<dyn Fn(&[&IncidenceResult]) -> Vec<f64>>;
 
 /// Measures all cells. `done` is told of surface samples.
 ///
@@ -69,52 +69,52 @@ fn sum(orders: &[Vec<f64>], realisations: usize) -> Vec<f64> {
     (0..realisations).map(|k| orders.iter().map(|order| order[k]).sum()).collect()
 }
 
-fn all_back(stop: &StopResult) -> Vec<f64> {
-    sum(&stop.albedo_by_order, stop.closure.len())
+fn all_back(incidence: &IncidenceResult) -> Vec<f64> {
+    sum(&incidence.albedo_by_order, incidence.closure.len())
 }
 
-fn all_through(stop: &StopResult) -> Vec<f64> {
-    sum(&stop.transmittance_by_order, stop.closure.len())
+fn all_through(incidence: &IncidenceResult) -> Vec<f64> {
+    sum(&incidence.transmittance_by_order, incidence.closure.len())
 }
 
 /// What was followed and did not leave.
-fn rest(stop: &StopResult) -> Vec<f64> {
-    let left = all_back(stop).into_iter().zip(all_through(stop));
-    stop.closure.iter().zip(left).map(|(closure, (back, through))| closure - back - through).collect()
+fn rest(incidence: &IncidenceResult) -> Vec<f64> {
+    let left = all_back(incidence).into_iter().zip(all_through(incidence));
+    incidence.closure.iter().zip(left).map(|(closure, (back, through))| closure - back - through).collect()
 }
 
 const REST: &str = "followed and not left: beyond the last order, or absorbed";
 
 /// Of mirror facets; the materials are F = 1 and F0 = 0.
-fn mirror(orders: usize) -> Vec<(String, String, OfStops)> {
+fn mirror(orders: usize) -> Vec<(String, String, OfIncidences)> {
     let [(_, _), (_, of_f0), (_, of_f90)] = formula::MIRROR;
-    let mut all: Vec<(String, String, OfStops)> = vec![
-        ("E".into(), "albedo with F = 1, all orders".into(), Box::new(|stops| all_back(stops[0]))),
-        ("rest".into(), REST.into(), Box::new(|stops| rest(stops[0]))),
+    let mut all: Vec<(String, String, OfIncidences)> = vec![
+        ("E".into(), "albedo with F = 1, all orders".into(), Box::new(|incidences| all_back(incidences[0]))),
+        ("rest".into(), REST.into(), Box::new(|incidences| rest(incidences[0]))),
         (
             "E_f0_order1".into(),
             format!("{of_f0}; order 1"),
-            Box::new(|stops| {
-                let [white, f90] = [0, 1].map(|k| &stops[k].albedo_by_order[0]);
+            Box::new(|incidences| {
+                let [white, f90] = [0, 1].map(|k| &incidences[k].albedo_by_order[0]);
                 white.iter().zip(f90).map(|(white, f90)| white - f90).collect()
             }),
         ),
         (
             "E_f90_order1".into(),
             format!("{of_f90}; order 1"),
-            Box::new(|stops| stops[1].albedo_by_order[0].clone()),
+            Box::new(|incidences| incidences[1].albedo_by_order[0].clone()),
         ),
     ];
     all.extend((0..orders.min(LISTED_ORDERS)).map(|order| {
-        let of: OfStops = Box::new(move |stops| stops[0].albedo_by_order[order].clone());
+        let of: OfIncidences = Box::new(move |incidences| incidences[0].albedo_by_order[order].clone());
         (format!("E_order{}", order + 1), format!("albedo with F = 1; order {}", order + 1), of)
     }));
     all
 }
 
 /// Of clear facets; the materials are the sides.
-fn clear(sides: &[LightSide], orders: usize) -> Vec<(String, String, OfStops)> {
-    let mut all: Vec<(String, String, OfStops)> = Vec::new();
+fn clear(sides: &[LightSide], orders: usize) -> Vec<(String, String, OfIncidences)> {
+    let mut all: Vec<(String, String, OfIncidences)> = Vec::new();
     for (k, &side) in sides.iter().enumerate() {
         let side = SIDES[usize::from(side == LightSide::Back)];
         let [(_, back), (_, through), _] = formula::CLEAR;
@@ -123,17 +123,17 @@ fn clear(sides: &[LightSide], orders: usize) -> Vec<(String, String, OfStops)> {
             (
                 format!("R_{side}"),
                 format!("{back}; all orders, {from}"),
-                Box::new(move |stops: &[&StopResult]| all_back(stops[k])) as OfStops,
+                Box::new(move |incidences: &[&IncidenceResult]| all_back(incidences[k])) as OfIncidences,
             ),
             (
                 format!("T_{side}"),
                 format!("{through}; all orders, {from}"),
-                Box::new(move |stops: &[&StopResult]| all_through(stops[k])),
+                Box::new(move |incidences: &[&IncidenceResult]| all_through(incidences[k])),
             ),
             (
                 format!("rest_{side}"),
                 format!("{REST}; {from}"),
-                Box::new(move |stops: &[&StopResult]| rest(stops[k])),
+                Box::new(move |incidences: &[&IncidenceResult]| rest(incidences[k])),
             ),
         ]);
         for order in 0..orders.min(LISTED_ORDERS) {
@@ -142,12 +142,16 @@ fn clear(sides: &[LightSide], orders: usize) -> Vec<(String, String, OfStops)> {
                 (
                     format!("R_{side}_order{number}"),
                     format!("{back}; order {number}, {from}"),
-                    Box::new(move |stops: &[&StopResult]| stops[k].albedo_by_order[order].clone()) as OfStops,
+                    Box::new(move |incidences: &[&IncidenceResult]| {
+                        incidences[k].albedo_by_order[order].clone()
+                    }) as OfIncidences,
                 ),
                 (
                     format!("T_{side}_order{number}"),
                     format!("{through}; order {number}, {from}"),
-                    Box::new(move |stops: &[&StopResult]| stops[k].transmittance_by_order[order].clone()),
+                    Box::new(move |incidences: &[&IncidenceResult]| {
+                        incidences[k].transmittance_by_order[order].clone()
+                    }),
                 ),
             ]);
         }
@@ -174,9 +178,9 @@ impl Tabulated<'_> {
     }
 
     /// The incidence of a cell in each material; incidences are in the order of theta, cells in that of mu.
-    fn stops(&self, slab: usize, alpha: usize, mu: usize) -> Vec<&StopResult> {
-        let stop = self.setup.axes.mu.len() - 1 - mu;
-        self.tables(slab, alpha).iter().map(|measured| &measured.stops[stop]).collect()
+    fn incidences(&self, slab: usize, alpha: usize, mu: usize) -> Vec<&IncidenceResult> {
+        let incidence = self.setup.axes.mu.len() - 1 - mu;
+        self.tables(slab, alpha).iter().map(|measured| &measured.incidences[incidence]).collect()
     }
 
     /// (slab, alpha) in the order of averages.
@@ -186,7 +190,8 @@ impl Tabulated<'_> {
     }
 
     fn check_light(&self) -> Result<()> {
-        let dark = self.results.iter().any(|measured| measured.stops.iter().any(StopResult::is_dark));
+        let dark =
+            self.results.iter().any(|measured| measured.incidences.iter().any(IncidenceResult::is_dark));
         if dark {
             return Err(Error::Refused(format!(
                 "{}: light of the smallest mu reaches no facet; --mu without it, or more samples",
@@ -196,17 +201,17 @@ impl Tabulated<'_> {
         Ok(())
     }
 
-    fn quantity(&self, name: String, about: String, of: &OfStops) -> Quantity {
+    fn quantity(&self, name: String, about: String, of: &OfIncidences) -> Quantity {
         let weights = self.setup.axes.mu_weights();
         let (mut cells, mut averages) = (Vec::new(), Vec::new());
         for (slab, alpha) in self.rows() {
             let mut average = vec![0.0; self.setup.campaign.surface.realisations as usize];
             let mut lost = 0.0;
             for (mu, weight) in weights.iter().enumerate() {
-                let stops = self.stops(slab, alpha, mu);
-                let values = of(&stops);
+                let incidences = self.incidences(slab, alpha, mu);
+                let values = of(&incidences);
                 // What an open map loses over its edge may be missing at any order.
-                let bound = stops.iter().map(|stop| stop.lost_light[1]).fold(0.0, f64::max);
+                let bound = incidences.iter().map(|incidence| incidence.lost_light[1]).fold(0.0, f64::max);
                 average.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * value);
                 lost += weight * bound;
                 cells.push(mean_of(&values, bound));
@@ -224,7 +229,9 @@ impl Tabulated<'_> {
         }
         let mus = self.setup.axes.mu.len();
         let of_row = |(slab, alpha)| {
-            (0..mus).flat_map(move |mu| self.stops(slab, alpha, mu)).map(|stop| stop.closure.clone())
+            (0..mus)
+                .flat_map(move |mu| self.incidences(slab, alpha, mu))
+                .map(|incidence| incidence.closure.clone())
         };
         self.rows().flat_map(of_row).collect()
     }

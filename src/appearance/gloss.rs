@@ -71,8 +71,8 @@ pub(super) fn slit_reading(
     angle_deg: f64,
     (off_deg, size_deg, image_deg): (f64, [f64; 2], [f64; 2]),
 ) -> Result<Reading, String> {
-    light.at(angle_deg, |theta_i, stop| {
+    light.at(angle_deg, |theta_i, incidence| {
         let at = [theta_i + off_deg, light.mirror_phi_deg()];
-        Reading::new(samples.table, stop, &Receptor::slit(at, size_deg, image_deg), PART_OF_SLIT)
+        Reading::new(samples.table, incidence, &Receptor::slit(at, size_deg, image_deg), PART_OF_SLIT)
     })
 }

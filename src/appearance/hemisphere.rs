@@ -44,12 +44,12 @@ pub fn is_whole(grid: &Grid) -> bool {
     rows[0] == 0.0 && rows.contains(&90.0) && (columns[columns.len() - 1] - columns[0] - 360.0).abs() < 1e-9
 }
 
-/// The reading of a receptor at a stop of a hemisphere.
-pub fn reading(grid: &Grid, stop: usize, receptor: &Receptor) -> Reading {
-    let rows = BinRows::new(grid, stop);
+/// The reading of a receptor at an incidence of a hemisphere.
+pub fn reading(grid: &Grid, incidence: usize, receptor: &Receptor) -> Reading {
+    let rows = BinRows::new(grid, incidence);
     let mut found = rows.reading(receptor);
     let coarse = doubled(grid);
-    let coarse_rows = BinRows::new(&coarse, stop);
+    let coarse_rows = BinRows::new(&coarse, incidence);
     let mut weights: BTreeMap<usize, BinWeights> = found.terms.into_iter().collect();
     for (bin, weight) in coarse_rows.reading(receptor).terms {
         let (row, column) = (bin / coarse_rows.columns, bin % coarse_rows.columns);
@@ -63,7 +63,7 @@ pub fn reading(grid: &Grid, stop: usize, receptor: &Receptor) -> Reading {
             }
         }
     }
-    let first = stop * grid.bins();
+    let first = incidence * grid.bins();
     found.terms = weights.into_iter().map(|(bin, weights)| (first + bin, weights)).collect();
     found
 }
@@ -84,9 +84,9 @@ fn doubled(grid: &Grid) -> Grid {
 }
 
 impl BinRows {
-    fn new(grid: &Grid, stop: usize) -> Self {
+    fn new(grid: &Grid, incidence: usize) -> Self {
         let above = 0..grid.theta_r_edges_deg.partition_point(|&edge| edge < 90.0);
-        BinRows { regions: grid.regions(stop), columns: grid.phi_r_edges_deg.len() - 1, above }
+        BinRows { regions: grid.regions(incidence), columns: grid.phi_r_edges_deg.len() - 1, above }
     }
 
     /// The weights by bin; `coarse` is left out.

@@ -14,8 +14,8 @@ const SAME_DEG: f64 = 1e-6;
 pub struct LightAzimuth {
     /// Their azimuth, degrees.
     pub phi_i_deg: f64,
-    /// Polar angle in degrees and stop of each, by increasing angle.
-    pub stops: Vec<(f64, usize)>,
+    /// Polar angle in degrees and incidence of each, by increasing angle.
+    pub incidences: Vec<(f64, usize)>,
 }
 
 impl LightAzimuth {
@@ -24,7 +24,8 @@ impl LightAzimuth {
         if grid.kind == GridKind::HalfDifference {
             return Vec::new();
         }
-        let angles: Vec<(f64, f64)> = (0..grid.stops()).map(|stop| grid.stop_deg(stop)).collect();
+        let angles: Vec<(f64, f64)> =
+            (0..grid.incidences()).map(|incidence| grid.incidence_deg(incidence)).collect();
         let tilted = angles.iter().filter(|angle| angle.0 > 0.0);
         let mut azimuths: Vec<f64> = Vec::new();
         for phi in tilted.chain(&angles).map(|angle| sphere::reduced_deg(angle.1)) {
@@ -42,11 +43,15 @@ impl LightAzimuth {
 
     fn of(angles: &[(f64, f64)], phi_i_deg: f64) -> Self {
         let here = |angle: &(f64, f64)| angle.0 == 0.0 || sphere::reduced_deg(angle.1) == phi_i_deg;
-        let mut stops: Vec<(f64, usize)> =
-            angles.iter().enumerate().filter(|(_, angle)| here(angle)).map(|(stop, a)| (a.0, stop)).collect();
-        stops.sort_by(|a, b| a.0.total_cmp(&b.0));
-        stops.dedup_by(|a, b| a.0 == b.0);
-        LightAzimuth { phi_i_deg, stops }
+        let mut incidences: Vec<(f64, usize)> = angles
+            .iter()
+            .enumerate()
+            .filter(|(_, angle)| here(angle))
+            .map(|(incidence, a)| (a.0, incidence))
+            .collect();
+        incidences.sort_by(|a, b| a.0.total_cmp(&b.0));
+        incidences.dedup_by(|a, b| a.0 == b.0);
+        LightAzimuth { phi_i_deg, incidences }
     }
 
     /// The azimuth of the mirror direction, degrees.
@@ -55,20 +60,21 @@ impl LightAzimuth {
     }
 
     /// The reading at an angle of the light, linear in the angle between the two nearest incidences where the table has not
-    /// this one; `of` gives the reading at one of them, by its polar angle and stop.
+    /// this one; `of` gives the reading at one of them, by its polar angle and incidence.
     // Tested by `between_incidences_readings_are_interpolated_and_said_to_be` (tests/it/appearance/readings.rs).
     pub fn at(
         &self,
         theta_i_deg: f64,
         of: impl Fn(f64, usize) -> Result<Reading, String>,
     ) -> Result<Reading, String> {
-        if let Some(&(theta, stop)) = self.stops.iter().find(|stop| (stop.0 - theta_i_deg).abs() <= SAME_DEG)
+        if let Some(&(theta, incidence)) =
+            self.incidences.iter().find(|incidence| (incidence.0 - theta_i_deg).abs() <= SAME_DEG)
         {
-            return of(theta, stop);
+            return of(theta, incidence);
         }
-        let after = self.stops.partition_point(|stop| stop.0 < theta_i_deg);
+        let after = self.incidences.partition_point(|incidence| incidence.0 < theta_i_deg);
         let (Some(&low), Some(&high)) =
-            (after.checked_sub(1).and_then(|k| self.stops.get(k)), self.stops.get(after))
+            (after.checked_sub(1).and_then(|k| self.incidences.get(k)), self.incidences.get(after))
         else {
             return Err(format!("no incidence at theta_i {theta_i_deg}, nor one on either side"));
         };

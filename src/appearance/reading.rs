@@ -19,7 +19,7 @@ pub struct BinWeights {
 /// A weighted sum of bins.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Reading {
-    /// By place in the table's channels, `stop * bins + bin`.
+    /// By place in the table's channels, `incidence * bins + bin`.
     pub terms: Vec<(usize, BinWeights)>,
     /// The integral of share cos, sr: the reading of f = 1.
     pub measure: f64,

@@ -38,8 +38,8 @@ impl Receptor {
     /// `theta_deg` in the plane at azimuth `phi_deg`, and a source whose mirror image there takes `image_deg`.
     ///
     /// Light of each point of the source makes its lobe about its own mirror direction: the field that one collimated beam
-    /// sees is the stop smeared by the image, 1 where the whole image would pass and 0 where nothing would. Both are rectangles
-    /// of the plane that touches the sphere at the axis, as of a stop in the focal plane of a lens.
+    /// sees is the field stop smeared by the image, 1 where the whole image would pass and 0 where nothing would. Both are rectangles
+    /// of the plane that touches the sphere at the axis, as of a field stop in the focal plane of a lens.
     // Tested by `gloss_is_the_direct_quadrature_over_source_and_receptor` (tests/it/appearance/gloss.rs).
     pub fn slit([theta_deg, phi_deg]: [f64; 2], size_deg: [f64; 2], image_deg: [f64; 2]) -> Self {
         let tangents = |angles: [f64; 2]| angles.map(|full| (0.5 * full).to_radians().tan());
@@ -121,7 +121,7 @@ impl Receptor {
     }
 }
 
-/// The part of an image of half-width `image` about `x` that passes a stop of half-width `half`.
+/// The part of an image of half-width `image` about `x` that passes a field stop of half-width `half`.
 fn passed(x: f64, half: f64, image: f64) -> f64 {
     if image == 0.0 {
         return f64::from(u8::from(x.abs() <= half));

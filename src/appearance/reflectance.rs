@@ -59,15 +59,15 @@ pub struct Colour1976 {
 pub fn reflectance(samples: &TableSamples, light: &LightAzimuth) -> Vec<Reflected> {
     let mirror = light.mirror_phi_deg();
     let of = |geometry: &str, theta_i_deg: f64, receptor: &(dyn Fn(f64) -> Receptor + Sync)| {
-        let factor = |theta: f64, stop: usize| {
-            let reading = Reading::new(samples.table, stop, &receptor(theta), PART)?;
+        let factor = |theta: f64, incidence: usize| {
+            let reading = Reading::new(samples.table, incidence, &receptor(theta), PART)?;
             let measure = reading.measure;
             Ok(reading.scaled(PI / measure))
         };
         reflected(samples, (geometry.into(), theta_i_deg), light.at(theta_i_deg, factor))
     };
     let all = |geometry: &str, theta_i_deg: f64| {
-        let reading = light.at(theta_i_deg, |_, stop| Reading::of_all(samples.table, stop));
+        let reading = light.at(theta_i_deg, |_, incidence| Reading::of_all(samples.table, incidence));
         reflected(samples, (geometry.into(), theta_i_deg), reading)
     };
     let mut found = vec![
@@ -79,8 +79,8 @@ pub fn reflectance(samples: &TableSamples, light: &LightAzimuth) -> Vec<Reflecte
         of(&format!("45:as{off}"), 45.0, &|theta| Receptor::cone([theta - off, mirror], HALF_ANGLE_DEG))
     }));
     let mirror_at = |at: f64| Receptor::cone([at, mirror], HALF_ANGLE_DEG);
-    found.par_extend(light.stops.par_iter().map(|stop| of("mirror", stop.0, &mirror_at)));
-    found.par_extend(light.stops.par_iter().map(|stop| all("hemisphere", stop.0)));
+    found.par_extend(light.incidences.par_iter().map(|incidence| of("mirror", incidence.0, &mirror_at)));
+    found.par_extend(light.incidences.par_iter().map(|incidence| all("hemisphere", incidence.0)));
     found
 }
 

@@ -78,11 +78,11 @@ pub fn first_azimuths(table: &BrdfTable, parts: Option<&Realisations>, most: usi
         scatter: scatter(&samples, &light),
         reflectance: reflectance(&samples, &light),
         ars: light
-            .stops
+            .incidences
             .iter()
-            .map(|&(theta_i_deg, stop)| AngleResolved {
+            .map(|&(theta_i_deg, incidence)| AngleResolved {
                 theta_i_deg,
-                angles: angle_resolved(&samples, &light, stop),
+                angles: angle_resolved(&samples, &light, incidence),
             })
             .collect(),
     };

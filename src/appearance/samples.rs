@@ -34,7 +34,7 @@ impl<'a> TableSamples<'a> {
     /// The table with its realisations; of one alone no errors follow.
     pub fn new(table: &'a BrdfTable, parts: Option<&'a Realisations>) -> Self {
         let parts = parts.map_or(&[][..], |all| &all.parts);
-        let entries = table.grid.stops() * table.grid.bins();
+        let entries = table.grid.incidences() * table.grid.bins();
         let fits = |part: &RealisationPart| {
             part.total.len() == table.colours.len() && part.total.iter().all(|colour| colour.len() == entries)
         };

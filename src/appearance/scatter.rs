@@ -45,8 +45,8 @@ pub struct ScatterAngle {
 /// reflected light; ISO 13696 leaves the cone out likewise, and what lies beyond 85 degrees, which is counted here).
 // Tested by `a_lambert_table_has_the_closed_forms` (tests/it/appearance/readings.rs).
 pub fn scatter(samples: &TableSamples, light: &LightAzimuth) -> Vec<Scatter> {
-    let of = |&(theta_i_deg, stop): &(f64, usize)| {
-        let all = match Reading::of_all(samples.table, stop) {
+    let of = |&(theta_i_deg, incidence): &(f64, usize)| {
+        let all = match Reading::of_all(samples.table, incidence) {
             Ok(all) => all,
             Err(why) => {
                 let missing = || Quantity::missing(why.clone());
@@ -54,7 +54,7 @@ pub fn scatter(samples: &TableSamples, light: &LightAzimuth) -> Vec<Scatter> {
             }
         };
         let cone = Receptor::cone([theta_i_deg, light.mirror_phi_deg()], SPECULAR_DEG);
-        let tis = match Reading::new(samples.table, stop, &cone, PART_OF_CONE) {
+        let tis = match Reading::new(samples.table, incidence, &cone, PART_OF_CONE) {
             Ok(cone) => {
                 samples.quantity(&[&all, &cone], |v| 1.0 - samples.luminance(v, 1) / samples.luminance(v, 0))
             }
@@ -62,7 +62,7 @@ pub fn scatter(samples: &TableSamples, light: &LightAzimuth) -> Vec<Scatter> {
         };
         Scatter { theta_i_deg, reflectance: samples.quantity(&[&all], |v| samples.luminance(v, 0)), tis }
     };
-    light.stops.par_iter().map(of).collect()
+    light.incidences.par_iter().map(of).collect()
 }
 
 /// Angle-resolved scatter in the plane of incidence: of bins the mean per solid angle, from the light's horizon to the
@@ -70,14 +70,14 @@ pub fn scatter(samples: &TableSamples, light: &LightAzimuth) -> Vec<Scatter> {
 ///
 /// ARS = f (integral of cos over the bin)/(its solid angle). Bins that were not measured are left out.
 // Tested by `a_lambert_table_has_the_closed_forms` (tests/it/appearance/readings.rs).
-pub fn angle_resolved(samples: &TableSamples, light: &LightAzimuth, stop: usize) -> Vec<ScatterAngle> {
+pub fn angle_resolved(samples: &TableSamples, light: &LightAzimuth, incidence: usize) -> Vec<ScatterAngle> {
     let table = samples.table;
     let mut found: Vec<ScatterAngle> = (0..table.grid.bins())
-        .zip(table.grid.regions(stop))
-        .filter(|(bin, region)| !region.is_below() && !table.is_gap(stop * table.grid.bins() + bin))
+        .zip(table.grid.regions(incidence))
+        .filter(|(bin, region)| !region.is_below() && !table.is_gap(incidence * table.grid.bins() + bin))
         .filter_map(|(bin, region)| {
             let theta_r_deg = signed_polar_deg(table, &region, light)?;
-            let entry = stop * table.grid.bins() + bin;
+            let entry = incidence * table.grid.bins() + bin;
             let values: Vec<f64> = table.colours.iter().map(|c| f64::from(c.total[entry])).collect();
             let brdf = samples.luminance(&values, 0);
             Some(ScatterAngle { theta_r_deg, brdf, ars: brdf * mean_cosine(&region) })

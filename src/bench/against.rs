@@ -62,7 +62,7 @@ pub struct Variant {
     pub cpu_s: f64,
     /// Rays of one run.
     pub rays: u64,
-    /// Standard error of a run: median over the bins of all stops, relative. Its square is that of the patches and that
+    /// Standard error of a run: median over the bins of all incidences, relative. Its square is that of the patches and that
     /// of the noise together.
     pub error: f64,
     /// What of it more starts take down: median over the bins, relative.
@@ -71,9 +71,9 @@ pub struct Variant {
     pub to_target_s: f64,
 }
 
-/// One stop of both ways.
+/// One incidence of both ways.
 #[derive(Debug, Clone, Serialize)]
-pub struct StopNoise {
+pub struct IncidenceNoise {
     /// Where the light stands.
     pub theta_i_deg: f64,
     /// Its azimuth.
@@ -93,8 +93,9 @@ pub struct Against {
     pub replicates: u32,
     /// As planned, and the other.
     pub ways: [Variant; 2],
-    /// Every stop.
-    pub stops: Vec<StopNoise>,
+    /// Every incidence.
+    #[serde(rename = "stops")]
+    pub incidences: Vec<IncidenceNoise>,
     /// Variance of the other over that of the plan, for one run of each.
     pub variance_ratio: f64,
     /// Time to an equal error of the other over that of the plan.
@@ -106,9 +107,9 @@ pub struct Against {
 /// The values of one bin: [replicate][realisation].
 type BinValues = Vec<Vec<f64>>;
 
-/// A bin that counts: of which stop, and what each way found.
+/// A bin that counts: of which incidence, and what each way found.
 struct JudgedBin {
-    stop: usize,
+    incidence: usize,
     mean: f64,
     ways: [BinValues; 2],
 }
@@ -159,7 +160,9 @@ pub fn against(
         target,
         replicates,
         ways,
-        stops: (0..plans[0].stops).map(|stop| of_stop(&plans[0], &bins, stop)).collect(),
+        incidences: (0..plans[0].incidences)
+            .map(|incidence| of_incidence(&plans[0], &bins, incidence))
+            .collect(),
         variance_ratio,
         ratio: times * variance_ratio,
         ratio_se: stats::jackknife_se(&leave_one_out).map(|se| times * se),
@@ -198,14 +201,14 @@ impl Variant {
     }
 }
 
-fn of_stop(plan: &Plan, bins: &[JudgedBin], stop: usize) -> StopNoise {
-    let (theta_i_deg, phi_i_deg) = plan.grid.stop_deg(stop);
-    let here: Vec<&JudgedBin> = bins.iter().filter(|bin| bin.stop == stop).collect();
+fn of_incidence(plan: &Plan, bins: &[JudgedBin], incidence: usize) -> IncidenceNoise {
+    let (theta_i_deg, phi_i_deg) = plan.grid.incidence_deg(incidence);
+    let here: Vec<&JudgedBin> = bins.iter().filter(|bin| bin.incidence == incidence).collect();
     let noise = |way: usize| median(here.iter().map(|bin| bin.noise(way, None)));
-    StopNoise { theta_i_deg, phi_i_deg, bins: here.len(), noise: [noise(0), noise(1)] }
+    IncidenceNoise { theta_i_deg, phi_i_deg, bins: here.len(), noise: [noise(0), noise(1)] }
 }
 
-/// The bins above 1 % of their stop's and colour's peak, by the mean of all runs of both ways.
+/// The bins above 1 % of their incidence's and colour's peak, by the mean of all runs of both ways.
 fn counted(runs: &[Vec<Measured>; 2], plan: &Plan) -> Vec<JudgedBin> {
     let values = |way: usize, colour: usize, at: usize| -> BinValues {
         let of_run = |run: &Measured| {
@@ -215,12 +218,12 @@ fn counted(runs: &[Vec<Measured>; 2], plan: &Plan) -> Vec<JudgedBin> {
     };
     let mut counted = Vec::new();
     for colour in 0..plan.colours {
-        for stop in 0..plan.stops {
+        for incidence in 0..plan.incidences {
             let bin = |k: usize| {
-                let ways = [0, 1].map(|way| values(way, colour, stop * plan.bins + k));
+                let ways = [0, 1].map(|way| values(way, colour, incidence * plan.bins + k));
                 let values: Vec<f64> = ways.iter().flatten().flatten().copied().collect();
                 let mean = stats::mean(&values);
-                JudgedBin { stop, mean, ways }
+                JudgedBin { incidence, mean, ways }
             };
             let bins: Vec<JudgedBin> = (0..plan.bins).map(bin).collect();
             let peak = bins.iter().fold(0.0f64, |peak, bin| peak.max(bin.mean));
@@ -269,7 +272,7 @@ mod tests {
     #[test]
     fn noise_is_what_replicates_show() {
         let runs = vec![vec![1.0, 6.0], vec![3.0, 6.0]];
-        let bin = JudgedBin { stop: 0, mean: 4.0, ways: [runs.clone(), runs] };
+        let bin = JudgedBin { incidence: 0, mean: 4.0, ways: [runs.clone(), runs] };
         // A run's mean over both has the variance (2 + 0)/4.
         assert_eq!(bin.noise(0, None), 0.5f64.sqrt() / 4.0);
         assert_eq!(bin.noise(0, Some(0)), 0.0);

@@ -14,7 +14,7 @@ use crate::stats;
 /// One run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Samples of one stop.
+    /// Samples of one incidence.
     pub samples: f64,
     /// Its error.
     pub error: f64,
@@ -181,8 +181,13 @@ mod tests {
     /// Errors of a table of 200 equal bins, each off by b and normal noise of variance a/N: root mean square, which
     /// has err^2 = a/N + b^2 exactly on average. N = 2^10..2^24 in steps of 4.
     fn runs(a: f64, b: f64, replicates: usize, trial: u64) -> Vec<Point> {
-        let id =
-            StreamId { seed: 11, purpose: Purpose::Test, realisation: trial, stop: b.to_bits(), block: 0 };
+        let id = StreamId {
+            seed: 11,
+            purpose: Purpose::Test,
+            realisation: trial,
+            incidence: b.to_bits(),
+            block: 0,
+        };
         let mut stream = rng::stream(id);
         let mut normal = || {
             let (u, v) = (1.0 - rng::uniform(&mut stream), rng::uniform(&mut stream));

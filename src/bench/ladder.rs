@@ -27,7 +27,7 @@ pub enum Varies {
 /// What the user asks for.
 #[derive(Debug, Clone, Copy)]
 pub struct Range {
-    /// Fewest samples of a stop, all realisations together.
+    /// Fewest samples of an incidence, all realisations together.
     pub from: Option<u64>,
     /// Most of them.
     pub to: Option<u64>,
@@ -53,7 +53,7 @@ pub struct Ladders {
     pub replicates: u32,
 }
 
-/// Plans the ladders. N = samples of one stop, all realisations together; factor 4 from rung to rung.
+/// Plans the ladders. N = samples of one incidence, all realisations together; factor 4 from rung to rung.
 ///
 /// The first ladder keeps the campaign's realisations. A random surface gets a second one: 1, 4, 16, ... realisations
 /// with as many samples each as on the first one's last rung. Errors: `Usage` where a ladder would have fewer than
@@ -100,7 +100,7 @@ fn powers(from: u64, to: u64) -> Vec<u64> {
 }
 
 impl Rung {
-    /// `each` starts for each stop and realisation: whole blocks, or one smaller block.
+    /// `each` starts for each incidence and realisation: whole blocks, or one smaller block.
     fn new(campaign: &Campaign, realisations: u32, each: u64) -> Result<Self> {
         let mut campaign = campaign.clone();
         campaign.surface.realisations = realisations;
@@ -113,7 +113,7 @@ impl Rung {
         Ok(Rung { campaign, plan })
     }
 
-    /// Samples of one stop.
+    /// Samples of one incidence.
     pub(super) fn samples(&self) -> u64 {
         self.plan.samples * u64::from(self.plan.realisations)
     }
@@ -156,7 +156,7 @@ pub(super) mod tests {
         };
         assert_eq!(of(0), [(4, 64), (4, 256), (4, 1024)]);
         assert_eq!(of(1), [(1, 1024), (4, 1024), (16, 1024)]);
-        // Four times the largest N, 2 stops, 2 replicates.
+        // Four times the largest N, 2 incidences, 2 replicates.
         assert_eq!(planned.reference.as_ref().map(Rung::samples), Some(65_536));
         assert_eq!(planned.total_samples(), 2 * (65_536 + 2 * (5_376 + 21_504)));
     }

@@ -2,12 +2,12 @@
 //!
 //! Every rung is measured several times with seeds of its own (replicates), so that no two errors share a draw or a
 //! patch. The error of a run is the flux-weighted L1 distance of its order-1 table from the truth, averaged over
-//! stops and colours. err^2 = a/N + b^2 is then fitted: a is noise, b what no further sample removes.
+//! incidences and colours. err^2 = a/N + b^2 is then fitted: a is noise, b what no further sample removes.
 //!
 //! A random surface has two noises: rays and patches. One ladder adds samples to a fixed number of patches (its b
 //! holds the patches' spread and the bias), the other adds patches of fixed samples (its b is the bias alone).
 //! A campaign with a `[bench]` table varies cells and correlation length instead. `against` measures one table by two
-//! ways, `scale` one stop on patches of several sizes.
+//! ways, `scale` one incidence on patches of several sizes.
 
 pub mod against;
 pub mod answer;

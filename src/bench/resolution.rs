@@ -25,7 +25,7 @@ pub struct ResolutionRow {
     pub cells: u32,
     /// Correlation length in cells.
     pub correlation_cells: f64,
-    /// Samples of one stop, all realisations together.
+    /// Samples of one incidence, all realisations together.
     pub samples: u64,
     /// Realisations among them.
     pub realisations: u32,
@@ -35,7 +35,7 @@ pub struct ResolutionRow {
     pub rays_per_s: f64,
     /// Kolmogorov-Smirnov distance of the slopes of the first four patches together.
     pub ks: Option<f64>,
-    /// The discrepancy `l1_model`: distance from the model with the noise taken off, mean over stops.
+    /// The discrepancy `l1_model`: distance from the model with the noise taken off, mean over incidences.
     pub error: f64,
     /// Its standard error over realisations.
     pub error_se: f64,
@@ -147,7 +147,7 @@ fn row(
 
 /// The figures against the masking of this name.
 fn discrepancy(measured: &Measured, (truth, masking): (&Prediction, &str)) -> Option<Figures> {
-    let parts = Some(Parts { all: &measured.realisations, first_stop: 0 });
+    let parts = Some(Parts { all: &measured.realisations, first_incidence: 0 });
     let comparisons = verdict::compare(&measured.table, &measured.campaign, parts, truth);
     comparisons.iter().find(|comparison| comparison.masking == masking).map(|comparison| comparison.figures)
 }

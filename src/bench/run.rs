@@ -17,7 +17,7 @@ use crate::stats;
 pub struct MeasuredRung {
     /// The ladder it belongs to.
     pub varies: Varies,
-    /// Samples of one stop, all realisations together.
+    /// Samples of one incidence, all realisations together.
     pub samples: u64,
     /// Realisations among them.
     pub realisations: u32,
@@ -31,7 +31,7 @@ pub struct MeasuredRung {
     pub efficiency: Option<f64>,
     /// The error of each replicate.
     pub errors: Vec<f64>,
-    /// Largest |all orders + cut paths - 1| over stops, realisations and replicates, F = 1; null without visibility.
+    /// Largest |all orders + cut paths - 1| over incidences, realisations and replicates, F = 1; null without visibility.
     pub closure: Option<f64>,
 }
 
@@ -117,7 +117,7 @@ fn row(
     for &seed in seeds {
         let (measured, cost) = rung.run(patches, seed, progress)?;
         errors.push(truth.error_of(&measured.table));
-        let closures = measured.stops.iter().flat_map(|stop| &stop.closure);
+        let closures = measured.incidences.iter().flat_map(|incidence| &incidence.closure);
         let farthest = closures.map(|light| (light - 1.0).abs()).reduce(f64::max);
         closure = farthest.map(|farthest| closure.unwrap_or(0.0).max(farthest));
         seconds += cost.wall_s;
@@ -141,7 +141,8 @@ fn row(
 
 /// The seed of one run, of 53 bits: any campaign can write it.
 pub(super) fn seed_of(seed: u64, [ladder, rung, replicate]: [u64; 3]) -> u64 {
-    let id = StreamId { seed, purpose: Purpose::Bench, realisation: ladder, stop: rung, block: replicate };
+    let id =
+        StreamId { seed, purpose: Purpose::Bench, realisation: ladder, incidence: rung, block: replicate };
     rng::stream(id).next_u64() >> 11
 }
 

@@ -1,8 +1,8 @@
-//! Cost against size: the same stops on patches of several sizes, one start for each cell.
+//! Cost against size: the same incidences on patches of several sizes, one start for each cell.
 //!
-//! Input: a campaign of one roughness on a random surface, and sides in cells. Output: for each side and stop, and for
-//! all stops together, processor time for each start; for each side the bytes for each cell that tracing and the making
-//! of a patch take. Cost that grows with the facets and with the stops, and no faster, shows as equal times in all rows.
+//! Input: a campaign of one roughness on a random surface, and sides in cells. Output: for each side and incidence, and for
+//! all incidences together, processor time for each start; for each side the bytes for each cell that tracing and the making
+//! of a patch take. Cost that grows with the facets and with the incidences, and no faster, shows as equal times in all rows.
 
 use glam::DVec3;
 use serde::Serialize;
@@ -15,12 +15,12 @@ use crate::trace::{
     AreaSampler, BLOCK, BatchedStarts, GridTraversal, Kernel, MaxPyramid, SimdTraversal, SlopeIndex, Window,
 };
 
-/// One stop, or all of them, on a patch of one size.
+/// One incidence, or all of them, on a patch of one size.
 #[derive(Debug, Clone, Serialize)]
 pub struct ScaleRow {
     /// Cells a side.
     pub cells: u32,
-    /// Stops measured, by their polar angles.
+    /// Incidences measured, by their polar angles.
     pub theta_i_deg: Vec<f64>,
     /// Starts of all of them.
     pub starts: u64,
@@ -54,11 +54,11 @@ pub struct ScalePatch {
 pub struct Scale {
     /// Each size.
     pub patches: Vec<ScalePatch>,
-    /// Each stop of each size, then all of them.
+    /// Each incidence of each size, then all of them.
     pub rows: Vec<ScaleRow>,
 }
 
-/// Measures every stop of `campaign` by itself and all together on one patch of each of `sides` cells, in ascending
+/// Measures every incidence of `campaign` by itself and all together on one patch of each of `sides` cells, in ascending
 /// order. Errors: `Usage` for a surface that is not random heights; those of planning and measuring.
 // Tested by `tests/it/bench.rs`.
 pub fn scale(campaign: &Campaign, sides: &[u32], progress: &(dyn Fn(u64) + Sync)) -> Result<Scale> {
@@ -86,7 +86,7 @@ pub fn scale(campaign: &Campaign, sides: &[u32], progress: &(dyn Fn(u64) + Sync)
     Ok(scale)
 }
 
-/// Starts of one stop on a patch: one for each cell, in whole blocks.
+/// Starts of one incidence on a patch: one for each cell, in whole blocks.
 pub fn starts(cells: u32) -> u64 {
     u64::from(cells).pow(2).next_multiple_of(BLOCK)
 }

@@ -22,7 +22,7 @@ pub enum TruthKind {
     Reference,
 }
 
-/// The true BRDF of every stop, colour and bin.
+/// The true BRDF of every incidence, colour and bin.
 pub struct Truth {
     /// Its name, with the masking where it is a model.
     pub name: String,
@@ -49,26 +49,26 @@ impl Truth {
 
     /// A long run.
     pub fn reference(measured: &Measured, plan: &Plan, samples: u64) -> Self {
-        let of = |stop: usize| {
+        let of = |incidence: usize| {
             let colours = measured.table.colours.iter();
-            colours.map(|c| bins_of(&c.single, stop, plan.bins).map(f64::from).collect()).collect()
+            colours.map(|c| bins_of(&c.single, incidence, plan.bins).map(f64::from).collect()).collect()
         };
         Truth {
             name: format!("reference run of {samples} samples"),
-            values: (0..plan.stops).map(of).collect(),
+            values: (0..plan.incidences).map(of).collect(),
             sizes: sizes(plan),
         }
     }
 
-    /// Mean over stops and colours of sum |f - m| w / sum m w: f the table's order 1, m the truth, w projected solid
+    /// Mean over incidences and colours of sum |f - m| w / sum m w: f the table's order 1, m the truth, w projected solid
     /// angle.
     // Tested by `the_error_is_the_flux_weighted_distance`.
     pub fn error_of(&self, table: &BrdfTable) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
-        for (stop, (colours, size)) in self.values.iter().zip(&self.sizes).enumerate() {
+        for (incidence, (colours, size)) in self.values.iter().zip(&self.sizes).enumerate() {
             for (channels, truth) in table.colours.iter().zip(colours) {
                 let (mut distance, mut flux) = (0.0, 0.0);
-                for ((f, m), w) in bins_of(&channels.single, stop, size.len()).zip(truth).zip(size) {
+                for ((f, m), w) in bins_of(&channels.single, incidence, size.len()).zip(truth).zip(size) {
                     distance += (f64::from(f) - m).abs() * w;
                     flux += m * w;
                 }
@@ -80,10 +80,10 @@ impl Truth {
     }
 }
 
-fn bins_of(values: &[f32], stop: usize, bins: usize) -> impl Iterator<Item = f32> + '_ {
-    values[stop * bins..(stop + 1) * bins].iter().copied()
+fn bins_of(values: &[f32], incidence: usize, bins: usize) -> impl Iterator<Item = f32> + '_ {
+    values[incidence * bins..(incidence + 1) * bins].iter().copied()
 }
 
 fn sizes(plan: &Plan) -> Vec<Vec<f64>> {
-    (0..plan.stops).map(|stop| plan.grid.sizes(stop)).collect()
+    (0..plan.incidences).map(|incidence| plan.grid.sizes(incidence)).collect()
 }

@@ -45,7 +45,7 @@ pub fn check(
             seed: inputs.seed,
             purpose: Purpose::Budget,
             realisation: STREAM,
-            stop: 0,
+            incidence: 0,
             block: number,
         };
         let mut drawn = vec![0.0; uncertainty.inputs.len()];

@@ -89,7 +89,7 @@ impl Inputs<'_> {
                 seed: self.seed,
                 purpose: Purpose::Budget,
                 realisation: 0,
-                stop: 0,
+                incidence: 0,
                 block: number,
             };
             let mut draws = rng::stream(id);

@@ -45,8 +45,8 @@ pub fn positions(campaign: &Campaign, uncertainty: &Uncertainty) -> Vec<Position
     };
     let grid = grid_of(campaign);
     let mut all = Vec::new();
-    for stop in 0..grid.stops() {
-        let (theta_i_deg, phi_i_deg) = grid.stop_deg(stop);
+    for incidence in 0..grid.incidences() {
+        let (theta_i_deg, phi_i_deg) = grid.incidence_deg(incidence);
         let from = if grid.phi_r_relative { phi_i_deg } else { 0.0 };
         for &theta_r_deg in theta_r_deg {
             let of = |phi: &f64| Position { theta_i_deg, phi_i_deg, theta_r_deg, phi_r_deg: phi + from };

@@ -244,14 +244,14 @@ impl Rig {
         let places: Vec<(usize, usize)> = positions.iter().map(place).collect();
         let grid = Grid {
             kind: GridKind::Points,
-            stops_deg: lights.all,
+            incidences_deg: lights.all,
             phi_r_relative: averaged,
             points_deg: points.all,
             aperture_deg: Some(aperture_deg),
             ..Grid::default()
         };
         let mut campaign = campaign.clone();
-        campaign.light.theta_i_deg = grid.stops_deg.iter().map(|light| light[0]).collect();
+        campaign.light.theta_i_deg = grid.incidences_deg.iter().map(|light| light[0]).collect();
         let drawn_at = drawn_as.map(|position| (position.theta_i_deg, position.phi_i_deg));
         let plan = measure::plan_at(&campaign, grid, drawn_at, self.size, self.memory)?;
         self.size = Some((plan.cells, plan.relief));

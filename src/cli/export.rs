@@ -208,7 +208,7 @@ fn checks(
         Some(back) => format!("read back   L1 {:.3e} over {} bins", back.l1, back.bins),
     }];
     lines.extend(read_back.as_ref().filter(|back| back.worst > 0.0).map(|back| {
-        let ((theta_i, phi_i), (theta_r, phi_r)) = (back.worst_stop_deg, back.worst_bin_deg);
+        let ((theta_i, phi_i), (theta_r, phi_r)) = (back.worst_incidence_deg, back.worst_bin_deg);
         format!(
             "worst bin   {:.3e} of its incidence's peak, light {theta_i:.2} {phi_i:.2}, sensor {theta_r:.2} {phi_r:.2}",
             back.worst

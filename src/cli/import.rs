@@ -106,17 +106,17 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     for note in &notes {
         warn(format_args!("{}: {note}", arguments.file.display()));
     }
-    let (stops, bins, colours) = (table.grid.stops(), table.grid.bins(), table.colours.len());
+    let (incidences, bins, colours) = (table.grid.incidences(), table.grid.bins(), table.colours.len());
     let kind = to_json(&table.grid.kind)?;
     let mut out = Output::default();
     if arguments.json {
         let table = arguments.output.display().to_string();
-        let sizes = json!({ "table": table, "kind": kind, "stops": stops, "bins": bins, "colours": colours, "notes": notes });
+        let sizes = json!({ "table": table, "kind": kind, "stops": incidences, "bins": bins, "colours": colours, "notes": notes });
         out.json(&sizes)?;
     } else {
         let kind = kind.as_str().unwrap_or_default();
         let text = format!(
-            "{} ({kind}): {stops} incidences of {bins} bins, {colours} colour{}; no error bars unless the file has them",
+            "{} ({kind}): {incidences} incidences of {bins} bins, {colours} colour{}; no error bars unless the file has them",
             arguments.output.display(),
             if colours == 1 { "" } else { "s" },
         );

@@ -77,17 +77,23 @@ pub fn run(arguments: &Arguments, threads: usize) -> Result<u8> {
 fn shard_json(shard: Option<Part>, file: &Path, plan: Option<&Plan>, cost: &Cost) -> Value {
     let mut document = json!({ "shard": shard.map(|shard| shard.to_string()), "file": file });
     if let Some(plan) = plan {
-        document["stops"] = (0..plan.stops).map(|stop| json!(plan.grid.stop_deg(stop))).collect();
+        document["stops"] =
+            (0..plan.incidences).map(|incidence| json!(plan.grid.incidence_deg(incidence))).collect();
         document["cost"] = json!(cost);
     }
     document
 }
 
-fn print_shard(file: &Path, (measured, stops): (usize, usize), cost: &Cost, out: &mut Output) -> Result<()> {
+fn print_shard(
+    file: &Path,
+    (measured, incidences): (usize, usize),
+    cost: &Cost,
+    out: &mut Output,
+) -> Result<()> {
     let size = file.metadata().map_or(0, |meta| meta.len());
     let file = format!("{} ({})", file.display(), bytes(size));
     out.line(format_args!(
-        "{:<14}{file}: {measured} of {stops} incidences; gonio merge puts all together",
+        "{:<14}{file}: {measured} of {incidences} incidences; gonio merge puts all together",
         "shard"
     ))?;
     out.lines(cost_lines(cost))
@@ -152,10 +158,10 @@ impl Arguments {
 
     /// What a shard has measured; nothing of one that was there already, but in JSON.
     fn print_shard(&self, written: &Written, out: &mut Output) -> Result<()> {
-        let Written::Shard { file, plan, stops, cost } = written else { return Ok(()) };
+        let Written::Shard { file, plan, incidences, cost } = written else { return Ok(()) };
         match plan {
             plan if self.json => out.json(&shard_json(self.shard, file, plan.as_deref(), cost)),
-            Some(plan) => print_shard(file, (plan.stops, *stops), cost, out),
+            Some(plan) => print_shard(file, (plan.incidences, *incidences), cost, out),
             None => Ok(()),
         }
     }

@@ -60,15 +60,15 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let folder = shards.path().parent().unwrap_or(Path::new(""));
     let mut campaign =
         campaign::parse(shards.campaign(), &shards.path().display().to_string(), folder)?.campaign;
-    let stops = measure::stops(&campaign);
-    let missing = missing(&shards, stops, arguments.partial)?;
+    let incidences = measure::incidences(&campaign);
+    let missing = missing(&shards, incidences, arguments.partial)?;
     let memory = arguments.memory_mb.map_or_else(measure::memory_limit, |mb| mb.saturating_mul(1 << 20));
     let merge = Merge::of_shards(shards, &campaign, memory)?;
     if !missing.is_empty() {
-        let there = merge.stops().len();
+        let there = merge.incidences().len();
         let missing = names(&missing);
         warn(format_args!(
-            "{there} of {stops} incidences: {missing} missing; no other incidence is in the tables"
+            "{there} of {incidences} incidences: {missing} missing; no other incidence is in the tables"
         ));
         campaign.name = format!("{}_partial", campaign.name);
     }
@@ -82,7 +82,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     job::realisations_fit(Disk::of(&campaign, merge.plan(), realisations_limit), memory)?;
     let writing =
         TableWriting { plan: merge.plan(), open: &open, memory, realisations_limit, watcher: &terminal };
-    writing.write(|stops| merge.tables(&campaign, stops), |table| specimen::remade(&table.campaign))?;
+    writing
+        .write(|incidences| merge.tables(&campaign, incidences), |table| specimen::remade(&table.campaign))?;
     if let Some(sweep) = SweepPaths::of(&campaign.name, &folder, &all) {
         if !arguments.force {
             sweep.spare_foreign()?;
@@ -104,9 +105,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 /// The shards that are missing, which must be allowed.
-fn missing(shards: &Shards, stops: usize, partial: bool) -> Result<Vec<Part>> {
-    if shards.of() as usize > stops {
-        let what = format!("is one of {} shards, the campaign has {stops} incidences", shards.of());
+fn missing(shards: &Shards, incidences: usize, partial: bool) -> Result<Vec<Part>> {
+    if shards.of() as usize > incidences {
+        let what = format!("is one of {} shards, the campaign has {incidences} incidences", shards.of());
         return Err(Error::format(shards.path(), what));
     }
     let missing = shards.missing();

@@ -15,7 +15,7 @@ use super::text::progress::Stage;
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
 use crate::files::{self, NewFile};
-use crate::instrument::{GridKind, StopAngles};
+use crate::instrument::{GridKind, IncidenceAngles};
 use crate::stats;
 use crate::table::brdf_table::flux;
 use crate::table::recolour::recolour;
@@ -78,22 +78,25 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     others.map_or_else(|| files::remove(&beside), NewFile::commit)?;
     drop(stage);
     let mut out = Output::default();
-    let stops: Vec<RecolouredStop> =
-        (0..new.grid.stops()).map(|stop| RecolouredStop::of(&new, parts.as_ref(), stop)).collect();
+    let incidences: Vec<RecolouredIncidence> = (0..new.grid.incidences())
+        .map(|incidence| RecolouredIncidence::of(&new, parts.as_ref(), incidence))
+        .collect();
     if arguments.json {
         let files = json!({ "table": output.display().to_string(), "material": arguments.material, "f0": f0,
-            "realisations": parts.as_ref().map(|_| beside.display().to_string()), "stops": to_json(&stops)? });
+            "realisations": parts.as_ref().map(|_| beside.display().to_string()), "stops": to_json(&incidences)? });
         out.json(&files)?;
         return Ok(0);
     }
-    let angles = StopAngles::of(&new.grid);
+    let angles = IncidenceAngles::of(&new.grid);
     let text = |mean: Option<f64>, se| mean.map_or("not seen".into(), |mean| with_error(mean, se));
-    let row = |(index, stop): (usize, &RecolouredStop)| {
-        let albedos =
-            [text(stop.albedo_single, stop.albedo_single_se), text(stop.albedo_total, stop.albedo_total_se)];
+    let row = |(index, incidence): (usize, &RecolouredIncidence)| {
+        let albedos = [
+            text(incidence.albedo_single, incidence.albedo_single_se),
+            text(incidence.albedo_total, incidence.albedo_total_se),
+        ];
         [angles.texts(index), albedos].concat()
     };
-    let rows: Vec<Vec<String>> = stops.iter().enumerate().map(row).collect();
+    let rows: Vec<Vec<String>> = incidences.iter().enumerate().map(row).collect();
     out.lines(columns(&["theta_i", "phi_i", "albedo single", "albedo total"], &rows))?;
     out.line(format_args!("table         {}", output.display()))?;
     if parts.is_some() { out.line(format_args!("realisations  {}", beside.display())) } else { Ok(()) }
@@ -118,7 +121,7 @@ fn wanted(arguments: &Arguments) -> Result<[f64; 3]> {
 
 /// Albedos of an incidence with their errors: order 1, and all orders; null for sensors that do not see all light.
 #[derive(Default, Serialize)]
-struct RecolouredStop {
+struct RecolouredIncidence {
     theta_i_deg: f64,
     phi_i_deg: f64,
     albedo_single: Option<f64>,
@@ -127,16 +130,16 @@ struct RecolouredStop {
     albedo_total_se: Option<f64>,
 }
 
-impl RecolouredStop {
-    fn of(table: &BrdfTable, parts: Option<&Realisations>, stop: usize) -> Self {
-        let (theta_i_deg, phi_i_deg) = table.grid.stop_deg(stop);
-        let angles = RecolouredStop { theta_i_deg, phi_i_deg, ..RecolouredStop::default() };
+impl RecolouredIncidence {
+    fn of(table: &BrdfTable, parts: Option<&Realisations>, incidence: usize) -> Self {
+        let (theta_i_deg, phi_i_deg) = table.grid.incidence_deg(incidence);
+        let angles = RecolouredIncidence { theta_i_deg, phi_i_deg, ..RecolouredIncidence::default() };
         if table.grid.kind != GridKind::Hemisphere {
             return angles;
         }
-        let sizes = table.grid.sizes(stop);
+        let sizes = table.grid.sizes(incidence);
         let mean = |colours: &mut dyn Iterator<Item = &Vec<f32>>| {
-            let flux = |values: &Vec<f32>| flux(&values[stop * sizes.len()..], &sizes);
+            let flux = |values: &Vec<f32>| flux(&values[incidence * sizes.len()..], &sizes);
             stats::mean(&colours.map(flux).collect::<Vec<_>>())
         };
         let of = |of_table: fn(&ColourChannels) -> &Vec<f32>,
@@ -150,6 +153,6 @@ impl RecolouredStop {
         let (single, albedo_single_se) = of(|colour| &colour.single, |part| &part.single);
         let (total, albedo_total_se) = of(|colour| &colour.total, |part| &part.total);
         let (albedo_single, albedo_total) = (Some(single), Some(total));
-        RecolouredStop { albedo_single, albedo_single_se, albedo_total, albedo_total_se, ..angles }
+        RecolouredIncidence { albedo_single, albedo_single_se, albedo_total, albedo_total_se, ..angles }
     }
 }

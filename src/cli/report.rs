@@ -20,7 +20,7 @@ use crate::report;
 use crate::report::html::specimen;
 use crate::report::summary::SCHEMA;
 use crate::report::sweep::{CSV_MARK, NETCDF_MARK, ParameterSweep, SweptTable};
-use crate::report::{Facts, Page, StopSummary, Summary};
+use crate::report::{Facts, IncidenceSummary, Page, Summary};
 use crate::table::{BrdfTable, Realisations, TableRows, store};
 use crate::validate::{self, Prediction, Verdict, verdict};
 
@@ -150,7 +150,7 @@ fn swept(path: &Path, fit: bool) -> Result<SweptTable> {
     let summary = summary_known(&beside, campaign.as_ref(), None)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let swept = SweptTable::new(stem, campaign.as_ref(), summary);
-    if !fit && !swept.fit_is_cheap(table.grid.stops() * table.grid.bins() * table.colours.len()) {
+    if !fit && !swept.fit_is_cheap(table.grid.incidences() * table.grid.bins() * table.colours.len()) {
         return Ok(swept);
     }
     let _fitting = Stage::begin("fitting");
@@ -189,7 +189,7 @@ fn summary_known(
         }
         None => None,
     };
-    summary_of(path, table, campaign, verdict.as_ref(), StopSummary::of_bins(table))
+    summary_of(path, table, campaign, verdict.as_ref(), IncidenceSummary::of_bins(table))
 }
 
 /// The card or the page of a table that does not fit the memory.
@@ -202,13 +202,13 @@ fn by_rows(rows: &mut TableRows, is_card: bool, benches: &[BenchAnswer]) -> Resu
         rows.verify()?;
     }
     let mut facts = Facts::new(rows.grid(), rows.colours());
-    let mut stops = Vec::new();
+    let mut incidences = Vec::new();
     if is_card || beside.is_none() {
         for band in rows.bands(table_file::band_bytes(), rows.row_bytes()) {
-            let first_stop = band.start;
+            let first_incidence = band.start;
             let band = rows.take(&band.collect::<Vec<_>>())?;
-            facts.add(&band, first_stop);
-            stops.extend(StopSummary::of_bins(&band));
+            facts.add(&band, first_incidence);
+            incidences.extend(IncidenceSummary::of_bins(&band));
         }
     }
     let summary = match beside {
@@ -222,7 +222,7 @@ fn by_rows(rows: &mut TableRows, is_card: bool, benches: &[BenchAnswer]) -> Resu
                 }
                 None => None,
             };
-            summary_of(&path, rows.header(), campaign.as_ref(), verdict.as_ref(), stops)?
+            summary_of(&path, rows.header(), campaign.as_ref(), verdict.as_ref(), incidences)?
         }
     };
     if is_card {
@@ -239,11 +239,11 @@ fn summary_of(
     header: &BrdfTable,
     campaign: Option<&Campaign>,
     verdict: Option<&Verdict>,
-    stops: Vec<StopSummary>,
+    incidences: Vec<IncidenceSummary>,
 ) -> Result<Summary> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name = campaign.map_or(&*stem, |campaign| &campaign.name);
-    Summary::of_table(name, header, campaign.map(|campaign| &campaign.surface), verdict, stops)
+    Summary::of_table(name, header, campaign.map(|campaign| &campaign.surface), verdict, incidences)
 }
 
 /// The page of a table from its file: its first patch is made anew.
@@ -292,13 +292,13 @@ fn summary_beside(
             return Ok(None);
         }
     };
-    let is_at = |(stop, listed): (usize, &StopSummary)| {
-        table.grid.stop_deg(stop) == (listed.theta_i_deg, listed.phi_i_deg)
+    let is_at = |(incidence, listed): (usize, &IncidenceSummary)| {
+        table.grid.incidence_deg(incidence) == (listed.theta_i_deg, listed.phi_i_deg)
     };
     let same = summary.seed == table.seed
         && summary.patch_digest == table.patch_digest
-        && summary.stops.len() == table.grid.stops()
-        && summary.stops.iter().enumerate().all(is_at)
+        && summary.incidences.len() == table.grid.incidences()
+        && summary.incidences.iter().enumerate().all(is_at)
         && match &summary.table_digest {
             Some(of_summary) => *of_summary == digest()?,
             None => true,

@@ -24,7 +24,7 @@ pub fn arms(path: &Path, table: BrdfTable, grid: Option<&Grid>) -> Result<BrdfTa
             "{} has half/difference angles, in which a pair and its exchange are one value (reciprocal as it \
              stands); taken as means over {} incidences of {} bins",
             path.display(),
-            arms.grid.stops(),
+            arms.grid.incidences(),
             arms.grid.bins()
         ));
     }
@@ -53,7 +53,7 @@ pub fn open_as_stored(path: &Path, row_bytes: fn(&TableRows) -> u64) -> Result<O
     for warning in rows.warnings() {
         warn(format_args!("{}: {warning}", path.display()));
     }
-    let kept = row_bytes(&rows).saturating_mul(rows.grid().stops() as u64);
+    let kept = row_bytes(&rows).saturating_mul(rows.grid().incidences() as u64);
     if kept.max(rows.reading_bytes()) > memory_limit() {
         return Ok(Opened::Rows(Box::new(rows)));
     }
@@ -75,7 +75,7 @@ pub fn too_large(rows: &TableRows) -> Error {
         "{}: {} incidences of {} bins take {} MiB of memory, {} MiB may be used; validate, report, compare and export \
          --to npy or csv take it by rows",
         rows.path().display(),
-        rows.grid().stops(),
+        rows.grid().incidences(),
         rows.grid().bins(),
         rows.bytes() >> 20,
         memory_limit() >> 20

@@ -8,10 +8,10 @@ use crate::table::{BrdfTable, Realisations};
 /// than a thousand times its share of the hemisphere.
 pub(super) const FLOOR: f64 = 1e-3;
 
-/// A table as a fit sees it. Values are [colour][stop * bins + bin].
+/// A table as a fit sees it. Values are [colour][incidence * bins + bin].
 #[derive(Debug, Clone)]
 pub struct FitData {
-    /// Stops and bins.
+    /// Incidences and bins.
     pub grid: Grid,
     /// Half-angle of the light's cone, rad.
     pub aperture: f64,
@@ -47,7 +47,7 @@ impl FitData {
     /// The data of a table; `campaign` is `None` for an imported one.
     pub fn new(table: &BrdfTable, campaign: Option<&Campaign>, parts: Option<&Realisations>) -> FitData {
         let grid = table.grid.clone();
-        let regions = (0..grid.stops()).flat_map(|stop| grid.regions(stop));
+        let regions = (0..grid.incidences()).flat_map(|incidence| grid.regions(incidence));
         let size = regions.enumerate().map(|(entry, region)| {
             let size = Some(region.projected_solid_angle()).filter(|size| *size > 0.0).unwrap_or(1.0);
             if table.is_gap(entry) { 0.0 } else { size }

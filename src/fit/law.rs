@@ -1,4 +1,4 @@
-//! The models that are fitted: their parameters, and their means over the bins of a stop.
+//! The models that are fitted: their parameters, and their means over the bins of an incidence.
 //!
 //! A model is a *shape* (roughness, exponent, ...) and amplitudes that it depends on linearly, one set for each colour:
 //! f = amplitude_0 basis_0 + amplitude_1 basis_1 (empirical), f = basis_0 (F = 1) or f = F0 (basis_0 - basis_1) +
@@ -8,7 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use super::data::FitData;
 use super::microfacet_law::{MicrofacetLaw, ON_BOUND, SLOPES, with_schlick};
-use super::nodes::StopNodes;
+use super::nodes::IncidenceNodes;
 use super::pilot::Pilot;
 use crate::campaign::{LightSide, SurfaceKind};
 use crate::theory::{Masking, Ndf, cavities, empirical};
@@ -247,8 +247,8 @@ impl FitLaw {
         if let FitLaw::Microfacet(law) = self { law.eta(shape) } else { None }
     }
 
-    /// Means of both bases over the bins of a stop.
-    pub fn means(self, shape: &[f64], nodes: &StopNodes) -> Vec<[f64; 2]> {
+    /// Means of both bases over the bins of an incidence.
+    pub fn means(self, shape: &[f64], nodes: &IncidenceNodes) -> Vec<[f64; 2]> {
         let diffuse = empirical::LAMBERT;
         match self {
             FitLaw::Lambert => vec![[diffuse, 0.0]; nodes.ends.len()],

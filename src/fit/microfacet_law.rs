@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use glam::DVec3;
 
-use super::nodes::StopNodes;
+use super::nodes::IncidenceNodes;
 use super::pilot::Pilot;
 use crate::campaign::LightSide;
 use crate::optics::FacetAngle;
@@ -163,8 +163,8 @@ impl MicrofacetLaw {
         Shape { roughness, ndf, eta: self.eta(shape) }
     }
 
-    /// Means of both bases over the bins of a stop.
-    pub fn means(self, shape: &[f64], nodes: &StopNodes) -> Vec<[f64; 2]> {
+    /// Means of both bases over the bins of an incidence.
+    pub fn means(self, shape: &[f64], nodes: &IncidenceNodes) -> Vec<[f64; 2]> {
         let Shape { roughness: (alpha_x, alpha_y, rotation), ndf, eta } = self.meant(shape);
         let model = Microfacet { ndf, alpha_x, alpha_y, rotation };
         nodes.means(|wi| {

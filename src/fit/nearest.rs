@@ -9,7 +9,7 @@ use super::{FIRST_PASS, FitData, FitSample, pilot, started};
 pub struct NearestLaw {
     /// Its name, masking and shape: `ggx, direction-correlated, alpha 0.299`.
     pub name: String,
-    /// Its means over the bins, [colour][stop * bins + bin].
+    /// Its means over the bins, [colour][incidence * bins + bin].
     pub means: Vec<Vec<f64>>,
 }
 

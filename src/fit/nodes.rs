@@ -47,9 +47,9 @@ pub struct Lobe {
     pub eta: f64,
 }
 
-/// The nodes of one stop.
+/// The nodes of one incidence.
 #[derive(Debug, Clone)]
-pub struct StopNodes {
+pub struct IncidenceNodes {
     /// Directions to the light with weights that add up to 1.
     pub light: Vec<(DVec3, f64)>,
     /// All entries' nodes, one after the other.
@@ -58,30 +58,33 @@ pub struct StopNodes {
     pub ends: Vec<usize>,
 }
 
-impl StopNodes {
-    /// The nodes of every stop of a grid.
-    pub fn of_grid(grid: &Grid, aperture: f64, lobe: Lobe) -> Vec<StopNodes> {
-        let all: Vec<usize> = (0..grid.stops() * grid.bins()).collect();
-        StopNodes::of_entries(grid, &all, aperture, lobe)
+impl IncidenceNodes {
+    /// The nodes of every incidence of a grid.
+    pub fn of_grid(grid: &Grid, aperture: f64, lobe: Lobe) -> Vec<IncidenceNodes> {
+        let all: Vec<usize> = (0..grid.incidences() * grid.bins()).collect();
+        IncidenceNodes::of_entries(grid, &all, aperture, lobe)
     }
 
-    /// The nodes of `entries` (stop * bins + bin, increasing), stop by stop.
+    /// The nodes of `entries` (incidence * bins + bin, increasing), incidence by incidence.
     ///
     /// - `aperture`: half-angle of the light's cone, rad.
     // Tested by `the_quadrature_agrees_with_the_adaptive_one` (tests/it/fit.rs).
-    pub fn of_entries(grid: &Grid, entries: &[usize], aperture: f64, lobe: Lobe) -> Vec<StopNodes> {
-        let stops: Vec<&[usize]> = entries.chunk_by(|a, b| a / grid.bins() == b / grid.bins()).collect();
-        stops.par_iter().map(|entries| StopNodes::of_stop(grid, entries, aperture, lobe)).collect()
+    pub fn of_entries(grid: &Grid, entries: &[usize], aperture: f64, lobe: Lobe) -> Vec<IncidenceNodes> {
+        let incidences: Vec<&[usize]> = entries.chunk_by(|a, b| a / grid.bins() == b / grid.bins()).collect();
+        incidences
+            .par_iter()
+            .map(|entries| IncidenceNodes::of_incidence(grid, entries, aperture, lobe))
+            .collect()
     }
 
-    /// The nodes of entries (one at least) of one stop.
-    fn of_stop(grid: &Grid, entries: &[usize], aperture: f64, lobe: Lobe) -> StopNodes {
-        let stop = entries[0] / grid.bins();
-        let wi = grid.wi(stop);
+    /// The nodes of entries (one at least) of one incidence.
+    fn of_incidence(grid: &Grid, entries: &[usize], aperture: f64, lobe: Lobe) -> IncidenceNodes {
+        let incidence = entries[0] / grid.bins();
+        let wi = grid.wi(incidence);
         let (mut nodes, mut ends) = (Vec::new(), Vec::new());
-        let regions = grid.regions(stop);
+        let regions = grid.regions(incidence);
         for entry in entries {
-            let region = regions[entry - stop * grid.bins()];
+            let region = regions[entry - incidence * grid.bins()];
             match region {
                 Region::Cap { axis, half_angle } => {
                     let cone = source_nodes(axis, half_angle, ORDER);
@@ -96,7 +99,7 @@ impl StopNodes {
             }
             ends.push(nodes.len());
         }
-        StopNodes { light: source_nodes(wi, aperture, APERTURE_ORDER), nodes, ends }
+        IncidenceNodes { light: source_nodes(wi, aperture, APERTURE_ORDER), nodes, ends }
     }
 
     /// The mean over every entry's bin of what `value(wi)(wo)` says.

@@ -1,6 +1,6 @@
 //! A first guess from the table itself: the half vectors' slopes, weighted with the facets that the light shows there.
 //!
-//! At the steepest stops each bin holds facets in proportion to f cos_i w/(wo.h). Their shape is Tyler's M-estimator
+//! At the steepest incidences each bin holds facets in proportion to f cos_i w/(wo.h). Their shape is Tyler's M-estimator
 //! (Tyler 1987), which is the same for every elliptical law, and their scale the weighted median of its radius.
 
 use super::data::FitData;
@@ -72,10 +72,12 @@ pub fn pilot(data: &FitData) -> Pilot {
 fn index(data: &FitData) -> f64 {
     let (grid, bins) = (&data.grid, data.grid.bins());
     let (mut here, mut beyond) = (0.0, 0.0);
-    for stop in 0..grid.stops() {
-        let across = grid.wi(stop).truncate();
-        for (bin, region) in grid.regions(stop).iter().enumerate().filter(|(_, region)| region.is_below()) {
-            let flux = data.value[0][stop * bins + bin] * data.size[stop * bins + bin];
+    for incidence in 0..grid.incidences() {
+        let across = grid.wi(incidence).truncate();
+        for (bin, region) in
+            grid.regions(incidence).iter().enumerate().filter(|(_, region)| region.is_below())
+        {
+            let flux = data.value[0][incidence * bins + bin] * data.size[incidence * bins + bin];
             here += flux * across.length_squared();
             beyond -= flux * across.dot(region.middle().truncate());
         }
@@ -84,7 +86,7 @@ fn index(data: &FitData) -> f64 {
     ratio.max(ratio.recip()).clamp(INDICES[0], INDICES[1])
 }
 
-/// (slope, weight) of every bin of the stops with the smallest theta_i, of light that comes back where there is any; `eta`:
+/// (slope, weight) of every bin of the incidences with the smallest theta_i, of light that comes back where there is any; `eta`:
 /// index beyond over index here.
 fn slopes(data: &FitData, eta: f64) -> Vec<([f64; 2], f64)> {
     let grid = &data.grid;
@@ -92,9 +94,9 @@ fn slopes(data: &FitData, eta: f64) -> Vec<([f64; 2], f64)> {
     let steepest = grid.theta_i_deg.iter().copied().fold(f64::INFINITY, f64::min);
     let above = grid.looks_above();
     let mut found = Vec::new();
-    for stop in (0..grid.stops()).filter(|&stop| grid.stop_deg(stop).0 == steepest) {
-        let wi = grid.wi(stop);
-        for (bin, region) in grid.regions(stop).iter().enumerate() {
+    for incidence in (0..grid.incidences()).filter(|&incidence| grid.incidence_deg(incidence).0 == steepest) {
+        let wi = grid.wi(incidence);
+        for (bin, region) in grid.regions(incidence).iter().enumerate() {
             if region.is_below() == above {
                 continue;
             }
@@ -102,7 +104,7 @@ fn slopes(data: &FitData, eta: f64) -> Vec<([f64; 2], f64)> {
             if h.z <= 0.0 {
                 continue;
             }
-            let entry = stop * bins + bin;
+            let entry = incidence * bins + bin;
             let weight = data.value[0][entry] * data.size[entry] / h.length();
             let slope = [h.x / h.z, h.y / h.z];
             if weight > 0.0 && slope != [0.0, 0.0] {

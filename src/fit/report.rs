@@ -72,7 +72,7 @@ pub struct Fit {
     pub intervals_95: Option<Named<[f64; 2]>>,
     /// Squared residuals over the squared errors, 1 where the model is exact; null where the table has no errors.
     pub chi2_per_dof: Option<f64>,
-    /// Flux-weighted L1 distance, mean over stops and colours; noise included.
+    /// Flux-weighted L1 distance, mean over incidences and colours; noise included.
     pub l1: Option<f64>,
     /// Takeuchi's criterion; Akaike's for errors of unknown scale where the table has none.
     pub aic: f64,
@@ -304,13 +304,13 @@ fn propagated(
     errors
 }
 
-/// Mean over stops and colours of sum |f - m| w/sum m w.
+/// Mean over incidences and colours of sum |f - m| w/sum m w.
 fn l1(data: &FitData, model: &[Vec<f64>]) -> Option<f64> {
     let bins = data.grid.bins();
     let mut distances = Vec::new();
     for (value, model) in data.value.iter().zip(model) {
-        for stop in 0..data.grid.stops() {
-            let here = stop * bins..(stop + 1) * bins;
+        for incidence in 0..data.grid.incidences() {
+            let here = incidence * bins..(incidence + 1) * bins;
             let sum = |of: &dyn Fn(usize) -> f64| here.clone().map(|k| of(k) * data.size[k]).sum::<f64>();
             let flux = sum(&|k| model[k]);
             if flux > 0.0 {

@@ -7,13 +7,13 @@
 
 use super::data::FitData;
 
-/// Stops of a sample at most: nodes have to be laid out for each.
+/// Incidences of a sample at most: nodes have to be laid out for each.
 const MOST_STOPS: usize = 64;
 
-/// Entries of a table, stop by stop.
+/// Entries of a table, incidence by incidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitSample {
-    /// stop * bins + bin, increasing.
+    /// incidence * bins + bin, increasing.
     pub entries: Vec<usize>,
     /// How many entries each stands for, >= 1.
     pub shares: Vec<f64>,
@@ -30,18 +30,18 @@ impl FitSample {
 
     /// About `wanted` entries; all where there are no more.
     pub fn drawn(data: &FitData, wanted: usize) -> FitSample {
-        let (bins, stops) = (data.grid.bins(), data.grid.stops());
+        let (bins, incidences) = (data.grid.bins(), data.grid.incidences());
         if data.size.len() <= wanted {
             return FitSample::whole(data);
         }
-        let looked_at = stops.min(MOST_STOPS);
+        let looked_at = incidences.min(MOST_STOPS);
         let entries = (0..looked_at).flat_map(|k| {
-            let stop = k * stops / looked_at;
-            stop * bins..(stop + 1) * bins
+            let incidence = k * incidences / looked_at;
+            incidence * bins..(incidence + 1) * bins
         });
         let chances: Vec<(usize, f64)> = entries.map(|entry| (entry, chance(data, entry))).collect();
         let whole: f64 = chances.iter().map(|(_, chance)| chance).sum();
-        let of_stops = stops as f64 / looked_at as f64;
+        let of_incidences = incidences as f64 / looked_at as f64;
         let (mut drawn, mut sum) = (FitSample { entries: vec![], shares: vec![], is_whole: false }, 0.5);
         for (entry, chance) in chances {
             let expected = wanted as f64 * chance / whole;
@@ -53,7 +53,7 @@ impl FitSample {
                 sum -= 1.0;
             }
             drawn.entries.push(entry);
-            drawn.shares.push(of_stops / expected.min(1.0));
+            drawn.shares.push(of_incidences / expected.min(1.0));
         }
         drawn
     }

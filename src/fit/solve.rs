@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::data::FitData;
 use super::law::{Amplitudes, FitLaw};
-use super::nodes::{Lobe, StopNodes};
+use super::nodes::{IncidenceNodes, Lobe};
 use super::sample::FitSample;
 
 /// Step of the forward differences in the shape: 1e-7 of a second derivative, 1e-9 by rounding.
@@ -29,7 +29,7 @@ const STEPS: usize = 60;
 
 /// Entries of a table with their nodes.
 pub struct FitLayout {
-    nodes: Vec<StopNodes>,
+    nodes: Vec<IncidenceNodes>,
     entries: Vec<usize>,
     /// Size of each entry's bin times the number of entries that it stands for.
     sizes: Vec<f64>,
@@ -40,7 +40,7 @@ impl FitLayout {
     pub fn new(data: &FitData, sample: &FitSample, lobe: Lobe) -> FitLayout {
         let sizes = sample.entries.iter().zip(&sample.shares).map(|(&entry, share)| data.size[entry] * share);
         FitLayout {
-            nodes: StopNodes::of_entries(&data.grid, &sample.entries, data.aperture, lobe),
+            nodes: IncidenceNodes::of_entries(&data.grid, &sample.entries, data.aperture, lobe),
             sizes: sizes.collect(),
             entries: sample.entries.clone(),
         }
@@ -83,7 +83,7 @@ pub struct LocalShape {
 }
 
 impl<'a> Problem<'a> {
-    /// The problem of fitting `law` to the values of `data` at the stops of `layout`.
+    /// The problem of fitting `law` to the values of `data` at the incidences of `layout`.
     pub fn new(data: &'a FitData, layout: &'a FitLayout, law: FitLaw) -> Self {
         let kind = law.amplitudes(data.perfect_mirror);
         let shape = law.bounds();

@@ -29,8 +29,8 @@ const SAME: f64 = 1e-9;
 impl AlikeBins {
     /// Of the bins at an incidence of a grid.
     // Tested by `alike_bins_are_found_once`, `alike_bins_have_the_means_of_each_by_itself` (tests/it/validate/bin_means.rs).
-    pub fn of(grid: &Grid, stop: usize, symmetry: SurfaceSymmetry) -> Self {
-        let wi = grid.wi(stop);
+    pub fn of(grid: &Grid, incidence: usize, symmetry: SurfaceSymmetry) -> Self {
+        let wi = grid.wi(incidence);
         let images = Images::of([sphere::theta(wi), sphere::phi(wi)], symmetry);
         let (mut known, mut regions) = (HashMap::new(), Vec::new());
         let place = |region: Region| {
@@ -39,7 +39,7 @@ impl AlikeBins {
                 regions.len() - 1
             })
         };
-        let places = grid.regions(stop).into_iter().map(place).collect();
+        let places = grid.regions(incidence).into_iter().map(place).collect();
         AlikeBins { regions, places }
     }
 }
@@ -101,9 +101,9 @@ mod tests {
     use super::*;
 
     /// 3 x 8 bins.
-    fn grid(stop_deg: [f64; 2], phi_r_relative: bool) -> Grid {
+    fn grid(incidence_deg: [f64; 2], phi_r_relative: bool) -> Grid {
         Grid {
-            stops_deg: vec![stop_deg],
+            incidences_deg: vec![incidence_deg],
             theta_r_edges_deg: vec![0.0, 30.0, 60.0, 90.0],
             phi_r_edges_deg: (0..=8).map(|k| 45.0 * f64::from(k) - 22.5).collect(),
             phi_r_relative,
@@ -115,10 +115,10 @@ mod tests {
     fn alike_bins_are_found_once() {
         let count = |grid: &Grid, symmetry| AlikeBins::of(grid, 0, symmetry).regions.len();
         // Middles at 0, 45, .., 315 degrees from the light: 0, 45, 90, 135, 180 and their mirror images. Along the normal one.
-        let from_light = |stop_deg| count(&grid(stop_deg, true), SurfaceSymmetry::Isotropic);
+        let from_light = |incidence_deg| count(&grid(incidence_deg, true), SurfaceSymmetry::Isotropic);
         assert_eq!([[0.0, 0.0], [40.0, 0.0], [40.0, 77.0]].map(from_light), [3, 15, 15]);
         // Off the axes all; on an axis half and those on it; along the normal a quarter and those on both.
-        let absolute = |stop_deg| count(&grid(stop_deg, false), SurfaceSymmetry::Axes(0.0));
+        let absolute = |incidence_deg| count(&grid(incidence_deg, false), SurfaceSymmetry::Axes(0.0));
         let lights = [[40.0, 30.0], [40.0, 0.0], [40.0, 90.0], [40.0, 180.0], [0.0, 0.0]];
         assert_eq!(lights.map(absolute), [24, 15, 15, 15, 9]);
         // Bins at multiples of 45 degrees are no images of each other about an axis at 10.
@@ -129,13 +129,13 @@ mod tests {
     fn images_keep_the_angle_to_the_light() {
         // Lengths of differences of unit vectors; mirrored pairs differ by rounding, a few ulp of 2.
         for symmetry in [SurfaceSymmetry::Isotropic, SurfaceSymmetry::Axes(45f64.to_radians())] {
-            for stop_deg in [[50.0, 45.0], [50.0, 135.0], [50.0, -45.0], [50.0, 30.0], [0.0, 0.0]] {
-                let grid = grid(stop_deg, false);
+            for incidence_deg in [[50.0, 45.0], [50.0, 135.0], [50.0, -45.0], [50.0, 30.0], [0.0, 0.0]] {
+                let grid = grid(incidence_deg, false);
                 let alike = AlikeBins::of(&grid, 0, symmetry);
                 for (region, &place) in grid.regions(0).iter().zip(&alike.places) {
                     let off = |region: &Region| (region.middle() - grid.wi(0)).length();
                     let (own, image) = (off(region), off(&alike.regions[place]));
-                    assert!((own - image).abs() < 1e-14, "{symmetry:?} {stop_deg:?}: {own} {image}");
+                    assert!((own - image).abs() < 1e-14, "{symmetry:?} {incidence_deg:?}: {own} {image}");
                 }
             }
         }

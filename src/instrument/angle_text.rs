@@ -16,15 +16,15 @@ pub fn angle_decimals(fewest: usize, angles: impl IntoIterator<Item = f64>) -> u
 }
 
 /// The angles of an incidence as text, with the same decimals for all of a grid.
-pub struct StopAngles {
+pub struct IncidenceAngles {
     angles: Vec<(f64, f64)>,
     decimals: [usize; 2],
 }
 
-impl StopAngles {
+impl IncidenceAngles {
     /// The incidences of `grid`, with two decimals at least.
     pub fn of(grid: &Grid) -> Self {
-        StopAngles::new((0..grid.stops()).map(|stop| grid.stop_deg(stop)))
+        IncidenceAngles::new((0..grid.incidences()).map(|incidence| grid.incidence_deg(incidence)))
     }
 
     /// The same of these (theta_i, phi_i).
@@ -32,12 +32,12 @@ impl StopAngles {
         let angles: Vec<(f64, f64)> = angles.collect();
         let theta = angle_decimals(2, angles.iter().map(|angle| angle.0));
         let phi = angle_decimals(2, angles.iter().map(|angle| angle.1));
-        StopAngles { angles, decimals: [theta, phi] }
+        IncidenceAngles { angles, decimals: [theta, phi] }
     }
 
     /// theta_i and phi_i.
-    pub fn texts(&self, stop: usize) -> [String; 2] {
-        let ((theta, phi), [of_theta, of_phi]) = (self.angles[stop], self.decimals);
+    pub fn texts(&self, incidence: usize) -> [String; 2] {
+        let ((theta, phi), [of_theta, of_phi]) = (self.angles[incidence], self.decimals);
         [format!("{theta:.of_theta$}"), format!("{phi:.of_phi$}")]
     }
 }

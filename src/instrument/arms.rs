@@ -8,12 +8,12 @@ use crate::campaign::{Azimuth, BinLayout, Campaign, PhiFrom, SensorArm, SensorSi
 pub fn grid_of(campaign: &Campaign) -> Grid {
     let relative = campaign.light.azimuth == Azimuth::Relative;
     let theta_i_deg = campaign.light.theta_i_deg.clone();
-    let stops = match &campaign.light.azimuth {
+    let incidences = match &campaign.light.azimuth {
         Azimuth::Relative => Grid { theta_i_deg, phi_i_deg: vec![0.0], ..Grid::default() },
         Azimuth::Absolute(phi_i_deg) => Grid { theta_i_deg, phi_i_deg: phi_i_deg.clone(), ..Grid::default() },
-        Azimuth::KlemsFull => Grid { stops_deg: middles(&patches(&FULL)), ..Grid::default() },
+        Azimuth::KlemsFull => Grid { incidences_deg: middles(&patches(&FULL)), ..Grid::default() },
     };
-    let empty = Grid { kind: GridKind::Hemisphere, phi_r_relative: relative, ..stops };
+    let empty = Grid { kind: GridKind::Hemisphere, phi_r_relative: relative, ..incidences };
     match &campaign.sensor {
         SensorArm::Hemisphere { side, theta_r_bins, phi_r_bins, bins } => Grid {
             theta_r_edges_deg: edges_of_side(theta_edges(*theta_r_bins, *bins), *side),

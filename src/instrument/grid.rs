@@ -55,7 +55,8 @@ pub struct Grid {
     pub aperture_deg: Option<f64>,
     /// The incidences as a list of (theta_i, phi_i), where they are no product of the two axes, which are then empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub stops_deg: Vec<[f64; 2]>,
+    #[serde(rename = "stops_deg")]
+    pub incidences_deg: Vec<[f64; 2]>,
     /// Patches: `[theta_lo, theta_hi, phi_lo, phi_hi]` each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub patches_deg: Vec<[f64; 4]>,
@@ -158,24 +159,25 @@ impl Grid {
     }
 
     /// Number of incidences; of half/difference angles, of half vectors.
-    pub fn stops(&self) -> usize {
+    pub fn incidences(&self) -> usize {
         if self.kind == GridKind::HalfDifference {
             self.theta_h_deg.len() * self.phi_h_deg.len()
-        } else if self.stops_deg.is_empty() {
+        } else if self.incidences_deg.is_empty() {
             self.theta_i_deg.len() * self.phi_i_deg.len()
         } else {
-            self.stops_deg.len()
+            self.incidences_deg.len()
         }
     }
 
-    /// Projected solid angle of each bin at a stop, sr.
-    pub fn sizes(&self, stop: usize) -> Vec<f64> {
-        self.regions(stop).iter().map(Region::projected_solid_angle).collect()
+    /// Projected solid angle of each bin at an incidence, sr.
+    pub fn sizes(&self, incidence: usize) -> Vec<f64> {
+        self.regions(incidence).iter().map(Region::projected_solid_angle).collect()
     }
 
-    /// Number of different azimuths among the stops.
+    /// Number of different azimuths among the incidences.
     pub fn azimuths(&self) -> usize {
-        let mut azimuths: Vec<u64> = (0..self.stops()).map(|stop| self.stop_deg(stop).1.to_bits()).collect();
+        let mut azimuths: Vec<u64> =
+            (0..self.incidences()).map(|incidence| self.incidence_deg(incidence).1.to_bits()).collect();
         azimuths.sort_unstable();
         azimuths.dedup();
         azimuths.len()
@@ -202,24 +204,24 @@ impl Grid {
     }
 
     /// (theta_i, phi_i) of an incidence in degrees; of half/difference angles, (theta_h, phi_h).
-    pub fn stop_deg(&self, stop: usize) -> (f64, f64) {
-        if let Some(&[theta_i, phi_i]) = self.stops_deg.get(stop) {
+    pub fn incidence_deg(&self, incidence: usize) -> (f64, f64) {
+        if let Some(&[theta_i, phi_i]) = self.incidences_deg.get(incidence) {
             return (theta_i, phi_i);
         }
         let half = self.kind == GridKind::HalfDifference;
         let (theta, phi) =
             if half { (&self.theta_h_deg, &self.phi_h_deg) } else { (&self.theta_i_deg, &self.phi_i_deg) };
-        (theta[stop / phi.len()], phi[stop % phi.len()])
+        (theta[incidence / phi.len()], phi[incidence % phi.len()])
     }
 
     /// The same sensor at some of the incidences, as a list; their regions and directions do not change. `None` for half
     /// vectors, which are no incidences.
     // Tested by `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
-    pub fn of_stops(&self, stops: impl IntoIterator<Item = usize>) -> Option<Grid> {
-        let listed = |stop: usize| <[f64; 2]>::from(self.stop_deg(stop));
+    pub fn of_incidences(&self, incidences: impl IntoIterator<Item = usize>) -> Option<Grid> {
+        let listed = |incidence: usize| <[f64; 2]>::from(self.incidence_deg(incidence));
         let (theta_i_deg, phi_i_deg) = (Vec::new(), Vec::new());
         (self.kind != GridKind::HalfDifference).then(|| Grid {
-            stops_deg: stops.into_iter().map(listed).collect(),
+            incidences_deg: incidences.into_iter().map(listed).collect(),
             theta_i_deg,
             phi_i_deg,
             ..self.clone()
@@ -231,7 +233,7 @@ impl Grid {
     /// wi = R_z(phi_h) R_y(theta_h) d, wo = 2 (wi.h) h - wi. Source: Rusinkiewicz 1998.
     // Tested by `arms_and_half_difference_angles_agree` (tests/it/interchange/interchange_merl.rs).
     pub fn arms_of_half(&self, row: usize, column: usize) -> (DVec3, DVec3) {
-        let (theta_h, phi_h) = self.stop_deg(row);
+        let (theta_h, phi_h) = self.incidence_deg(row);
         let count = self.phi_d_deg.len();
         let d = sphere::direction_deg(self.theta_d_deg[column / count], self.phi_d_deg[column % count]);
         let (sin, cos) = sphere::sin_cos_deg(theta_h);
@@ -241,14 +243,14 @@ impl Grid {
     }
 
     /// Direction to the light at an incidence; of half/difference angles the half vector.
-    pub fn wi(&self, stop: usize) -> DVec3 {
-        let (theta_i, phi_i) = self.stop_deg(stop);
+    pub fn wi(&self, incidence: usize) -> DVec3 {
+        let (theta_i, phi_i) = self.incidence_deg(incidence);
         sphere::direction_deg(theta_i, phi_i)
     }
 
     /// The bins as seen at an incidence, in the stage's frame.
-    pub fn regions(&self, stop: usize) -> Vec<Region> {
-        let origin_deg = if self.phi_r_relative { self.stop_deg(stop).1 } else { 0.0 };
+    pub fn regions(&self, incidence: usize) -> Vec<Region> {
+        let origin_deg = if self.phi_r_relative { self.incidence_deg(incidence).1 } else { 0.0 };
         match self.kind {
             GridKind::Hemisphere => self.rectangles(origin_deg),
             GridKind::Arm => {
@@ -259,7 +261,7 @@ impl Grid {
             GridKind::Patches => self.patches(origin_deg),
             GridKind::Points => self.caps(self.points_deg.iter().copied(), origin_deg),
             GridKind::HalfDifference => {
-                let cap = |bin| Region::Cap { axis: self.arms_of_half(stop, bin).1, half_angle: 0.0 };
+                let cap = |bin| Region::Cap { axis: self.arms_of_half(incidence, bin).1, half_angle: 0.0 };
                 (0..self.bins()).map(cap).collect()
             }
         }

@@ -12,12 +12,14 @@ pub struct Half {
 
 impl Half {
     /// What `values` of the whole sensor, incidence by incidence, say of this half; a channel that is empty stays so.
-    pub fn of<T: Copy>(&self, values: &[T], stops: usize) -> Vec<T> {
+    pub fn of<T: Copy>(&self, values: &[T], incidences: usize) -> Vec<T> {
         if values.is_empty() {
             return Vec::new();
         }
-        let bins = values.len() / stops.max(1);
-        (0..stops).flat_map(|stop| self.bins.iter().map(move |bin| values[stop * bins + bin])).collect()
+        let bins = values.len() / incidences.max(1);
+        (0..incidences)
+            .flat_map(|incidence| self.bins.iter().map(move |bin| values[incidence * bins + bin]))
+            .collect()
     }
 }
 
@@ -137,23 +139,24 @@ mod tests {
 
     #[test]
     fn halves_are_the_bins_of_one_side() {
-        let stops = Grid { theta_i_deg: vec![30.0], phi_i_deg: vec![20.0], ..Grid::default() };
+        let incidences = Grid { theta_i_deg: vec![30.0], phi_i_deg: vec![20.0], ..Grid::default() };
         let edges = vec![0.0, 20.0, 90.0, 120.0, 175.0, 180.0];
         check(&Grid {
             theta_r_edges_deg: edges,
             phi_r_edges_deg: vec![-10.0, 100.0, 350.0],
-            ..stops.clone()
+            ..incidences.clone()
         });
         check(&Grid {
             kind: GridKind::Arm,
             theta_r_deg: vec![-170.0, -120.0, -30.0, 10.0, 95.0],
             phi_r_deg: vec![0.0, 33.0],
             aperture_deg: Some(2.0),
-            ..stops.clone()
+            ..incidences.clone()
         });
         let patches_deg = vec![[0.0, 5.0, 0.0, 360.0], [100.0, 130.0, 10.0, 40.0]];
-        check(&Grid { kind: GridKind::Patches, patches_deg, ..stops.clone() });
-        let above = Grid { theta_r_edges_deg: vec![0.0, 90.0], phi_r_edges_deg: vec![0.0, 360.0], ..stops };
+        check(&Grid { kind: GridKind::Patches, patches_deg, ..incidences.clone() });
+        let above =
+            Grid { theta_r_edges_deg: vec![0.0, 90.0], phi_r_edges_deg: vec![0.0, 360.0], ..incidences };
         assert!(above.half(true).is_none());
         assert_eq!(above.half(false).expect("one half").grid, above);
     }

@@ -11,9 +11,9 @@ pub mod klems;
 pub mod symmetry;
 
 pub use alike::{AlikeBins, SurfaceSymmetry};
-pub use angle_text::{StopAngles, angle_decimals};
+pub use angle_text::{IncidenceAngles, angle_decimals};
 pub use arms::grid_of;
 pub use bins::Sensor;
 pub use cone::direction_in_cone;
 pub use grid::{Grid, GridKind, Region};
-pub use symmetry::folded_stops;
+pub use symmetry::folded_incidences;

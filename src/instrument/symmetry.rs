@@ -6,12 +6,12 @@ use crate::sphere;
 
 /// For each incidence, whether the surface's law is its own mirror image about the plane of incidence, so that light
 /// that arrives is counted on both sides.
-pub fn folded_stops(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
+pub fn folded_incidences(campaign: &Campaign, grid: &Grid) -> Vec<bool> {
     let symmetric = campaign.surface.kind.alphas().is_some();
-    let along_an_axis = |stop: usize| {
-        let phi = sphere::reduced_deg(grid.stop_deg(stop).1 - campaign.surface.rotation_deg);
+    let along_an_axis = |incidence: usize| {
+        let phi = sphere::reduced_deg(grid.incidence_deg(incidence).1 - campaign.surface.rotation_deg);
         campaign.light.azimuth != Azimuth::Relative && phi % 90.0 == 0.0
     };
-    let folds = |stop: usize| campaign.is_isotropic() || along_an_axis(stop);
-    (0..grid.stops()).map(|stop| campaign.trace.fold && symmetric && folds(stop)).collect()
+    let folds = |incidence: usize| campaign.is_isotropic() || along_an_axis(incidence);
+    (0..grid.incidences()).map(|incidence| campaign.trace.fold && symmetric && folds(incidence)).collect()
 }

@@ -209,9 +209,10 @@ impl AlbedoCurve {
 
 /// Some of the incidences, a place between each two, and the end where they stop before it. The place is not the
 /// middle: where a format halves gaps, the middle is one of its own incidences.
-fn between(stops: &[f64], end: f64) -> Vec<f64> {
-    let step = stops.len().div_ceil(STOPS);
-    let mut chosen: Vec<f64> = stops.iter().copied().step_by(step).filter(|&theta| theta <= end).collect();
+fn between(incidences: &[f64], end: f64) -> Vec<f64> {
+    let step = incidences.len().div_ceil(STOPS);
+    let mut chosen: Vec<f64> =
+        incidences.iter().copied().step_by(step).filter(|&theta| theta <= end).collect();
     let before = chosen.last().copied().unwrap_or(0.0);
     chosen.extend((end > before + 1.0).then_some(end));
     let places: Vec<f64> = chosen.windows(2).map(|pair| pair[0] + PLACE * (pair[1] - pair[0])).collect();

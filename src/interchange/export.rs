@@ -77,9 +77,9 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
         && let Some(arms) = as_arms(table, None).map_err(&refused)?
     {
         let mut export = export(&arms, format, options, path)?;
-        let (stops, bins) = (arms.grid.stops(), arms.grid.bins());
+        let (incidences, bins) = (arms.grid.incidences(), arms.grid.bins());
         export.notes.push(format!(
-            "half/difference angles as {stops} incidences of {bins} bins; the read-back is against those"
+            "half/difference angles as {incidences} incidences of {bins} bins; the read-back is against those"
         ));
         return Ok(export);
     }

@@ -72,10 +72,10 @@ pub fn write(table: &BrdfTable) -> Checked<Vec<u8>> {
     let mut planes = planes(table, 0)?;
     planes.retain(|name, _| !name.starts_with("left_map."));
     let parts: Vec<ImagePart> =
-        (0..table.grid.stops()).map(|stop| part(table, stop, &planes, &grid)).collect();
+        (0..table.grid.incidences()).map(|incidence| part(table, incidence, &planes, &grid)).collect();
     let (width, height) = size(&table.grid);
-    Ok(image_rows::encode(&parts, |(stop, name, row), out| {
-        let first = (stop * height + row) * width;
+    Ok(image_rows::encode(&parts, |(incidence, name, row), out| {
+        let first = (incidence * height + row) * width;
         let mut bytes = Vec::with_capacity(out.len());
         planes[name].bytes(first..first + width, &mut bytes);
         out.copy_from_slice(&bytes);
@@ -83,16 +83,18 @@ pub fn write(table: &BrdfTable) -> Checked<Vec<u8>> {
 }
 
 /// The header of a part: its channels have types only.
-fn part(table: &BrdfTable, stop: usize, planes: &BTreeMap<String, Plane>, grid: &str) -> ImagePart {
+fn part(table: &BrdfTable, incidence: usize, planes: &BTreeMap<String, Plane>, grid: &str) -> ImagePart {
     let (width, height) = size(&table.grid);
-    let (theta_i, phi_i) = table.grid.stop_deg(stop);
+    let (theta_i, phi_i) = table.grid.incidence_deg(incidence);
     let mut part = ImagePart { width, height, ..ImagePart::default() };
-    part.name = Some(format!("stop{stop:04}_thetaI{theta_i:05.1}_phiI{phi_i:05.1}"));
+    part.name = Some(format!("stop{incidence:04}_thetaI{theta_i:05.1}_phiI{phi_i:05.1}"));
     part.channels = planes.iter().map(|(name, plane)| (name.clone(), plane.kind())).collect();
-    for (name, value) in [(STOP, stop as f64), ("gonio.theta_i_deg", theta_i), ("gonio.phi_i_deg", phi_i)] {
+    for (name, value) in
+        [(STOP, incidence as f64), ("gonio.theta_i_deg", theta_i), ("gonio.phi_i_deg", phi_i)]
+    {
         part.attributes.insert(name.into(), image::Attribute::Number(value));
     }
-    if stop == 0 {
+    if incidence == 0 {
         part.set_text(GRID, grid);
         let seed = table.seed.to_string();
         let texts = [&table.campaign, &table.version, &seed, &table.patch_digest];
@@ -105,15 +107,16 @@ fn part(table: &BrdfTable, stop: usize, planes: &BTreeMap<String, Plane>, grid: 
 fn read_back(mut file: BlockReader<impl Read + Seek>, table: &BrdfTable) -> Checked<Option<ReadBack>> {
     let (width, names, mut listing) = (size(&table.grid).0, table.colour_names(), Listing::new(table));
     for part in 0..file.outlines().len() {
-        let stop = file.outlines()[part].number(STOP).unwrap_or(-1.0);
-        if !(0.0..table.grid.stops() as f64).contains(&stop) || file.outlines()[part].width != width {
-            return Err(wrong!("{STOP} = {stop}, {} columns", file.outlines()[part].width));
+        let incidence = file.outlines()[part].number(STOP).unwrap_or(-1.0);
+        if !(0.0..table.grid.incidences() as f64).contains(&incidence) || file.outlines()[part].width != width
+        {
+            return Err(wrong!("{STOP} = {incidence}, {} columns", file.outlines()[part].width));
         }
         for number in 0..file.count(part) {
             for (name, row, values) in file.read(part, number)?.lines() {
                 let Some(colour) = names.iter().position(|colour| *colour == name) else { continue };
                 for (column, value) in values.as_chunks::<4>().0.iter().enumerate() {
-                    listing.add(stop as usize, row * width + column, colour, f32::from_ne_bytes(*value));
+                    listing.add(incidence as usize, row * width + column, colour, f32::from_ne_bytes(*value));
                 }
             }
         }
@@ -125,7 +128,9 @@ fn read_back(mut file: BlockReader<impl Read + Seek>, table: &BrdfTable) -> Chec
 // Tested by `exr_parts_come_back_bit_for_bit`, `damaged_parts_are_refused`.
 pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     let mut parts = image::decode(bytes)?;
-    let number = |part: &ImagePart| part.number(STOP).filter(|&stop| stop >= 0.0 && stop.fract() == 0.0);
+    let number = |part: &ImagePart| {
+        part.number(STOP).filter(|&incidence| incidence >= 0.0 && incidence.fract() == 0.0)
+    };
     if let Some(part) = parts.iter().find(|part| number(part).is_none()) {
         return Err(wrong!(
             "part `{}` has no {STOP}: not written by this program",
@@ -135,14 +140,14 @@ pub fn read(bytes: &[u8]) -> Checked<BrdfTable> {
     parts.sort_by(|a, b| number(a).unwrap_or(0.0).total_cmp(&number(b).unwrap_or(0.0)));
     let text = parts[0].text(GRID).ok_or_else(|| format!("the first part has no {GRID}"))?;
     let grid: Grid = serde_json::from_str(text).map_err(|e| format!("{GRID}: {e}"))?;
-    let (stops, _) = check_grid(&grid)?;
+    let (incidences, _) = check_grid(&grid)?;
     let (width, height) = size(&grid);
-    let fits = |(stop, part): (usize, &ImagePart)| {
-        number(part) == Some(stop as f64) && (part.width, part.height) == (width, height)
+    let fits = |(incidence, part): (usize, &ImagePart)| {
+        number(part) == Some(incidence as f64) && (part.width, part.height) == (width, height)
     };
-    if parts.len() != stops || !parts.iter().enumerate().all(fits) {
+    if parts.len() != incidences || !parts.iter().enumerate().all(fits) {
         return Err(wrong!(
-            "{} parts do not make {stops} incidences of {width} x {height} bins",
+            "{} parts do not make {incidences} incidences of {width} x {height} bins",
             parts.len()
         ));
     }
@@ -160,12 +165,12 @@ fn joined(parts: Vec<ImagePart>) -> Checked<ImagePart> {
     let mut parts = parts.into_iter().enumerate();
     let first = parts.next().map(|(_, part)| part.channels).unwrap_or_default();
     let mut whole = ImagePart { width, height, channels: first, ..ImagePart::default() };
-    for (stop, mut part) in parts {
+    for (incidence, mut part) in parts {
         for (name, samples) in &mut whole.channels {
             match (samples, part.channels.remove(name)) {
                 (Samples::F32(all), Some(Samples::F32(values))) => all.extend(values),
                 (Samples::U32(all), Some(Samples::U32(values))) => all.extend(values),
-                _ => return Err(wrong!("incidence {stop}: channel `{name}` (FLOAT) is missing")),
+                _ => return Err(wrong!("incidence {incidence}: channel `{name}` (FLOAT) is missing")),
             }
         }
     }

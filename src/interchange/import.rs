@@ -73,8 +73,8 @@ fn on_grid(imported: Imported, like: Option<&Grid>) -> Checked<(BrdfTable, Vec<S
         Imported::Function { parts, wavelengths_nm, grid } => (parts, wavelengths_nm, grid),
     };
     let grid = like.unwrap_or(&own);
-    let (stops, bins) = (grid.stops(), grid.bins());
-    let how = format!("resampled: means over {stops} incidences of {bins} bins, 16 directions a bin");
+    let (incidences, bins) = (grid.incidences(), grid.bins());
+    let how = format!("resampled: means over {incidences} incidences of {bins} bins, 16 directions a bin");
     let notes = std::iter::once(how).chain(left_out(&parts, grid)).collect();
     Ok((resample_spectrum(parts.iter().map(Box::as_ref), &wavelengths_nm, grid)?, notes))
 }

@@ -21,7 +21,8 @@ pub struct ReadBack {
     /// The worst bin: |file - table| over the largest value of its incidence and colour.
     pub worst: f64,
     /// Its incidence, (theta_i, phi_i) in degrees.
-    pub worst_stop_deg: (f64, f64),
+    #[serde(rename = "worst_stop_deg")]
+    pub worst_incidence_deg: (f64, f64),
     /// The middle of the bin, (theta_r, phi_r) in degrees.
     pub worst_bin_deg: (f64, f64),
     /// Bins compared, of all colours once.
@@ -32,27 +33,29 @@ pub struct ReadBack {
 ///
 /// `None` where the table holds nothing but zeros.
 pub fn read_back(table: &BrdfTable, brdf: &dyn Brdf) -> Option<ReadBack> {
-    let (stops, bins) = (table.grid.stops(), table.grid.bins());
+    let (incidences, bins) = (table.grid.incidences(), table.grid.bins());
     // A stride that shares no factor with the bins visits all azimuths alike.
-    let mut stride = (stops * bins).div_ceil(MOST_BINS);
+    let mut stride = (incidences * bins).div_ceil(MOST_BINS);
     while stride > 1 && bins.is_multiple_of(stride) {
         stride += 1;
     }
-    let found: Vec<StopErrors> =
-        (0..stops).into_par_iter().map(|stop| stop_errors(table, brdf, stop, stride)).collect();
+    let found: Vec<IncidenceErrors> = (0..incidences)
+        .into_par_iter()
+        .map(|incidence| incidence_errors(table, brdf, incidence, stride))
+        .collect();
     let mut errors = ReadErrors::default();
-    found.iter().enumerate().for_each(|(stop, found)| errors.add(&table.grid, stop, found));
+    found.iter().enumerate().for_each(|(incidence, found)| errors.add(&table.grid, incidence, found));
     errors.read_back()
 }
 
-fn stop_errors(table: &BrdfTable, brdf: &dyn Brdf, stop: usize, stride: usize) -> StopErrors {
+fn incidence_errors(table: &BrdfTable, brdf: &dyn Brdf, incidence: usize, stride: usize) -> IncidenceErrors {
     let (grid, bins) = (&table.grid, table.grid.bins());
-    let (wi, regions) = (grid.wi(stop), grid.regions(stop));
-    let mut errors = StopErrors::of(table, stop);
-    for bin in (stop % stride..bins).step_by(stride).filter(|_| wi.z > 0.0) {
+    let (wi, regions) = (grid.wi(incidence), grid.regions(incidence));
+    let mut errors = IncidenceErrors::of(table, incidence);
+    for bin in (incidence % stride..bins).step_by(stride).filter(|_| wi.z > 0.0) {
         let (found, size) = (mean(brdf, wi, &regions[bin]), size_of(&regions[bin]));
         for (colour, channels) in table.colours.iter().enumerate() {
-            let value = f64::from(channels.total[stop * bins + bin]);
+            let value = f64::from(channels.total[incidence * bins + bin]);
             let off = (found[colour.min(brdf.colours() - 1)] - value).abs();
             errors.add(bin, colour, size, [off, value]);
         }
@@ -61,7 +64,7 @@ fn stop_errors(table: &BrdfTable, brdf: &dyn Brdf, stop: usize, stride: usize) -
 }
 
 /// How far the bins of one incidence are off.
-struct StopErrors {
+struct IncidenceErrors {
     /// By colour: the largest value, the sum of distances, the sum of values.
     sums: Vec<[f64; 3]>,
     /// The largest distance over the largest value, and its bin.
@@ -70,14 +73,14 @@ struct StopErrors {
     count: usize,
 }
 
-impl StopErrors {
-    fn of(table: &BrdfTable, stop: usize) -> Self {
+impl IncidenceErrors {
+    fn of(table: &BrdfTable, incidence: usize) -> Self {
         let bins = table.grid.bins();
         let peak = |colour: &ColourChannels| {
-            let values = colour.total[stop * bins..][..bins].iter();
+            let values = colour.total[incidence * bins..][..bins].iter();
             [values.fold(0.0, |most, &v| f64::max(most, f64::from(v))), 0.0, 0.0]
         };
-        StopErrors { sums: table.colours.iter().map(peak).collect(), worst: (0.0, 0), count: 0 }
+        IncidenceErrors { sums: table.colours.iter().map(peak).collect(), worst: (0.0, 0), count: 0 }
     }
 
     fn add(&mut self, bin: usize, colour: usize, size: f64, [off, value]: [f64; 2]) {
@@ -96,24 +99,25 @@ pub struct Listing<'a> {
     table: &'a BrdfTable,
     /// Of the bins of any incidence.
     sizes: Vec<f64>,
-    stops: Vec<StopErrors>,
+    incidences: Vec<IncidenceErrors>,
 }
 
 impl<'a> Listing<'a> {
     /// Nothing found so far.
     pub fn new(table: &'a BrdfTable) -> Self {
         let sizes = table.grid.regions(0).iter().map(size_of).collect();
-        let stops = (0..table.grid.stops()).map(|stop| StopErrors::of(table, stop)).collect();
-        Listing { table, sizes, stops }
+        let incidences =
+            (0..table.grid.incidences()).map(|incidence| IncidenceErrors::of(table, incidence)).collect();
+        Listing { table, sizes, incidences }
     }
 
     /// Takes in a value of an incidence, bin and colour; what stands for a gap is passed over.
-    pub fn add(&mut self, stop: usize, bin: usize, colour: usize, found: f32) {
-        let entry = stop * self.sizes.len() + bin;
+    pub fn add(&mut self, incidence: usize, bin: usize, colour: usize, found: f32) {
+        let entry = incidence * self.sizes.len() + bin;
         if !self.table.is_gap(entry) {
             let value = self.table.colours[colour].total[entry];
             let off = f64::from((found - value).abs());
-            self.stops[stop].add(bin, colour, self.sizes[bin], [off, value.into()]);
+            self.incidences[incidence].add(bin, colour, self.sizes[bin], [off, value.into()]);
         }
     }
 
@@ -137,13 +141,13 @@ pub struct ReadErrors {
 }
 
 impl ReadErrors {
-    fn add(&mut self, grid: &Grid, stop: usize, errors: &StopErrors) {
+    fn add(&mut self, grid: &Grid, incidence: usize, errors: &IncidenceErrors) {
         let with_light = errors.sums.iter().filter(|sums| sums[2] > 0.0);
         self.ratios.extend(with_light.map(|[_, distance, sum]| distance / sum));
         let (worst, bin) = errors.worst;
         if self.bins == 0 || worst > self.worst {
             self.worst = worst;
-            self.place = [grid.stop_deg(stop), middles_deg(grid, stop)[bin]];
+            self.place = [grid.incidence_deg(incidence), middles_deg(grid, incidence)[bin]];
         }
         self.bins += errors.count / errors.sums.len();
     }
@@ -151,12 +155,12 @@ impl ReadErrors {
     /// Takes in a band that was read to its end.
     pub fn join(&mut self, band: Listing) -> Checked<()> {
         let grid = &band.table.grid;
-        let wanted = (grid.stops() * grid.bins() - band.table.gaps()) * band.table.colours.len();
-        let count: usize = band.stops.iter().map(|errors| errors.count).sum();
+        let wanted = (grid.incidences() * grid.bins() - band.table.gaps()) * band.table.colours.len();
+        let count: usize = band.incidences.iter().map(|errors| errors.count).sum();
         if count != wanted {
             return Err(wrong!("{count} values, {wanted} needed"));
         }
-        band.stops.iter().enumerate().for_each(|(stop, errors)| self.add(grid, stop, errors));
+        band.incidences.iter().enumerate().for_each(|(incidence, errors)| self.add(grid, incidence, errors));
         Ok(())
     }
 
@@ -165,7 +169,7 @@ impl ReadErrors {
         (!self.ratios.is_empty()).then(|| ReadBack {
             l1: self.ratios.iter().sum::<f64>() / self.ratios.len() as f64,
             worst: self.worst,
-            worst_stop_deg: self.place[0],
+            worst_incidence_deg: self.place[0],
             worst_bin_deg: self.place[1],
             bins: self.bins,
         })
@@ -193,14 +197,14 @@ fn size_of(region: &Region) -> f64 {
 /// grid's own angles, not those of its unit vectors: the azimuth of an arm at the pole is kept, and so is a negative
 /// one. A negative polar angle is the far side of its plane.
 // Tested by `an_arm_at_the_pole_keeps_its_azimuths` (tests/it/interchange/interchange_angles.rs).
-pub fn middles_deg(grid: &Grid, stop: usize) -> Vec<(f64, f64)> {
-    let turn = if grid.phi_r_relative { grid.stop_deg(stop).1 } else { 0.0 };
+pub fn middles_deg(grid: &Grid, incidence: usize) -> Vec<(f64, f64)> {
+    let turn = if grid.phi_r_relative { grid.incidence_deg(incidence).1 } else { 0.0 };
     let listed = match grid.kind {
         GridKind::Arm => {
             grid.theta_r_deg.iter().flat_map(|&t| grid.phi_r_deg.iter().map(move |&p| [t, p])).collect()
         }
         GridKind::Points => grid.points_deg.clone(),
-        _ => return grid.regions(stop).iter().map(middle_deg).collect(),
+        _ => return grid.regions(incidence).iter().map(middle_deg).collect(),
     };
     let middle = |[theta, phi]: [f64; 2]| {
         let [theta, phi] = upper([theta, phi + turn]);

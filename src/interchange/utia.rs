@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::codec::{Codec, Encoded, FormatTraits};
 use super::foreign_table;
-use super::resample::angles::{bin_axes, stop_axes};
+use super::resample::angles::{bin_axes, incidence_axes};
 use super::{Brdf, Checked, Imported, Lookup, Options, needed};
 use crate::error::wrong;
 use crate::files::exr_header;
@@ -63,7 +63,7 @@ fn directions() -> Vec<[f64; 2]> {
 fn is_native(grid: &Grid) -> bool {
     let same = |found: Checked<(Vec<f64>, Vec<f64>)>| found.is_ok_and(|found| found == axes());
     let kinds = [GridKind::Points, GridKind::Arm];
-    kinds.contains(&grid.kind) && !grid.phi_r_relative && same(stop_axes(grid)) && same(bin_axes(grid))
+    kinds.contains(&grid.kind) && !grid.phi_r_relative && same(incidence_axes(grid)) && same(bin_axes(grid))
 }
 
 /// The planes R, G, B of a file; a table of one colour has it in all three. Values of a table with the format's own

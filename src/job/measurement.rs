@@ -26,7 +26,7 @@ use crate::table::realisations;
 ///             [light]\ntheta_i_deg = [30]\n[sensor.hemisphere]\n[optics]\nf0 = 1.0\n[stop]\nsamples = 4096\n";
 /// let campaign = campaign::parse(text, "mirror.toml", ".".as_ref())?.campaign;
 /// let tables = Measurement::new(campaign).threads(2).run()?;
-/// assert_eq!(tables[0].table.grid.stops(), 1);
+/// assert_eq!(tables[0].table.grid.incidences(), 1);
 /// # Ok::<(), gonio::error::Error>(())
 /// ```
 pub struct Measurement<'a> {
@@ -56,7 +56,7 @@ pub enum Written {
         /// The plan of its incidences; `None` where they had been measured before.
         plan: Option<Box<Plan>>,
         /// Incidences of the whole campaign.
-        stops: usize,
+        incidences: usize,
         /// What they cost.
         cost: Cost,
     },
@@ -253,7 +253,7 @@ impl<'a> Measurement<'a> {
         found.check(&campaign, None, &self.source)?;
         let plan = if found.headers().next().is_some() {
             // Whatever memory is free by now.
-            measure::resumed(&campaign, found.band_stops(), self.memory)?
+            measure::resumed(&campaign, found.band_incidences(), self.memory)?
         } else if campaign == self.campaign {
             plan
         } else {
@@ -289,7 +289,7 @@ impl<'a> Measurement<'a> {
             return Ok(Written::Shard {
                 file,
                 plan: None,
-                stops: measure::stops(&self.campaign),
+                incidences: measure::incidences(&self.campaign),
                 cost: there.cost(),
             });
         }
@@ -298,6 +298,11 @@ impl<'a> Measurement<'a> {
         let (measured, _) = self.of(&self.campaign, &plan, kept).measure(found)?;
         kept.remove()?;
         let cost = measured.cost(&plan);
-        Ok(Written::Shard { file, plan: Some(Box::new(plan)), stops: measure::stops(&self.campaign), cost })
+        Ok(Written::Shard {
+            file,
+            plan: Some(Box::new(plan)),
+            incidences: measure::incidences(&self.campaign),
+            cost,
+        })
     }
 }

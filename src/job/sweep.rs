@@ -62,7 +62,7 @@ impl SweepPaths {
 /// A table with its best fit, where that costs little and memory holds the table.
 fn fitted(swept: SweptTable, paths: &TablePaths) -> Result<SweptTable> {
     let rows = TableRows::open(&paths.table)?;
-    let values = rows.grid().stops() * rows.grid().bins() * rows.colours();
+    let values = rows.grid().incidences() * rows.grid().bins() * rows.colours();
     if !swept.fit_is_cheap(values) || rows.bytes().max(rows.reading_bytes()) > memory::memory_limit() {
         return Ok(swept);
     }

@@ -43,15 +43,15 @@ impl<'a> TableOutput<'a> {
                 campaign: campaign.clone(),
                 table: table.header(&plan.grid),
                 realisations: Realisations::default(),
-                stops: Vec::new(),
+                incidences: Vec::new(),
             },
             whole: None,
         })
     }
 
-    /// Takes the next band, which begins at `first_stop`.
-    pub fn take(&mut self, band: Measured, first_stop: usize) -> Result<()> {
-        let Measured { table, campaign, realisations, stops } = band;
+    /// Takes the next band, which begins at `first_incidence`.
+    pub fn take(&mut self, band: Measured, first_incidence: usize) -> Result<()> {
+        let Measured { table, campaign, realisations, incidences } = band;
         self.writer.append(&table)?;
         let prediction = Prediction::of(&campaign, &table.grid);
         // The verdict is one that `validate` finds again in the files.
@@ -59,23 +59,23 @@ impl<'a> TableOutput<'a> {
             StoredRealisations::Groups => realisations::grouped(&realisations, GROUPS)?,
             StoredRealisations::All | StoredRealisations::Nothing => realisations,
         };
-        let parts = Parts { all: &realisations, first_stop: 0 };
-        self.examination.add(&table, first_stop, Some(parts), prediction.as_ref());
-        self.facts.add(&table, first_stop);
+        let parts = Parts { all: &realisations, first_incidence: 0 };
+        self.examination.add(&table, first_incidence, Some(parts), prediction.as_ref());
+        self.facts.add(&table, first_incidence);
         if let Some(next) = SchlickError::of(&campaign, &table) {
             match &mut self.schlick {
                 Some(before) => before.join(next),
                 None => self.schlick = Some(next),
             }
         }
-        self.measured.stops.extend(stops);
+        self.measured.incidences.extend(incidences);
         match self.kept {
             StoredRealisations::All | StoredRealisations::Groups => {
                 self.measured.realisations.append(realisations)
             }
             StoredRealisations::Nothing => {}
         }
-        if table.grid.stops() == self.plan.stops {
+        if table.grid.incidences() == self.plan.incidences {
             self.whole = Some((table, prediction));
         }
         Ok(())
@@ -100,7 +100,7 @@ impl<'a> TableOutput<'a> {
         let (campaign, prediction) = (Some(&measured.campaign), shown.prediction.as_ref());
         let page = Page::of(&shown.table, campaign, prediction, &shown.summary, specimen(&measured)?);
         // Of a table that is shown thinned the realisations belong to other incidences.
-        let parts = (shown.table.grid.stops() == plan.stops).then_some(&measured.realisations);
+        let parts = (shown.table.grid.incidences() == plan.incidences).then_some(&measured.realisations);
         let look = pages::html::appearance::shown(&shown.table, parts);
         let page = pages::page(&Page { appearance: look.as_ref(), ..page });
         let card = pages::card(&measured.table, &digest, facts, &summary);
@@ -149,9 +149,9 @@ struct ShownTable {
 
 impl ShownTable {
     fn of_rows(file: &NewFile, measured: &Measured, summary: Summary, memory: u64) -> Result<Self> {
-        let (table, stops) = pages::thinned(&mut TableRows::open(file.under_way())?, memory)?;
+        let (table, incidences) = pages::thinned(&mut TableRows::open(file.under_way())?, memory)?;
         let prediction = Prediction::of(&measured.campaign, &table.grid);
-        Ok(ShownTable { table, prediction, summary: summary.thinned(&stops) })
+        Ok(ShownTable { table, prediction, summary: summary.thinned(&incidences) })
     }
 }
 

@@ -47,9 +47,9 @@ impl TableWriting<'_> {
     ) -> Result<()> {
         let mut outputs: Vec<Option<TableOutput>> = self.open.iter().map(|_| None).collect();
         let mut cost = Cost::default();
-        for stops in self.plan.bands() {
-            let (first, is_last) = (stops.start, stops.end == self.plan.stops);
-            let (results, next) = band(stops)?;
+        for incidences in self.plan.bands() {
+            let (first, is_last) = (incidences.start, incidences.end == self.plan.incidences);
+            let (results, next) = band(incidences)?;
             cost = cost.plus(next);
             for measured in results {
                 // A table that was finished before may be among the results.

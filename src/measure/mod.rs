@@ -17,7 +17,7 @@ mod session;
 pub mod stopping;
 
 pub use crate::files::memory::memory_limit;
-pub use accumulate::assemble::{Measured, StopResult};
+pub use accumulate::assemble::{IncidenceResult, Measured};
 pub use cost::Cost;
 pub use driver::{measure, measure_missing, tables};
 pub use patches::{Patch, Patches, Specimen};
@@ -30,7 +30,7 @@ pub use persist::run_files::{PartFile, ResumableRun, RunFiles};
 pub use persist::run_state::{RunState, StoredRun};
 pub use persist::shards::Shards;
 
-pub use plan::{Disk, Plan, Saving, StartSampler, plan, plan_at, plan_of, plan_within, resumed, stops};
+pub use plan::{Disk, Plan, Saving, StartSampler, incidences, plan, plan_at, plan_of, plan_within, resumed};
 pub use prepared_patch::CELLS_PER_START;
 pub use session::{Pace, ProcessEnd, Session};
 pub use stopping::StoppedBy;

@@ -250,8 +250,9 @@ impl Patches {
             Patches::Grains { seed, coverages, side, pits, as_heights } => {
                 let of = |&coverage: &f64| {
                     // The coverage is its own address: a further one leaves the others as they were.
-                    let stop = coverage.to_bits();
-                    let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop, block: 0 };
+                    let incidence = coverage.to_bits();
+                    let id =
+                        StreamId { seed: *seed, purpose: Purpose::Surface, realisation, incidence, block: 0 };
                     let side = side.unwrap_or_else(|| grains::usual_side(coverage));
                     (coverage, GrainField::random(side, coverage, *pits, &mut rng::stream(id)))
                 };
@@ -261,7 +262,8 @@ impl Patches {
                 Patch::of_grains(&of(&coverages[0]).1, cells)
             }
             Patches::Random { synthesiser, seed } => {
-                let id = StreamId { seed: *seed, purpose: Purpose::Surface, realisation, stop: 0, block: 0 };
+                let id =
+                    StreamId { seed: *seed, purpose: Purpose::Surface, realisation, incidence: 0, block: 0 };
                 let field = synthesiser.patch(&mut rng::stream(id));
                 Patch { window: Window::all(&field), own_alpha: None, excluded: None, field }
             }

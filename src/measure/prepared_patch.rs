@@ -149,11 +149,11 @@ impl PreparedPatch {
         match (&context.plan.start_sampler, &side.index) {
             (StartSampler::BySlope, Some(index)) => PatchSampler::BySlope(heights, index),
             (StartSampler::IntoApertures(apertures), Some(index)) => {
-                let of_stop = |stop: usize| {
-                    let arms = BlockArms::new(context.campaign, context.plan, stop, realisation, 0);
+                let of_incidence = |incidence: usize| {
+                    let arms = BlockArms::new(context.campaign, context.plan, incidence, realisation, 0);
                     heights.flux_fraction(index, &arms, context.plan)
                 };
-                let flux_fractions = (0..context.plan.stops).map(of_stop).collect();
+                let flux_fractions = (0..context.plan.incidences).map(of_incidence).collect();
                 PatchSampler::IntoApertures(IntoApertures { heights, index, apertures, flux_fractions })
             }
             _ => PatchSampler::ByPlace(heights),
@@ -192,8 +192,8 @@ impl PlacedGrains<'_> {
     }
 
     /// Whether the samples of an incidence are found from above.
-    pub fn is_from_above(&self, stop: usize) -> bool {
-        self.from_above.get(stop).is_some_and(|&above| above)
+    pub fn is_from_above(&self, incidence: usize) -> bool {
+        self.from_above.get(incidence).is_some_and(|&above| above)
     }
 }
 

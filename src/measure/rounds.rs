@@ -8,7 +8,7 @@ use super::accumulate::tally::Tally;
 use super::accumulate::tally_flux::TallyFlux;
 use super::persist::finished_blocks::FinishedBlocks;
 use super::plan::Plan;
-use super::stopping::{self, StopProgress, StoppedBy, relative_error};
+use super::stopping::{self, IncidenceProgress, StoppedBy, relative_error};
 use crate::campaign::{Alpha, Campaign};
 use crate::error::Error;
 
@@ -31,7 +31,8 @@ pub(crate) struct TableRun {
     pub alpha: Option<Alpha>,
     /// [realisation][incidence].
     sums: Vec<Vec<Sum>>,
-    stops: Vec<StopProgress>,
+    #[serde(rename = "stops")]
+    incidences: Vec<IncidenceProgress>,
 }
 
 /// What one incidence and realisation has.
@@ -47,16 +48,16 @@ pub(crate) struct FinishedTable {
     pub alpha: Option<Alpha>,
     /// [realisation][incidence].
     sums: Vec<Vec<Sum>>,
-    /// What ended each stop.
-    pub stops: Vec<StopProgress>,
+    /// What ended each incidence.
+    pub incidences: Vec<IncidenceProgress>,
 }
 
 impl Tables {
     pub fn new(campaign: &Campaign, plan: &Plan) -> Self {
         let table = |alpha| TableRun {
             alpha,
-            sums: vec![vec![Sum::default(); plan.stops]; plan.realisations as usize],
-            stops: vec![StopProgress::default(); plan.stops],
+            sums: vec![vec![Sum::default(); plan.incidences]; plan.realisations as usize],
+            incidences: vec![IncidenceProgress::default(); plan.incidences],
         };
         Tables { tables: campaign.alphas().into_iter().map(table).collect(), judged: 0, done: 0 }
     }
@@ -77,7 +78,7 @@ impl Tables {
     pub fn add(
         &mut self,
         (table, realisation): (usize, u64),
-        stop: usize,
+        incidence: usize,
         blocks: &[u64],
         tally: Tally,
         plan: &Plan,
@@ -86,11 +87,11 @@ impl Tables {
         if tally.lost > 0 || paths != wanted {
             let lost = tally.lost;
             return Err(Error::Internal(format!(
-                "realisation {realisation}, stop {stop}, blocks {blocks:?}: {lost} rays lost, {paths} of {wanted} paths \
+                "realisation {realisation}, stop {incidence}, blocks {blocks:?}: {lost} rays lost, {paths} of {wanted} paths \
                  counted"
             )));
         }
-        let sum = &mut self.tables[table].sums[realisation as usize][stop];
+        let sum = &mut self.tables[table].sums[realisation as usize][incidence];
         blocks.iter().for_each(|&block| sum.done.insert(block));
         self.done += blocks.len() as u64;
         match &mut sum.tally {
@@ -103,7 +104,7 @@ impl Tables {
     /// Whether a realisation misses any of these blocks at an incidence that is still measured.
     pub fn misses(&self, realisation: u64, blocks: &Range<u64>) -> bool {
         let misses = |table: &TableRun| {
-            table.open_stops().any(|stop| !table.missing(realisation, stop, blocks).is_empty())
+            table.open_incidences().any(|incidence| !table.missing(realisation, incidence, blocks).is_empty())
         };
         self.tables.iter().any(misses)
     }
@@ -118,15 +119,15 @@ impl Tables {
         let wanted = campaign.stop.relative_error;
         let looked_at = stopping::is_looked_at(blocks, plan.blocks);
         for table in &mut self.tables {
-            for stop in table.open_stops().collect::<Vec<_>>() {
+            for incidence in table.open_incidences().collect::<Vec<_>>() {
                 match wanted {
                     Some(wanted) if looked_at => {
-                        let error = table.relative_error(plan, stop);
-                        table.stops[stop].judge(blocks, error, wanted, plan.realisations);
+                        let error = table.relative_error(plan, incidence);
+                        table.incidences[incidence].judge(blocks, error, wanted, plan.realisations);
                     }
                     _ => {}
                 }
-                let progress = &mut table.stops[stop];
+                let progress = &mut table.incidences[incidence];
                 progress.blocks = blocks;
                 if blocks == plan.blocks && progress.by.is_none() {
                     progress.by = Some(StoppedBy::Samples);
@@ -138,13 +139,13 @@ impl Tables {
 
     /// Ends what is open: the time is over.
     pub fn time_is_over(&mut self) {
-        for stop in self.tables.iter_mut().flat_map(|table| &mut table.stops) {
-            stop.by = stop.by.or(Some(StoppedBy::Seconds));
+        for incidence in self.tables.iter_mut().flat_map(|table| &mut table.incidences) {
+            incidence.by = incidence.by.or(Some(StoppedBy::Seconds));
         }
     }
 
     pub fn all_ended(&self) -> bool {
-        self.tables.iter().all(|table| table.open_stops().next().is_none())
+        self.tables.iter().all(|table| table.open_incidences().next().is_none())
     }
 
     /// Samples so far, of all tables, incidences and realisations.
@@ -166,10 +167,10 @@ impl Tables {
         let last = ends.take_while(|&end| end <= self.judged).last();
         self.judged = if more_realisations { 0 } else { last.unwrap_or(0) };
         for table in &mut self.tables {
-            table.sums.resize_with(realisations, || vec![Sum::default(); plan.stops]);
-            for stop in &mut table.stops {
-                if stop.blocks > self.judged || stop.by == Some(StoppedBy::Samples) {
-                    stop.rewind(self.judged);
+            table.sums.resize_with(realisations, || vec![Sum::default(); plan.incidences]);
+            for incidence in &mut table.incidences {
+                if incidence.blocks > self.judged || incidence.by == Some(StoppedBy::Samples) {
+                    incidence.rewind(self.judged);
                 }
             }
         }
@@ -195,11 +196,13 @@ impl Tables {
                 return wrong("realisations", table.sums.len(), plan.realisations as usize);
             }
             let rows = table.sums.iter().map(Vec::len);
-            if let Some(stops) = rows.chain([table.stops.len()]).find(|&stops| stops != plan.stops) {
-                return wrong("stops", stops, plan.stops);
+            if let Some(incidences) =
+                rows.chain([table.incidences.len()]).find(|&incidences| incidences != plan.incidences)
+            {
+                return wrong("stops", incidences, plan.incidences);
             }
             let sound = table.sums.iter().flatten().all(|sum| sum.is_sound(&shape, plan, planned))
-                && table.stops.iter().all(|stop| stop.blocks <= planned);
+                && table.incidences.iter().all(|incidence| incidence.blocks <= planned);
             if !sound || self.judged > planned {
                 return Err("sums that no run has".into());
             }
@@ -220,17 +223,18 @@ impl Tables {
     /// says what is wrong.
     pub fn take(&mut self, other: Tables, places: &[(usize, usize)]) -> Result<(), String> {
         for (mine, mut theirs) in self.tables.iter_mut().zip(other.tables) {
-            for &(stop, place) in places {
-                let StopProgress { blocks, by, .. } = theirs.stops[stop];
-                let ended = by.is_some() && theirs.sums.iter().all(|sums| sums[stop].done.count() == blocks);
+            for &(incidence, place) in places {
+                let IncidenceProgress { blocks, by, .. } = theirs.incidences[incidence];
+                let ended =
+                    by.is_some() && theirs.sums.iter().all(|sums| sums[incidence].done.count() == blocks);
                 if !ended || blocks == 0 || mine.sums.len() != theirs.sums.len() {
-                    return Err(format!("incidence {stop} is not measured to its end"));
+                    return Err(format!("incidence {incidence} is not measured to its end"));
                 }
                 for (mine, theirs) in mine.sums.iter_mut().zip(&mut theirs.sums) {
-                    mine[place] = std::mem::take(&mut theirs[stop]);
+                    mine[place] = std::mem::take(&mut theirs[incidence]);
                     self.done += blocks;
                 }
-                mine.stops[place] = std::mem::take(&mut theirs.stops[stop]);
+                mine.incidences[place] = std::mem::take(&mut theirs.incidences[incidence]);
             }
         }
         Ok(())
@@ -244,7 +248,8 @@ impl Tables {
 
     /// Every table.
     pub fn finished(self) -> Vec<FinishedTable> {
-        let finished = |TableRun { alpha, sums, stops, .. }: TableRun| FinishedTable { alpha, sums, stops };
+        let finished =
+            |TableRun { alpha, sums, incidences, .. }: TableRun| FinishedTable { alpha, sums, incidences };
         self.tables.into_iter().map(finished).collect()
     }
 }
@@ -278,18 +283,18 @@ impl Sum {
 
 impl TableRun {
     /// The incidences that are still measured.
-    pub fn open_stops(&self) -> impl Iterator<Item = usize> {
-        (0..self.stops.len()).filter(|&stop| self.stops[stop].by.is_none())
+    pub fn open_incidences(&self) -> impl Iterator<Item = usize> {
+        (0..self.incidences.len()).filter(|&incidence| self.incidences[incidence].by.is_none())
     }
 
     /// What an incidence of a realisation misses of `blocks`.
-    pub fn missing(&self, realisation: u64, stop: usize, blocks: &Range<u64>) -> Vec<Range<u64>> {
-        self.sums[realisation as usize][stop].done.missing(blocks)
+    pub fn missing(&self, realisation: u64, incidence: usize, blocks: &Range<u64>) -> Vec<Range<u64>> {
+        self.sums[realisation as usize][incidence].done.missing(blocks)
     }
 
-    fn relative_error(&self, plan: &Plan, stop: usize) -> Option<f64> {
-        let flux: Vec<TallyFlux> = self.sums.iter().filter_map(|sums| sums[stop].flux()).collect();
-        let regions = plan.grid.regions(stop);
+    fn relative_error(&self, plan: &Plan, incidence: usize) -> Option<f64> {
+        let flux: Vec<TallyFlux> = self.sums.iter().filter_map(|sums| sums[incidence].flux()).collect();
+        let regions = plan.grid.regions(incidence);
         let sizes: Vec<f64> = regions.iter().map(|region| region.projected_solid_angle()).collect();
         relative_error(&flux, &sizes, &plan.sums)
     }

@@ -106,7 +106,7 @@ impl<'a> Session<'a> {
 
 /// What a run says that was ended, of all that it has measured.
 pub(super) fn interrupted(run_state: &RunState, plan: &Plan) -> Error {
-    let of = plan.part.band_stops().map_or(String::new(), |_| format!(" of {}", plan.part));
+    let of = plan.part.band_incidences().map_or(String::new(), |_| format!(" of {}", plan.part));
     Error::Interrupted(format!("after {:.1} % of the samples{of}", run_state.percent(plan)))
 }
 

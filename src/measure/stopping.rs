@@ -77,7 +77,7 @@ pub fn relative_error(realisations: &[TallyFlux], sizes: &[f64], sums: &FresnelS
 
 /// One incidence on its way to the end.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct StopProgress {
+pub struct IncidenceProgress {
     /// Blocks measured in each realisation.
     pub blocks: u64,
     /// What ended it.
@@ -101,12 +101,12 @@ pub struct Look {
     pub relative_error: f64,
 }
 
-impl StopProgress {
+impl IncidenceProgress {
     /// After `blocks` blocks of `realisations` patches the relative error is `error`, `wanted` was asked for.
     ///
     /// The incidence ends where it is small enough, and at the knee: where halving the noise again would gain less than
     /// the patches' own spread, and that spread alone is too large.
-    // Tested by `a_stop_ends_at_its_error_or_at_the_knee`.
+    // Tested by `an_incidence_ends_at_its_error_or_at_the_knee`.
     pub fn judge(&mut self, blocks: u64, error: Option<f64>, wanted: f64, realisations: u32) {
         let before = self.relative_error.map(|before| (self.looked_at, before));
         (self.looked_at, self.relative_error) = (blocks, error);
@@ -127,7 +127,7 @@ impl StopProgress {
     }
 }
 
-impl StopProgress {
+impl IncidenceProgress {
     /// Takes back what was decided after more than `blocks` blocks, or because they were all.
     pub(super) fn rewind(&mut self, blocks: u64) {
         self.looks.retain(|look| look.blocks <= blocks);
@@ -139,9 +139,12 @@ impl StopProgress {
 }
 
 /// What ended a run, from what ended its incidences: the limit that the user can do something about comes first.
-pub fn of_run(stops: impl Iterator<Item = StoppedBy> + Clone) -> StoppedBy {
+pub fn of_run(incidences: impl Iterator<Item = StoppedBy> + Clone) -> StoppedBy {
     let order = [StoppedBy::Seconds, StoppedBy::PatchLimited, StoppedBy::Samples];
-    order.into_iter().find(|&by| stops.clone().any(|stop| stop == by)).unwrap_or(StoppedBy::RelativeError)
+    order
+        .into_iter()
+        .find(|&by| incidences.clone().any(|stop| stop == by))
+        .unwrap_or(StoppedBy::RelativeError)
 }
 
 #[cfg(test)]
@@ -183,8 +186,8 @@ mod tests {
     }
 
     /// Looks at an incidence of 16 patches after 1, 2, 4, ... blocks whose squared error is a/n + p2.
-    fn looked_at(a: f64, p2: f64, wanted: f64, looks: u32) -> StopProgress {
-        let mut stop = StopProgress::default();
+    fn looked_at(a: f64, p2: f64, wanted: f64, looks: u32) -> IncidenceProgress {
+        let mut stop = IncidenceProgress::default();
         for blocks in (0..looks).map(|k| 1u64 << k) {
             stop.judge(blocks, Some((a / blocks as f64 + p2).sqrt()), wanted, 16);
             if stop.by.is_some() {
@@ -195,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_ends_at_its_error_or_at_the_knee() {
+    fn an_incidence_ends_at_its_error_or_at_the_knee() {
         // 1/n <= 0.01 from 100 blocks on: after 128.
         let noisy = looked_at(1.0, 0.0, 0.1, 20);
         assert_eq!((noisy.by, noisy.looked_at), (Some(StoppedBy::RelativeError), 128));

@@ -118,7 +118,7 @@ mod tests {
     /// Means of cos and cos^2 about the normal under Lambert's law: 2/3 and 1/2, their variances 1/18 and 1/12.
     #[test]
     fn even_facets_follow_lamberts_law() {
-        let id = StreamId { seed: 3, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 };
+        let id = StreamId { seed: 3, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 };
         let (mut rng, n, normal) = (stream(id), 100_000, direction_deg(70.0, 200.0));
         let (mut cos, mut square, mut sum) = (0.0, 0.0, DVec3::ZERO);
         for _ in 0..n {

@@ -36,10 +36,10 @@ fn row(what: &str, text: String) -> CardRow {
 }
 
 fn identity(table: &BrdfTable, digest: &str, colours: &str) -> Vec<CardRow> {
-    let (stops, bins) = (table.grid.stops(), table.grid.bins());
+    let (incidences, bins) = (table.grid.incidences(), table.grid.bins());
     let mut rows = vec![
         row("what", "BRDF without cosine, 1/sr, mean over each bin, with standard errors and hits".into()),
-        row("size", format!("{stops} positions of the light x {bins} bins, channels {colours}")),
+        row("size", format!("{incidences} positions of the light x {bins} bins, channels {colours}")),
         row("convention", store::convention(&table.grid)),
         row("program", format!("gonio {}", plain(&table.version))),
         row("seed", table.seed.to_string()),
@@ -72,8 +72,8 @@ fn effort(summary: &Summary) -> Vec<CardRow> {
 
 fn goodness(table: &BrdfTable, quality: Option<Quality>, summary: &Summary) -> Vec<CardRow> {
     let mut rows = Vec::new();
-    if let Some(Quality { median, worst: (stop, worst), bins: (counted, all) }) = quality {
-        let (theta, phi) = table.grid.stop_deg(stop);
+    if let Some(Quality { median, worst: (incidence, worst), bins: (counted, all) }) = quality {
+        let (theta, phi) = table.grid.incidence_deg(incidence);
         rows.push(row(
             "quality",
             format!(

@@ -17,4 +17,4 @@ pub use html::render::page;
 pub use html::thinned::thinned;
 pub use quality::Facts;
 pub use slices::Scene;
-pub use summary::{StopSummary, Summary};
+pub use summary::{IncidenceSummary, Summary};

@@ -10,15 +10,15 @@ const MOST_VALUES: usize = 1 << 22;
 /// What a table's error bars say.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quality {
-    /// Median relative standard error over the counted bins of all stops and colours.
+    /// Median relative standard error over the counted bins of all incidences and colours.
     pub median: f64,
-    /// The stop with the largest median, and that.
+    /// The incidence with the largest median, and that.
     pub worst: (usize, f64),
     /// Bins that count, and all of them (each colour by itself).
     pub bins: (usize, usize),
 }
 
-/// What a card says of the values, gathered in bands of stops. Relative errors of a large table are counted in classes
+/// What a card says of the values, gathered in bands of incidences. Relative errors of a large table are counted in classes
 /// a 4096th wide, from which their median follows to that.
 pub struct Facts {
     errors: Vec<f64>,
@@ -34,9 +34,9 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Of a table of all stops of `grid`.
+    /// Of a table of all incidences of `grid`.
     pub fn new(grid: &Grid, colours: usize) -> Self {
-        let all = grid.stops() * grid.bins() * colours;
+        let all = grid.incidences() * grid.bins() * colours;
         Facts {
             errors: Vec::new(),
             classes: if all > MOST_VALUES { vec![0; 1 << CLASS_BITS] } else { vec![] },
@@ -55,17 +55,17 @@ impl Facts {
         facts
     }
 
-    /// Takes the next stops.
-    pub fn add(&mut self, band: &BrdfTable, first_stop: usize) {
+    /// Takes the next incidences.
+    pub fn add(&mut self, band: &BrdfTable, first_incidence: usize) {
         let gaps = band.gaps();
         self.empty.0 += band.hits.iter().filter(|&&hits| hits == 0).count() - gaps;
         self.empty.1 += band.hits.len() - gaps;
         self.gaps += gaps;
         self.names = band.colour_names().join(" ");
-        for stop in 0..band.grid.stops() {
-            let mut errors = bright_errors(band, stop);
+        for incidence in 0..band.grid.incidences() {
+            let mut errors = bright_errors(band, incidence);
             if let Some(median) = stats::upper_median(&mut errors).filter(|&median| median > self.worst.1) {
-                self.worst = (first_stop + stop, median);
+                self.worst = (first_incidence + incidence, median);
             }
             self.counted.0 += errors.len();
             if self.classes.is_empty() {
@@ -93,9 +93,9 @@ impl Facts {
     }
 }
 
-/// Relative errors of the counted bins of a stop, all colours.
-fn bright_errors(band: &BrdfTable, stop: usize) -> Vec<f64> {
-    let here = stop * band.grid.bins()..(stop + 1) * band.grid.bins();
+/// Relative errors of the counted bins of an incidence, all colours.
+fn bright_errors(band: &BrdfTable, incidence: usize) -> Vec<f64> {
+    let here = incidence * band.grid.bins()..(incidence + 1) * band.grid.bins();
     let of_colour = |colour: &ColourChannels| {
         let (values, errors) = (&colour.total[here.clone()], &colour.stderr[here.clone()]);
         let least =
@@ -126,7 +126,7 @@ pub(super) mod tests {
     use super::*;
     use crate::instrument::grid::GridKind;
 
-    /// Two stops of 3 x 4 bins, one colour.
+    /// Two incidences of 3 x 4 bins, one colour.
     pub(crate) fn dim_table() -> BrdfTable {
         let grid = Grid {
             kind: GridKind::Hemisphere,
@@ -175,11 +175,11 @@ pub(super) mod tests {
     #[test]
     fn quality_is_the_median_error_of_the_bright_bins() {
         let mut table = dim_table();
-        for stop in 0..2 {
+        for incidence in 0..2 {
             // Three bright bins: the others lie below 1 % of the peak.
             for (k, se) in [0.01, 0.02, 0.05].into_iter().enumerate() {
-                table.colours[0].total[stop * 12 + k] = 1.0;
-                table.colours[0].stderr[stop * 12 + k] = se * (1 + stop) as f32;
+                table.colours[0].total[incidence * 12 + k] = 1.0;
+                table.colours[0].stderr[incidence * 12 + k] = se * (1 + incidence) as f32;
             }
         }
         let found = Facts::of(&table).quality().expect("error bars");

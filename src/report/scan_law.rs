@@ -118,13 +118,13 @@ impl ScanLaw {
 
     fn distances(&self) -> String {
         let number = |value: Option<f64>| value.map_or("–".to_string(), |value| format!("{value:.4}"));
-        let all = self.difference.stops.iter().map(|stop| {
+        let all = self.difference.incidences.iter().map(|incidence| {
             format!(
                 "<tr><th>{}</th><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                escaped(&format!("theta_i {:.1}°, phi_i {:.1}°", stop.theta_i_deg, stop.phi_i_deg)),
-                number(stop.figures.l1),
-                number(stop.figures.l1_noise),
-                escaped(&stop.figures.shown())
+                escaped(&format!("theta_i {:.1}°, phi_i {:.1}°", incidence.theta_i_deg, incidence.phi_i_deg)),
+                number(incidence.figures.l1),
+                number(incidence.figures.l1_noise),
+                escaped(&incidence.figures.shown())
             )
         });
         format!(
@@ -164,21 +164,21 @@ impl ScanLaw {
 
 /// The lobes of both tables in the plane of incidence.
 fn lobe_charts([scan, law]: [Scene; 2]) -> Vec<Chart> {
-    let stops = spread(scan.table.grid.stops(), MOST_STOPS);
-    let chart = |stop: usize| {
+    let incidences = spread(scan.table.grid.incidences(), MOST_STOPS);
+    let chart = |incidence: usize| {
         let series = [("scan", scan, MEASURED), ("surface of its law", law, series_style(1))];
         let series = series.map(|(label, scene, style)| {
-            let cuts = scene.in_plane(stop);
+            let cuts = scene.in_plane(incidence);
             let points: Vec<[f64; 2]> =
-                cuts.iter().map(|cut| [cut.theta_deg, scene.total(stop, cut.bin)]).collect();
+                cuts.iter().map(|cut| [cut.theta_deg, scene.total(incidence, cut.bin)]).collect();
             let error: Vec<f64> =
-                cuts.iter().filter_map(|cut| scene.half_width_of_total(stop, cut.bin)).collect();
+                cuts.iter().filter_map(|cut| scene.half_width_of_total(incidence, cut.bin)).collect();
             let error = if error.len() == points.len() { error } else { vec![] };
             Series { error, ..Series::new(label, points, style) }
         });
         let highest =
             series.iter().flat_map(|series| &series.points).map(|point| point[1]).fold(0.0, f64::max);
-        let (theta, phi) = scan.table.grid.stop_deg(stop);
+        let (theta, phi) = scan.table.grid.incidence_deg(incidence);
         (highest > 0.0).then(|| Chart {
             title: format!("Light at theta_i {theta:.1}°, phi_i {phi:.1}°"),
             x: ChartAxis::degrees("theta_r, degrees; the mirror's side is right", [-90.0, 90.0]),
@@ -186,5 +186,5 @@ fn lobe_charts([scan, law]: [Scene; 2]) -> Vec<Chart> {
             series: series.into(),
         })
     };
-    stops.into_iter().filter_map(chart).collect()
+    incidences.into_iter().filter_map(chart).collect()
 }

@@ -22,13 +22,13 @@ pub struct Scene<'a> {
     pub realisations: usize,
 }
 
-/// Stops that share an angle of the light.
+/// Incidences that share an angle of the light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
     /// The angle that they share, degrees.
     pub angle_deg: f64,
-    /// The stops by the other angle.
-    pub stops: Vec<usize>,
+    /// The incidences by the other angle.
+    pub incidences: Vec<usize>,
 }
 
 /// A bin in the plane of incidence.
@@ -45,10 +45,10 @@ pub struct Cut {
 /// A bin between edges counts on the side whose azimuth its half-open interval holds; a circular aperture counts
 /// where the plane passes through it.
 // Tested by `the_plane_of_incidence_cuts_a_row_on_either_side`.
-fn in_plane(grid: &Grid, stop: usize) -> Vec<Cut> {
-    let phi_i = grid.stop_deg(stop).1.to_radians();
+fn in_plane(grid: &Grid, incidence: usize) -> Vec<Cut> {
+    let phi_i = grid.incidence_deg(incidence).1.to_radians();
     let mut cuts = Vec::new();
-    for (bin, region) in grid.regions(stop).iter().enumerate() {
+    for (bin, region) in grid.regions(incidence).iter().enumerate() {
         match *region {
             Region::Rectangle { theta, phi } => {
                 let middle = 0.5 * (theta[0] + theta[1]).to_degrees();
@@ -78,21 +78,21 @@ fn holds(phi: [f64; 2], azimuth: f64) -> bool {
     beyond < phi[1] - phi[0] - 1e-9
 }
 
-/// The bin nearest to the mirror direction of a stop.
-pub fn mirror_bin(grid: &Grid, stop: usize) -> Option<usize> {
-    let wi = grid.wi(stop);
+/// The bin nearest to the mirror direction of an incidence.
+pub fn mirror_bin(grid: &Grid, incidence: usize) -> Option<usize> {
+    let wi = grid.wi(incidence);
     let mirror = DVec3::new(-wi.x, -wi.y, wi.z);
     let distance = |region: &Region| region.middle().distance_squared(mirror);
-    let regions = grid.regions(stop);
+    let regions = grid.regions(incidence);
     let nearest = regions.iter().enumerate().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
     nearest.map(|(bin, _)| bin)
 }
 
 impl Scene<'_> {
     /// The bins of the plane of incidence that were measured.
-    pub fn in_plane(&self, stop: usize) -> Vec<Cut> {
-        let first = stop * self.table.grid.bins();
-        in_plane(&self.table.grid, stop)
+    pub fn in_plane(&self, incidence: usize) -> Vec<Cut> {
+        let first = incidence * self.table.grid.bins();
+        in_plane(&self.table.grid, incidence)
             .into_iter()
             .filter(|cut| !self.table.is_gap(first + cut.bin))
             .collect()
@@ -122,23 +122,23 @@ impl Scene<'_> {
     }
 
     /// Order 1 of a bin, 1/sr.
-    pub fn single(&self, stop: usize, bin: usize) -> f64 {
-        f64::from(self.channels().single[stop * self.table.grid.bins() + bin])
+    pub fn single(&self, incidence: usize, bin: usize) -> f64 {
+        f64::from(self.channels().single[incidence * self.table.grid.bins() + bin])
     }
 
     /// All orders of a bin, 1/sr.
-    pub fn total(&self, stop: usize, bin: usize) -> f64 {
-        f64::from(self.channels().total[stop * self.table.grid.bins() + bin])
+    pub fn total(&self, incidence: usize, bin: usize) -> f64 {
+        f64::from(self.channels().total[incidence * self.table.grid.bins() + bin])
     }
 
     /// Half-width of the 95 % interval of a bin's order 1, 1/sr; `None` without error bars.
-    pub fn half_width(&self, stop: usize, bin: usize) -> Option<f64> {
-        self.interval(f64::from(self.channels().stderr_single[stop * self.table.grid.bins() + bin]))
+    pub fn half_width(&self, incidence: usize, bin: usize) -> Option<f64> {
+        self.interval(f64::from(self.channels().stderr_single[incidence * self.table.grid.bins() + bin]))
     }
 
     /// The same of all orders.
-    pub fn half_width_of_total(&self, stop: usize, bin: usize) -> Option<f64> {
-        self.interval(f64::from(self.channels().stderr[stop * self.table.grid.bins() + bin]))
+    pub fn half_width_of_total(&self, incidence: usize, bin: usize) -> Option<f64> {
+        self.interval(f64::from(self.channels().stderr[incidence * self.table.grid.bins() + bin]))
     }
 
     /// Half-width of the 95 % interval of what has the standard error `se` over the realisations; below 0: unknown.
@@ -147,8 +147,8 @@ impl Scene<'_> {
     }
 
     /// The mean of the model with the masking `index` over a bin, 1/sr.
-    pub fn model(&self, index: usize, stop: usize, bin: usize) -> Option<f64> {
-        Some(self.prediction?.means[stop].values[index][self.colour()][bin])
+    pub fn model(&self, index: usize, incidence: usize, bin: usize) -> Option<f64> {
+        Some(self.prediction?.means[incidence].values[index][self.colour()][bin])
     }
 
     /// Names of the maskings, in words.
@@ -158,41 +158,43 @@ impl Scene<'_> {
         })
     }
 
-    /// The stops of each azimuth of the light by theta_i; of a list of stops the azimuths with the most of them.
-    // Tested by `a_list_of_stops_is_swept_where_most_angles_share_an_azimuth`.
+    /// The incidences of each azimuth of the light by theta_i; of a list of incidences the azimuths with the most of them.
+    // Tested by `a_list_of_incidences_is_swept_where_most_angles_share_an_azimuth`.
     pub fn sweeps(&self) -> Vec<Sweep> {
         let sweeps = self.grouped(|(_, phi)| phi, |(theta, _)| theta);
-        let most = sweeps.iter().map(|sweep| sweep.stops.len()).max().unwrap_or(0);
-        sweeps.into_iter().filter(|sweep| sweep.stops.len() == most).collect()
+        let most = sweeps.iter().map(|sweep| sweep.incidences.len()).max().unwrap_or(0);
+        sweeps.into_iter().filter(|sweep| sweep.incidences.len() == most).collect()
     }
 
-    /// The stops of each polar angle of the light by azimuth.
+    /// The incidences of each polar angle of the light by azimuth.
     pub fn rounds(&self) -> Vec<Sweep> {
         self.grouped(|(theta, _)| theta, |(_, phi)| phi)
     }
 
     fn grouped(&self, by: fn((f64, f64)) -> f64, order: fn((f64, f64)) -> f64) -> Vec<Sweep> {
         let grid = &self.table.grid;
-        let mut stops: Vec<usize> = (0..grid.stops()).collect();
-        let key = |stop: usize, of: fn((f64, f64)) -> f64| of(grid.stop_deg(stop));
-        stops.sort_by(|&a, &b| {
+        let mut incidences: Vec<usize> = (0..grid.incidences()).collect();
+        let key = |incidence: usize, of: fn((f64, f64)) -> f64| of(grid.incidence_deg(incidence));
+        incidences.sort_by(|&a, &b| {
             key(a, by).total_cmp(&key(b, by)).then(key(a, order).total_cmp(&key(b, order)))
         });
-        let groups = stops.chunk_by(|&a, &b| key(a, by) == key(b, by));
-        groups.map(|stops| Sweep { angle_deg: key(stops[0], by), stops: stops.to_vec() }).collect()
+        let groups = incidences.chunk_by(|&a, &b| key(a, by) == key(b, by));
+        groups
+            .map(|incidences| Sweep { angle_deg: key(incidences[0], by), incidences: incidences.to_vec() })
+            .collect()
     }
 
     /// Whether the light comes from several azimuths.
     pub fn has_azimuths(&self) -> bool {
         let grid = &self.table.grid;
-        (1..grid.stops()).any(|stop| grid.stop_deg(stop).1 != grid.stop_deg(0).1)
+        (1..grid.incidences()).any(|incidence| grid.incidence_deg(incidence).1 != grid.incidence_deg(0).1)
     }
 
-    /// The model's flux at a stop over the incident one, the mean of all colours, as albedos of a summary are.
+    /// The model's flux at an incidence over the incident one, the mean of all colours, as albedos of a summary are.
     // Tested by `albedos_of_colours_are_means_in_measurement_and_model` (tests/it/report.rs).
-    pub fn model_albedo(&self, index: usize, stop: usize) -> Option<f64> {
-        let colours = &self.prediction?.means[stop].values[index];
-        let sizes = self.table.grid.sizes(stop);
+    pub fn model_albedo(&self, index: usize, incidence: usize) -> Option<f64> {
+        let colours = &self.prediction?.means[incidence].values[index];
+        let sizes = self.table.grid.sizes(incidence);
         let flux = |means: &Vec<f64>| means.iter().zip(&sizes).map(|(mean, size)| mean * size).sum::<f64>();
         Some(colours.iter().map(flux).sum::<f64>() / colours.len() as f64)
     }
@@ -218,8 +220,8 @@ mod tests {
     #[test]
     fn the_plane_of_incidence_cuts_a_row_on_either_side() {
         // Columns of 45 degrees: light at 0 lies on the lower edge of column 0, its mirror at 180 on that of 4.
-        for (stop, light, mirror) in [(0, 0, 4), (1, 1, 5)] {
-            let cuts = in_plane(&grid(), stop);
+        for (incidence, light, mirror) in [(0, 0, 4), (1, 1, 5)] {
+            let cuts = in_plane(&grid(), incidence);
             let found: Vec<(i64, usize)> = cuts.iter().map(|c| (c.theta_deg.round() as i64, c.bin)).collect();
             let wanted = [
                 (-65, 16 + light),
@@ -229,7 +231,7 @@ mod tests {
                 (30, 8 + mirror),
                 (65, 16 + mirror),
             ];
-            assert_eq!(found, wanted, "stop {stop}");
+            assert_eq!(found, wanted, "incidence {incidence}");
         }
     }
 
@@ -251,14 +253,14 @@ mod tests {
     }
 
     #[test]
-    fn a_list_of_stops_is_swept_where_most_angles_share_an_azimuth() {
+    fn a_list_of_incidences_is_swept_where_most_angles_share_an_azimuth() {
         let list = Grid {
             theta_i_deg: vec![],
             phi_i_deg: vec![],
-            stops_deg: vec![[0.0, 180.0], [20.0, 180.0], [20.0, 0.0], [40.0, 270.0], [40.0, 180.0]],
+            incidences_deg: vec![[0.0, 180.0], [20.0, 180.0], [20.0, 0.0], [40.0, 270.0], [40.0, 180.0]],
             ..grid()
         };
-        let bins = list.bins() * list.stops();
+        let bins = list.bins() * list.incidences();
         let table = BrdfTable {
             grid: list,
             campaign: String::new(),
@@ -270,8 +272,8 @@ mod tests {
             schlick: None,
         };
         let scene = Scene { table: &table, prediction: None, realisations: 0 };
-        assert_eq!(scene.sweeps(), [Sweep { angle_deg: 180.0, stops: vec![0, 1, 4] }]);
-        let rounds: Vec<Vec<usize>> = scene.rounds().into_iter().map(|round| round.stops).collect();
+        assert_eq!(scene.sweeps(), [Sweep { angle_deg: 180.0, incidences: vec![0, 1, 4] }]);
+        let rounds: Vec<Vec<usize>> = scene.rounds().into_iter().map(|round| round.incidences).collect();
         assert_eq!(rounds, [vec![0], vec![2, 1], vec![4, 3]]);
         assert!(scene.has_azimuths());
     }

@@ -1,6 +1,6 @@
 //! The test of isotropy: harmonics of the half vector's azimuth over a whole turn, realisation by realisation.
 //!
-//! For every realisation z_m = sum over stops and bins of f w K_m(r) exp(-i m phi_h)/norm, with phi_h the azimuth and r
+//! For every realisation z_m = sum over incidences and bins of f w K_m(r) exp(-i m phi_h)/norm, with phi_h the azimuth and r
 //! the slope (in medians) of the bin's half vector, K_m = (r^2/(1 + r^2))^(m/2): for m = 2 that is the score of a GGX law
 //! that is stretched. Where no azimuth is preferred, f depends on the bin and theta_i alone, and the evenly spaced turns
 //! make E z_m = 0 exactly, whatever the BRDF, the masking or the bins. Realisations are independent, sums over thousands
@@ -77,9 +77,9 @@ fn harmonic(data: &FitData, guess: &Pilot, order: u32) -> AzimuthHarmonic {
 fn kernel(data: &FitData, guess: &Pilot, order: u32) -> Vec<[f64; 2]> {
     let (grid, median, eta) = (&data.grid, guess.log_alpha.exp(), guess.eta(data));
     let mut kernel = Vec::with_capacity(data.size.len());
-    for stop in 0..grid.stops() {
-        let wi = grid.wi(stop);
-        for region in grid.regions(stop) {
+    for incidence in 0..grid.incidences() {
+        let wi = grid.wi(incidence);
+        for region in grid.regions(incidence) {
             let h = half_vector(wi, region.middle(), eta);
             if h.z <= 0.0 {
                 kernel.push([0.0; 2]);
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn the_level_of_the_test_is_exact() {
-        let id = StreamId { seed: 3, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 };
+        let id = StreamId { seed: 3, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 };
         let mut stream = rng::stream(id);
         for count in [4, 8, 16] {
             let trials = 40_000;

@@ -8,9 +8,9 @@ use serde::Serialize;
 use crate::fit::FitData;
 use crate::stats;
 
-/// The index of all stops with one theta_i.
+/// The index of all incidences with one theta_i.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct StopIndex {
+pub struct IncidenceIndex {
     /// Polar angle of the light.
     pub theta_i_deg: f64,
     /// The index.
@@ -34,12 +34,12 @@ pub struct Worst {
 
 /// The index of a whole study.
 pub(super) struct IndexOfStudy {
-    /// Of all stops.
+    /// Of all incidences.
     pub value: f64,
     /// Standard error.
     pub se: Option<f64>,
     /// By theta_i.
-    pub stops: Vec<StopIndex>,
+    pub incidences: Vec<IncidenceIndex>,
     /// Where it is largest; `None` where nothing is left above the noise.
     pub worst: Option<Worst>,
 }
@@ -56,13 +56,16 @@ pub(super) fn index(data: &FitData) -> IndexOfStudy {
     let (bins, turns) = (data.grid.bins(), data.grid.phi_i_deg.len());
     let count = data.parts.len();
     let mut all = vec![0.0; count + 1];
-    let (mut flux, mut stops, mut worst) = (0.0, Vec::new(), None::<(f64, Worst)>);
+    let (mut flux, mut incidences, mut worst) = (0.0, Vec::new(), None::<(f64, Worst)>);
     for (row, &theta_i_deg) in data.grid.theta_i_deg.iter().enumerate() {
         let (mut here, mut here_flux) = (vec![0.0; count + 1], 0.0);
         for bin in 0..bins {
             for colour in 0..data.value.len() {
-                let turned =
-                    turned(data, colour, (row * turns..(row + 1) * turns).map(|stop| stop * bins + bin));
+                let turned = turned(
+                    data,
+                    colour,
+                    (row * turns..(row + 1) * turns).map(|incidence| incidence * bins + bin),
+                );
                 let w = data.size[row * turns * bins + bin];
                 here.iter_mut().zip(&turned.square).for_each(|(sum, square)| *sum += w * square);
                 here_flux += w * turned.mean_square;
@@ -75,12 +78,12 @@ pub(super) fn index(data: &FitData) -> IndexOfStudy {
             }
         }
         let (anisotropy_index, anisotropy_index_se) = root(&here, here_flux);
-        stops.push(StopIndex { theta_i_deg, anisotropy_index, anisotropy_index_se });
+        incidences.push(IncidenceIndex { theta_i_deg, anisotropy_index, anisotropy_index_se });
         all.iter_mut().zip(&here).for_each(|(sum, here)| *sum += here);
         flux += here_flux;
     }
     let (value, se) = root(&all, flux);
-    IndexOfStudy { value, se, stops, worst: worst.map(|(_, worst)| worst) }
+    IndexOfStudy { value, se, incidences, worst: worst.map(|(_, worst)| worst) }
 }
 
 /// The index and its error from the squares with all realisations and without each. Near 0 the error of the square

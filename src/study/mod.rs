@@ -9,7 +9,7 @@ mod index;
 pub mod turned;
 
 pub use harmonics::{AzimuthHarmonic, hotelling_p};
-pub use index::{StopIndex, Worst};
+pub use index::{IncidenceIndex, Worst};
 pub use turned::turned;
 
 use serde::Serialize;
@@ -58,7 +58,8 @@ pub struct Study {
     /// Harmonics of the half vector's azimuth, orders 1 to 4; p_value is of those that count.
     pub harmonics: Vec<AzimuthHarmonic>,
     /// The index of each theta_i.
-    pub stops: Vec<StopIndex>,
+    #[serde(rename = "stops")]
+    pub incidences: Vec<IncidenceIndex>,
     /// Where the isotropic assumption costs most.
     pub worst: Option<Worst>,
 }
@@ -99,7 +100,7 @@ pub fn examine_isotropy(measured: &Measured) -> Study {
         realisations: data.parts.len(),
         turns: data.grid.phi_i_deg.len(),
         harmonics,
-        stops: index.stops,
+        incidences: index.incidences,
         worst: index.worst,
         ..Study::default()
     }

@@ -13,7 +13,7 @@ const EVEN_DEG: f64 = 1e-6;
 
 /// The campaign and the plan of a study.
 ///
-/// Turning the light by phi over the still sample is turning the sample by -phi under the still light: the stops are
+/// Turning the light by phi over the still sample is turning the sample by -phi under the still light: the incidences are
 /// those azimuths, and the bins count phi_r from the light. One measurement then serves every turn with the same
 /// patches. Mirror images and folding are off; averages over azimuth too.
 ///

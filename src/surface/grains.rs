@@ -255,7 +255,7 @@ mod tests {
     use crate::rng::{Purpose, StreamId, stream};
 
     fn patch(coverage: f64, realisation: u64) -> GrainField {
-        let id = StreamId { seed: 3, purpose: Purpose::Test, realisation, stop: 0, block: 0 };
+        let id = StreamId { seed: 3, purpose: Purpose::Test, realisation, incidence: 0, block: 0 };
         GrainField::random(usual_side(coverage), coverage, false, &mut stream(id))
     }
 
@@ -281,7 +281,7 @@ mod tests {
     fn a_grain_is_found_from_every_cell_that_it_reaches_into() {
         let field = patch(0.5, 0);
         let mut places =
-            stream(StreamId { seed: 4, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 });
+            stream(StreamId { seed: 4, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 });
         for _ in 0..2000 {
             let at = DVec2::new(rng::uniform(&mut places), rng::uniform(&mut places)) * field.side();
             let square = |&centre: &DVec2| {

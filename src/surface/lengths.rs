@@ -102,7 +102,7 @@ fn canonical(surface: &Surface, law: SlopeLaw) -> CanonicalLengths {
         let [rms_height, curvature] = Synthesiser::gaussian_moments(cells, correlation, spectrum);
         return CanonicalLengths { rms_height, correlation, curvature: mean_of_gaussian(curvature) };
     }
-    let id = StreamId { seed: 0, purpose: Purpose::Surface, realisation: 0, stop: 0, block: 0 };
+    let id = StreamId { seed: 0, purpose: Purpose::Surface, realisation: 0, incidence: 0, block: 0 };
     let small = cells as f64 / correlation < CELLS as f64 / CORRELATION;
     let (side, bumps) = if small { (cells, correlation) } else { (CELLS, CORRELATION) };
     let patch =

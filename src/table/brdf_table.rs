@@ -3,7 +3,7 @@
 use crate::instrument::Grid;
 use crate::stats;
 
-/// A measured (or imported) BRDF table. Every channel is row-major: `stop * bins + bin`.
+/// A measured (or imported) BRDF table. Every channel is row-major: `incidence * bins + bin`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrdfTable {
     /// Which incidences and bins.
@@ -130,10 +130,11 @@ impl BrdfTable {
             return self;
         }
         let bins = self.grid.bins();
-        for stop in 0..self.grid.stops() {
-            let sizes = self.grid.sizes(stop);
+        for incidence in 0..self.grid.incidences() {
+            let sizes = self.grid.sizes(incidence);
             for (colour, channels) in self.colours.iter_mut().enumerate() {
-                let flux = |part: &RealisationPart| flux(&part.total[colour][stop * bins..][..bins], &sizes);
+                let flux =
+                    |part: &RealisationPart| flux(&part.total[colour][incidence * bins..][..bins], &sizes);
                 let (_, se) = stats::mean_and_se(parts.iter().map(flux));
                 channels.albedo_se.extend(se.map(|se| se as f32));
             }

@@ -54,9 +54,9 @@ impl Plane<'_> {
     }
 }
 
-/// A table's channels by name, the first row being that of `first_stop`; each must fit the grid and be finite.
-pub(crate) fn planes(table: &BrdfTable, first_stop: usize) -> Checked<BTreeMap<String, Plane<'_>>> {
-    let (stops, bins) = check_grid(&table.grid)?;
+/// A table's channels by name, the first row being that of `first_incidence`; each must fit the grid and be finite.
+pub(crate) fn planes(table: &BrdfTable, first_incidence: usize) -> Checked<BTreeMap<String, Plane<'_>>> {
+    let (incidences, bins) = check_grid(&table.grid)?;
     let mut planes = BTreeMap::new();
     for (name, colour) in distinct_names(table)?.iter().zip(&table.colours) {
         planes.insert(name.clone(), Plane::F32(&colour.total));
@@ -81,11 +81,11 @@ pub(crate) fn planes(table: &BrdfTable, first_stop: usize) -> Checked<BTreeMap<S
     planes.extend(sums.map(|(name, values)| (name, Plane::F32(values))));
     planes.insert("hits".into(), Plane::U32(&table.hits));
     for (name, plane) in &planes {
-        if plane.len() != stops * bins {
-            return Err(wrong!("channel `{name}` has {} values, {} needed", plane.len(), stops * bins));
+        if plane.len() != incidences * bins {
+            return Err(wrong!("channel `{name}` has {} values, {} needed", plane.len(), incidences * bins));
         }
         if let Plane::F32(values) = plane {
-            check_finite(name, values, bins, first_stop)?;
+            check_finite(name, values, bins, first_incidence)?;
         }
     }
     Ok(planes)
@@ -102,21 +102,23 @@ pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Checke
     Ok(())
 }
 
-/// Takes a FLOAT channel out of a part, the first row of which is that of `first_stop`; its values must be finite.
-pub(super) fn take(part: &mut ImagePart, name: &str, first_stop: usize) -> Checked<Vec<f32>> {
+/// Takes a FLOAT channel out of a part, the first row of which is that of `first_incidence`; its values must be finite.
+pub(super) fn take(part: &mut ImagePart, name: &str, first_incidence: usize) -> Checked<Vec<f32>> {
     match part.channels.remove(name) {
-        Some(Samples::F32(values)) => check_finite(name, &values, part.width, first_stop).map(|()| values),
+        Some(Samples::F32(values)) => {
+            check_finite(name, &values, part.width, first_incidence).map(|()| values)
+        }
         Some(Samples::F16(_)) => Err(wrong!("channel `{name}` is HALF, FLOAT needed")),
         Some(Samples::U32(_)) => Err(wrong!("channel `{name}` is UINT, FLOAT needed")),
         None => Err(wrong!("channel `{name}` is missing")),
     }
 }
 
-fn check_finite(name: &str, values: &[f32], width: usize, first_stop: usize) -> Checked<()> {
+fn check_finite(name: &str, values: &[f32], width: usize, first_incidence: usize) -> Checked<()> {
     match values.iter().position(|value| !value.is_finite()) {
         Some(at) => {
-            let (stop, bin, value) = (first_stop + at / width, at % width, values[at]);
-            Err(wrong!("channel `{name}`, incidence {stop}, bin {bin}: {value} is not a finite number"))
+            let (incidence, bin, value) = (first_incidence + at / width, at % width, values[at]);
+            Err(wrong!("channel `{name}`, incidence {incidence}, bin {bin}: {value} is not a finite number"))
         }
         None => Ok(()),
     }
@@ -164,21 +166,22 @@ pub(super) fn insert_schlick(
 }
 
 /// Takes the sums of Schlick's formula, where they are there.
-pub(super) fn take_schlick(part: &mut ImagePart, first_stop: usize) -> Checked<Option<SchlickSums>> {
+pub(super) fn take_schlick(part: &mut ImagePart, first_incidence: usize) -> Checked<Option<SchlickSums>> {
     SchlickSums::gathered(|name| match part.channels.contains_key(name) {
-        true => take(part, name, first_stop).map(Some),
+        true => take(part, name, first_incidence).map(Some),
         false => Ok(None),
     })
 }
 
 /// Sets the errors of albedos where there are any: every number as wide as the next, so that the length of the text is
 /// known before the numbers are.
-pub(super) fn set_albedo_errors(part: &mut ImagePart, errors: &[Vec<f32>], stops: usize) {
+pub(super) fn set_albedo_errors(part: &mut ImagePart, errors: &[Vec<f32>], incidences: usize) {
     if errors.iter().any(Vec::is_empty) {
         return;
     }
-    let of_stop = |stop: usize| errors.iter().map(move |colour| colour.get(stop).copied().unwrap_or(0.0));
-    let numbers = (0..stops).flat_map(of_stop).map(|se| format!("{se:>15.8e}"));
+    let of_incidence =
+        |incidence: usize| errors.iter().map(move |colour| colour.get(incidence).copied().unwrap_or(0.0));
+    let numbers = (0..incidences).flat_map(of_incidence).map(|se| format!("{se:>15.8e}"));
     part.set_text(ALBEDO_SE, &numbers.collect::<Vec<_>>().join("\n"));
 }
 
@@ -186,7 +189,7 @@ pub(super) fn set_albedo_errors(part: &mut ImagePart, errors: &[Vec<f32>], stops
 pub(super) fn albedo_errors(
     part: &ImagePart,
     colours: usize,
-    stops: &[usize],
+    incidences: &[usize],
     of: usize,
 ) -> Checked<Vec<Vec<f32>>> {
     let Some(text) = part.text(ALBEDO_SE) else { return Ok(vec![Vec::new(); colours]) };
@@ -195,7 +198,8 @@ pub(super) fn albedo_errors(
     let all = all.filter(|all| all.len() == of * colours).ok_or_else(|| {
         format!("{ALBEDO_SE}: {} numbers from 0 up needed, one for each incidence and colour", of * colours)
     })?;
-    let of_colour = |colour: usize| stops.iter().map(|stop| all[stop * colours + colour]).collect();
+    let of_colour =
+        |colour: usize| incidences.iter().map(|incidence| all[incidence * colours + colour]).collect();
     Ok((0..colours).map(of_colour).collect())
 }
 

@@ -10,7 +10,7 @@ use super::BrdfTable;
 pub const NOT_MEASURED: f32 = -2.0;
 
 impl BrdfTable {
-    /// Whether an entry (`stop * bins + bin`) was not measured.
+    /// Whether an entry (`incidence * bins + bin`) was not measured.
     pub fn is_gap(&self, entry: usize) -> bool {
         self.colours[0].stderr.get(entry) == Some(&NOT_MEASURED)
     }

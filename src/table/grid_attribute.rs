@@ -14,7 +14,7 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
     if grid.kind == GridKind::HalfDifference {
         return half_difference(grid);
     }
-    if grid.stops_deg.is_empty() {
+    if grid.incidences_deg.is_empty() {
         axis("theta_i_deg", &grid.theta_i_deg, 1, 0.0..=90.0)?;
         axis("phi_i_deg", &grid.phi_i_deg, 1, -360.0..=360.0)?;
     } else {
@@ -23,7 +23,7 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
                 "{GRID}: stops_deg next to the axes theta_i_deg and phi_i_deg: only one is allowed"
             ));
         }
-        directions("stops_deg", &grid.stops_deg, 90.0)?;
+        directions("stops_deg", &grid.incidences_deg, 90.0)?;
     }
     match grid.kind {
         GridKind::Hemisphere => {
@@ -42,12 +42,12 @@ pub fn check_grid(grid: &Grid) -> Checked<(usize, usize)> {
         GridKind::Patches => patches(&grid.patches_deg)?,
         GridKind::HalfDifference => {}
     }
-    Ok((grid.stops(), grid.bins()))
+    Ok((grid.incidences(), grid.bins()))
 }
 
 /// Axes of half vectors and differences; others are of no use next to them.
 fn half_difference(grid: &Grid) -> Checked<(usize, usize)> {
-    if !(grid.theta_i_deg.is_empty() && grid.phi_i_deg.is_empty() && grid.stops_deg.is_empty()) {
+    if !(grid.theta_i_deg.is_empty() && grid.phi_i_deg.is_empty() && grid.incidences_deg.is_empty()) {
         return Err(wrong!("{GRID}: incidences next to half/difference angles: only one is allowed"));
     }
     let axes = [
@@ -63,7 +63,7 @@ fn half_difference(grid: &Grid) -> Checked<(usize, usize)> {
             return Err(wrong!("{GRID}: {name} = {most} already exists, as 0"));
         }
     }
-    Ok((grid.stops(), grid.bins()))
+    Ok((grid.incidences(), grid.bins()))
 }
 
 fn axis(name: &str, values: &[f64], least: usize, range: std::ops::RangeInclusive<f64>) -> Checked<()> {
@@ -120,12 +120,14 @@ pub(super) fn grid_text(grid: &Grid) -> Checked<String> {
 pub(super) fn read_grid(part: &ImagePart) -> Checked<Grid> {
     let text = part.text(GRID).ok_or_else(|| format!("no {GRID} attribute: not a table of this program"))?;
     let grid: Grid = serde_json::from_str(text).map_err(|e| format!("{GRID}: {e}"))?;
-    let (stops, bins) = check_grid(&grid)?;
-    if (stops, bins) == (part.height, part.width) {
+    let (incidences, bins) = check_grid(&grid)?;
+    if (incidences, bins) == (part.height, part.width) {
         return Ok(grid);
     }
     let (width, height) = (part.width, part.height);
-    Err(wrong!("{GRID} says {stops} incidences and {bins} bins, the image is {width} wide and {height} high"))
+    Err(wrong!(
+        "{GRID} says {incidences} incidences and {bins} bins, the image is {width} wide and {height} high"
+    ))
 }
 
 #[cfg(test)]

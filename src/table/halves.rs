@@ -22,8 +22,8 @@ impl BrdfTable {
     }
 
     fn part(&self, half: &Half) -> BrdfTable {
-        let stops = self.grid.stops();
-        let of = |values: &Vec<f32>| half.of(values, stops);
+        let incidences = self.grid.incidences();
+        let of = |values: &Vec<f32>| half.of(values, incidences);
         let colour = |colour: &ColourChannels| ColourChannels {
             total: of(&colour.total),
             single: of(&colour.single),
@@ -39,7 +39,7 @@ impl BrdfTable {
         };
         BrdfTable {
             colours: self.colours.iter().map(colour).collect(),
-            hits: half.of(&self.hits, stops),
+            hits: half.of(&self.hits, incidences),
             ..self.header(&half.grid)
         }
     }
@@ -87,13 +87,13 @@ impl BrdfTable {
 }
 
 impl Realisations {
-    /// The same part of the incidences of `grid` in every realisation; the first of them is that of `first_stop`.
-    pub fn half(&self, grid: &Grid, first_stop: usize, below: bool) -> Option<Realisations> {
+    /// The same part of the incidences of `grid` in every realisation; the first of them is that of `first_incidence`.
+    pub fn half(&self, grid: &Grid, first_incidence: usize, below: bool) -> Option<Realisations> {
         let half = grid.half(below)?;
-        let (bins, stops) = (grid.bins(), grid.stops());
-        let here = first_stop * bins..(first_stop + stops) * bins;
+        let (bins, incidences) = (grid.bins(), grid.incidences());
+        let here = first_incidence * bins..(first_incidence + incidences) * bins;
         let of = |colours: &Vec<Vec<f32>>| {
-            colours.iter().map(|values| half.of(&values[here.clone()], stops)).collect()
+            colours.iter().map(|values| half.of(&values[here.clone()], incidences)).collect()
         };
         let part = |part: &RealisationPart| RealisationPart {
             total: of(&part.total),

@@ -66,12 +66,12 @@ impl RealisationsFile {
 /// Pixels of so many f32 `channels` that do not compress at all, and the headers.
 // Tested by `the_size_said_beforehand_is_never_exceeded`.
 pub fn file_bytes(grid: &Grid, channels: usize, parts: usize) -> u64 {
-    let (stops, bins) = (grid.stops() as u64, grid.bins() as u64);
+    let (incidences, bins) = (grid.incidences() as u64, grid.bins() as u64);
     let channels = channels as u64;
-    let pixels = stops.saturating_mul(bins).saturating_mul(channels * 4);
+    let pixels = incidences.saturating_mul(bins).saturating_mul(channels * 4);
     let text = grid_attribute::grid_text(grid).map_or(0, |text| text.len() as u64);
     let header = 1024 + text + 48 * channels;
-    let chunks = stops.div_ceil(16) * 20;
+    let chunks = incidences.div_ceil(16) * 20;
     pixels.saturating_add(header + chunks).saturating_mul(parts as u64).saturating_add(16)
 }
 

@@ -121,10 +121,10 @@ fn without_errors(table: &BrdfTable, sums: &SchlickSums, f0: f64) -> ColourChann
 /// carries what those of its incidence carry in the mean, as `measure` has it.
 fn empty_bin_errors(table: &BrdfTable, sums: &SchlickSums) -> Vec<f32> {
     let bins = table.grid.bins();
-    let of_stop = |stop: usize| {
-        let regions = table.grid.regions(stop);
+    let of_incidence = |incidence: usize| {
+        let regions = table.grid.regions(incidence);
         let sizes: Vec<f64> = regions.iter().map(|region| region.projected_solid_angle()).collect();
-        let first = stop * bins;
+        let first = incidence * bins;
         let flux: f64 = sizes.iter().zip(first..).map(|(size, at)| size * of_total(sums, 1.0, at)).sum();
         let hits: f64 = table.hits[first..first + bins].iter().map(|&hits| f64::from(hits)).sum();
         let error = move |(size, at): (f64, usize)| match table.hits[at] {
@@ -133,5 +133,5 @@ fn empty_bin_errors(table: &BrdfTable, sums: &SchlickSums) -> Vec<f32> {
         };
         sizes.into_iter().zip(first..).map(error)
     };
-    (0..table.grid.stops()).flat_map(of_stop).collect()
+    (0..table.grid.incidences()).flat_map(of_incidence).collect()
 }

@@ -114,20 +114,23 @@ impl TableRows {
 
     /// The rows of some incidences, in increasing order, as a table of these incidences.
     // Tested by `bands_of_a_table_are_its_rows` (tests/it/table/large_tables.rs).
-    pub fn take(&mut self, stops: &[usize]) -> Result<BrdfTable> {
+    pub fn take(&mut self, incidences: &[usize]) -> Result<BrdfTable> {
         let path = self.path.clone();
-        self.rows_of(stops).map_err(|why| Error::format(&path, why))
+        self.rows_of(incidences).map_err(|why| Error::format(&path, why))
     }
 
-    fn rows_of(&mut self, stops: &[usize]) -> Checked<BrdfTable> {
-        let whole = stops.len() == self.outline.height;
-        let grid =
-            if whole { Some(self.grid().clone()) } else { self.grid().of_stops(stops.iter().copied()) };
+    fn rows_of(&mut self, incidences: &[usize]) -> Checked<BrdfTable> {
+        let whole = incidences.len() == self.outline.height;
+        let grid = if whole {
+            Some(self.grid().clone())
+        } else {
+            self.grid().of_incidences(incidences.iter().copied())
+        };
         let grid = grid.ok_or("half/difference angles are not read by rows")?;
-        let mut part = ImagePart { height: stops.len(), ..self.outline.clone() };
+        let mut part = ImagePart { height: incidences.len(), ..self.outline.clone() };
         image::reserve(&mut part)?;
         let rows = self.blocks.rows(0);
-        for wanted in stops.chunk_by(|a, b| a / rows == b / rows) {
+        for wanted in incidences.chunk_by(|a, b| a / rows == b / rows) {
             let block = self.blocks.read(0, wanted[0] / rows)?;
             for (name, row, values) in block.lines() {
                 if let (true, Some(samples)) = (wanted.contains(&row), part.channels.get_mut(name)) {
@@ -136,13 +139,13 @@ impl TableRows {
             }
         }
         let of = self.outline.height;
-        store::filled(BrdfTable { grid, ..self.empty.clone() }, &mut part, &self.names, (stops, of))
+        store::filled(BrdfTable { grid, ..self.empty.clone() }, &mut part, &self.names, (incidences, of))
     }
 }
 
-/// Ranges of `stops` that hold `bytes` when an incidence takes `row_bytes`, in multiples of `together`.
-pub fn bands(stops: usize, together: usize, bytes: u64, row_bytes: u64) -> Vec<Range<usize>> {
+/// Ranges of `incidences` that hold `bytes` when an incidence takes `row_bytes`, in multiples of `together`.
+pub fn bands(incidences: usize, together: usize, bytes: u64, row_bytes: u64) -> Vec<Range<usize>> {
     let fit = usize::try_from(bytes / row_bytes.max(1)).unwrap_or(usize::MAX);
     let step = (fit / together * together).max(together);
-    (0..stops).step_by(step).map(|first| first..first.saturating_add(step).min(stops)).collect()
+    (0..incidences).step_by(step).map(|first| first..first.saturating_add(step).min(incidences)).collect()
 }

@@ -88,9 +88,9 @@ pub fn digest(table: &BrdfTable) -> Result<String> {
     let bins = table.grid.bins();
     let mut bytes = Vec::new();
     for (name, plane) in &planes {
-        for stop in 0..table.grid.stops() {
+        for incidence in 0..table.grid.incidences() {
             bytes.clear();
-            plane.bytes(stop * bins..(stop + 1) * bins, &mut bytes);
+            plane.bytes(incidence * bins..(incidence + 1) * bins, &mut bytes);
             content.add(name, &plane.kind(), &bytes);
         }
     }
@@ -101,7 +101,7 @@ pub fn digest(table: &BrdfTable) -> Result<String> {
 ///
 /// ```no_run
 /// let table = gonio::table::store::load("out/quickstart/quickstart.exr".as_ref())?.table;
-/// println!("{} incidences of {} bins", table.grid.stops(), table.grid.bins());
+/// println!("{} incidences of {} bins", table.grid.incidences(), table.grid.bins());
 /// # Ok::<(), gonio::error::Error>(())
 /// ```
 pub fn load(path: &Path) -> Result<Loaded> {
@@ -177,21 +177,21 @@ pub(super) fn header(part: &mut ImagePart) -> Checked<TableHeader> {
 /// out.
 pub(crate) fn of_channels(empty: BrdfTable, mut part: ImagePart) -> Checked<BrdfTable> {
     let names = channels::colour_names(&part)?;
-    let stops: Vec<usize> = (0..part.height).collect();
-    filled(empty, &mut part, &names, (&stops, stops.len()))
+    let incidences: Vec<usize> = (0..part.height).collect();
+    filled(empty, &mut part, &names, (&incidences, incidences.len()))
 }
 
-/// The table with the channels of `part`, whose rows are those of some `stops`, of so many in the file.
+/// The table with the channels of `part`, whose rows are those of some `incidences`, of so many in the file.
 pub(super) fn filled(
     empty: BrdfTable,
     part: &mut ImagePart,
     names: &[ColourName],
-    (stops, of): (&[usize], usize),
+    (incidences, of): (&[usize], usize),
 ) -> Checked<BrdfTable> {
-    let first_stop = stops.first().copied().unwrap_or(0);
-    let errors = channels::albedo_errors(part, names.len(), stops, of)?;
+    let first_incidence = incidences.first().copied().unwrap_or(0);
+    let errors = channels::albedo_errors(part, names.len(), incidences, of)?;
     let mut colour = |(name, albedo_se)| {
-        take_colour(part, name, first_stop).map(|colour| ColourChannels { albedo_se, ..colour })
+        take_colour(part, name, first_incidence).map(|colour| ColourChannels { albedo_se, ..colour })
     };
     let colours = names.iter().zip(errors).map(&mut colour).collect::<Checked<_>>()?;
     let hits = match part.channels.remove("hits") {
@@ -199,7 +199,7 @@ pub(super) fn filled(
         Some(_) => return Err("channel `hits` is not UINT".into()),
         None => return Err("channel `hits` is missing".into()),
     };
-    let schlick = channels::take_schlick(part, first_stop)?;
+    let schlick = channels::take_schlick(part, first_incidence)?;
     Ok(BrdfTable { colours, hits, schlick, ..empty })
 }
 
@@ -223,7 +223,7 @@ pub(super) fn outline(
     part.set_text(SEED, &table.seed.to_string());
     part.set_text(PATCH_DIGEST, &table.patch_digest);
     let errors: Vec<Vec<f32>> = table.colours.iter().map(|colour| colour.albedo_se.clone()).collect();
-    channels::set_albedo_errors(&mut part, &errors, grid.stops());
+    channels::set_albedo_errors(&mut part, &errors, grid.incidences());
     Ok(part)
 }
 

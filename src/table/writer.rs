@@ -25,7 +25,7 @@ pub struct TableWriter<W> {
     /// Errors of the albedos by colour.
     albedo_se: Vec<Vec<f32>>,
     /// Incidences taken so far.
-    stops: usize,
+    incidences: usize,
     path: PathBuf,
 }
 
@@ -44,22 +44,22 @@ impl<W: Write + Seek> TableWriter<W> {
         let rows = RowWriter::new(out, outline.clone()).map_err(|e| Error::io(path, e))?;
         let (content, patch_digest) = (ContentDigest::default(), like.patch_digest.clone());
         let albedo_se = vec![Vec::new(); like.colours.len()];
-        Ok(TableWriter { rows, content, outline, patch_digest, albedo_se, stops: 0, path: path.into() })
+        Ok(TableWriter { rows, content, outline, patch_digest, albedo_se, incidences: 0, path: path.into() })
     }
 
     /// Adds the rows of the next incidences. NaN and infinite values are refused.
     pub fn append(&mut self, band: &BrdfTable) -> Result<()> {
-        let planes = channels::planes(band, self.stops).map_err(refused)?;
+        let planes = channels::planes(band, self.incidences).map_err(refused)?;
         if band.patch_digest != self.patch_digest {
             return Err(Error::Internal("bands of different patches do not make a table".into()));
         }
         let bins = band.grid.bins();
-        for stop in 0..band.grid.stops() {
+        for incidence in 0..band.grid.incidences() {
             let content = &mut self.content;
             let fill = |name: &str, out: &mut Vec<u8>| {
                 let Some(plane) = planes.get(name) else { return };
                 let before = out.len();
-                plane.bytes(stop * bins..(stop + 1) * bins, out);
+                plane.bytes(incidence * bins..(incidence + 1) * bins, out);
                 content.add(name, &plane.kind(), &out[before..]);
             };
             self.rows.row(fill).map_err(|e| Error::io(&self.path, e))?;
@@ -67,13 +67,13 @@ impl<W: Write + Seek> TableWriter<W> {
         for (all, colour) in self.albedo_se.iter_mut().zip(&band.colours) {
             all.extend(&colour.albedo_se);
         }
-        self.stops += band.grid.stops();
+        self.incidences += band.grid.incidences();
         Ok(())
     }
 
     /// Completes the header, and hands back the file and the table's digest.
     pub fn finish(mut self) -> Result<(W, String)> {
-        channels::set_albedo_errors(&mut self.outline, &self.albedo_se, self.stops);
+        channels::set_albedo_errors(&mut self.outline, &self.albedo_se, self.incidences);
         let digest = self.content.finish(&self.outline);
         self.outline.set_text(DIGEST, &digest);
         let out = self.rows.finish(&self.outline).map_err(|e| Error::io(&self.path, e))?;

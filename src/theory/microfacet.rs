@@ -87,7 +87,8 @@ mod tests {
 
     #[test]
     fn swapped_arms_give_the_same_bits() {
-        let mut rng = stream(StreamId { seed: 7, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 });
+        let mut rng =
+            stream(StreamId { seed: 7, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 });
         let materials = [
             Fresnel::Perfect,
             Fresnel::Schlick { f0: 0.04 },

@@ -186,7 +186,8 @@ mod tests {
 
     #[test]
     fn light_goes_back_as_it_came() {
-        let mut rng = stream(StreamId { seed: 8, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 });
+        let mut rng =
+            stream(StreamId { seed: 8, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 });
         let mut seen = 0;
         for pair in 0..100_000usize {
             let mut number = |scale: f64| scale * uniform(&mut rng);

@@ -26,12 +26,13 @@ pub struct Comparison {
     pub masking: String,
     /// What is compared: `single`, order 1 of light that comes back; `single_through`, of light that has gone through.
     pub scope: String,
-    /// Means over stops and colours of the figures below.
+    /// Means over incidences and colours of the figures below.
     #[serde(flatten)]
     pub figures: Figures,
-    /// Each stop.
-    pub stops: Vec<StopComparison>,
-    /// Mean over stops and colours of what each realisation adds to `l1_model`; one entry where they are not known.
+    /// Each incidence.
+    #[serde(rename = "stops")]
+    pub incidences: Vec<IncidenceComparison>,
+    /// Mean over incidences and colours of what each realisation adds to `l1_model`; one entry where they are not known.
     #[serde(skip)]
     pub by_part: Vec<f64>,
 }
@@ -59,10 +60,10 @@ pub struct Figures {
     pub l2_model_sq: Option<f64>,
 }
 
-/// One stop of a comparison.
+/// One incidence of a comparison.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-pub struct StopComparison {
+pub struct IncidenceComparison {
     /// Polar angle of the light.
     pub theta_i_deg: f64,
     /// Azimuth of the light.
@@ -86,8 +87,8 @@ pub struct StopComparison {
     pub by_part: Vec<f64>,
 }
 
-/// One colour of one stop.
-pub struct StopData<'a> {
+/// One colour of one incidence.
+pub struct IncidenceData<'a> {
     /// Measured.
     pub value: &'a [f32],
     /// Standard errors, -1: not available.
@@ -106,7 +107,7 @@ pub struct StopData<'a> {
     pub parts: Vec<&'a [f32]>,
 }
 
-/// What one colour of one stop shows.
+/// What one colour of one incidence shows.
 #[derive(Debug, Clone, Default)]
 pub struct ColourFigures {
     /// The error measures.
@@ -123,8 +124,8 @@ pub struct ColourFigures {
     pub by_part: Vec<f64>,
 }
 
-impl StopData<'_> {
-    /// The figures of this stop and colour.
+impl IncidenceData<'_> {
+    /// The figures of this incidence and colour.
     pub fn figures(&self) -> ColourFigures {
         let known = self.realisations > 1;
         let limit = if known { stats::student_limit(0.05, self.realisations - 1) } else { f64::INFINITY };
@@ -203,7 +204,7 @@ impl Figures {
 
     /// The same with `l1_model`, its floor and its interval: of realisations, or of one value without them.
     ///
-    /// The mean of several stops or colours is taken before a negative one is cut off at 0.
+    /// The mean of several incidences or colours is taken before a negative one is cut off at 0.
     fn with_model(self, by_part: &[f64]) -> Figures {
         let Some(found) = self.l1_noise.and_then(|noise| Estimate::of(by_part, noise)) else { return self };
         Figures {
@@ -237,15 +238,16 @@ impl Figures {
 }
 
 impl Comparison {
-    /// Of these stops.
-    pub fn new(model: &str, masking: &str, stops: Vec<StopComparison>) -> Self {
-        let (figures, by_part) = Figures::mean(stops.iter().map(|stop| (&stop.figures, &stop.by_part[..])));
+    /// Of these incidences.
+    pub fn new(model: &str, masking: &str, incidences: Vec<IncidenceComparison>) -> Self {
+        let (figures, by_part) =
+            Figures::mean(incidences.iter().map(|incidence| (&incidence.figures, &incidence.by_part[..])));
         Comparison {
             model: model.into(),
             masking: masking.into(),
             scope: "single".into(),
             figures,
-            stops,
+            incidences,
             by_part,
         }
     }
@@ -295,7 +297,7 @@ mod tests {
     #[test]
     fn each_realisation_takes_its_sign_from_the_others() {
         let parts: [[f32; 1]; 4] = [[2.0], [2.0], [2.0], [4.0]];
-        let data = StopData {
+        let data = IncidenceData {
             value: &[2.5],
             stderr: &[0.5],
             hits: &[100],
@@ -340,7 +342,7 @@ mod tests {
     /// Two bins of size 2 and 1, model 1 and 4, measured 1.5 and 3, errors 0.25 and 0.5, R = 5.
     #[test]
     fn the_error_measures_follow_their_definitions() {
-        let data = StopData {
+        let data = IncidenceData {
             value: &[1.5, 3.0],
             stderr: &[0.25, 0.5],
             hits: &[100, 100],
@@ -371,7 +373,7 @@ mod tests {
 
     #[test]
     fn one_realisation_has_no_noise_figures() {
-        let data = StopData {
+        let data = IncidenceData {
             value: &[1.0],
             stderr: &[-1.0],
             hits: &[1],

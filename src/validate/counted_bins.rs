@@ -3,8 +3,8 @@
 use crate::instrument::{Grid, Region};
 
 /// Of two bins that mirror each other about the plane of incidence, the one on the left of it.
-pub(crate) fn counted_bins(grid: &Grid, stop: usize, folded: bool) -> Vec<bool> {
-    let phi_i = grid.stop_deg(stop).1.to_radians();
+pub(crate) fn counted_bins(grid: &Grid, incidence: usize, folded: bool) -> Vec<bool> {
+    let phi_i = grid.incidence_deg(incidence).1.to_radians();
     let half_turn = |region: &Region| match *region {
         Region::Rectangle { phi: [low, high], .. } => {
             // The light's frame is turned with it where phi_r is relative; regions are in the stage's frame.
@@ -16,5 +16,5 @@ pub(crate) fn counted_bins(grid: &Grid, stop: usize, folded: bool) -> Vec<bool> 
             across >= -1e-9
         }
     };
-    grid.regions(stop).iter().map(|region| !folded || half_turn(region)).collect()
+    grid.regions(incidence).iter().map(|region| !folded || half_turn(region)).collect()
 }

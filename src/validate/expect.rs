@@ -100,19 +100,19 @@ pub fn bar_through(campaign: &Campaign) -> Option<Bar> {
     Some(Bar { masking: masking(campaign), l1_model })
 }
 
-/// The mean over the stops of what random heights are known to keep: with shadowing MARGIN times the table, at the
-/// larger of the two roughnesses. `None` where one stop is beyond what is known.
+/// The mean over the incidences of what random heights are known to keep: with shadowing MARGIN times the table, at the
+/// larger of the two roughnesses. `None` where one incidence is beyond what is known.
 fn known(campaign: &Campaign, grid: &Grid) -> Option<f64> {
     let alpha = campaign.alphas()[0]?;
-    let at = |stop: usize| {
-        let theta_deg = grid.stop_deg(stop).0;
+    let at = |incidence: usize| {
+        let theta_deg = grid.incidence_deg(incidence).0;
         if campaign.trace.visibility {
             Some(MARGIN * interpolated(alpha.x.max(alpha.y).max(ALPHAS[0]), theta_deg)?)
         } else {
             of_normals(alpha, theta_deg)
         }
     };
-    let values = (0..grid.stops()).map(at).collect::<Option<Vec<f64>>>()?;
+    let values = (0..grid.incidences()).map(at).collect::<Option<Vec<f64>>>()?;
     Some(crate::stats::mean(&values))
 }
 
@@ -181,7 +181,7 @@ mod tests {
             left_out(brushed, &format!("{theta}\nazimuth = \"absolute\"\nphi_i_deg = [0, 45]"), off)
         };
         assert_eq!(at("theta_i_deg = [0, 60]"), Some(0.006));
-        // A mean over stops, as the figure itself.
+        // A mean over incidences, as the figure itself.
         assert!((at(FOUR_ANGLES).unwrap() - 0.0075).abs() < 1e-15);
         assert_eq!(at("theta_i_deg = [0, 80]"), None);
         assert_eq!(left_out("ggx]\nalpha = 0.5", "theta_i_deg = [0, 80]", off), None);

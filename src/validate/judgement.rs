@@ -78,7 +78,7 @@ fn ruled(passes: bool) -> Ruling {
 
 /// Light arrived, and none of it went where nothing is known of it.
 pub(super) fn light(seen: &SeenLight) -> Judgement {
-    let (law, count) = (LIGHT, seen.stops);
+    let (law, count) = (LIGHT, seen.incidences);
     if seen.dark == count {
         let ruling = if seen.measured { Ruling::Failed } else { Ruling::NotJudged };
         let reason = if seen.measured {
@@ -106,7 +106,7 @@ pub(super) fn light(seen: &SeenLight) -> Judgement {
     }
 }
 
-/// No stop reflects more than it gets, but for three standard errors where these are known.
+/// No incidence reflects more than it gets, but for three standard errors where these are known.
 pub(super) fn energy(energy: &Energy) -> Judgement {
     if let Some(why) = &energy.skipped {
         return Judgement::not_judged(ENERGY, why.clone());
@@ -195,9 +195,9 @@ pub(super) fn model(
 
 /// A bar of 0: nothing but noise lies between table and model, so that no bin differs by more than Sidak's limit.
 fn exactness(comparison: &Comparison) -> Judgement {
-    let judged: usize = comparison.stops.iter().map(|stop| stop.judged).sum();
-    let dof = comparison.stops.first().map_or(0, |stop| stop.dof);
-    let max_t = comparison.stops.iter().filter_map(|stop| stop.max_t).reduce(f64::max);
+    let judged: usize = comparison.incidences.iter().map(|incidence| incidence.judged).sum();
+    let dof = comparison.incidences.first().map_or(0, |incidence| incidence.dof);
+    let max_t = comparison.incidences.iter().filter_map(|incidence| incidence.max_t).reduce(f64::max);
     let (Some(most), true) = (max_t, dof > 0) else {
         return Judgement::not_judged(MODEL, "no bin has an error bar");
     };

@@ -11,28 +11,28 @@ use crate::table::brdf_table::flux;
 /// Family level of the tests of this file.
 const LEVEL: f64 = 0.01;
 
-/// Energy: no stop reflects more than it gets.
+/// Energy: no incidence reflects more than it gets.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Energy {
     /// Why the law does not apply, where it does not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skipped: Option<String>,
-    /// Largest albedo of a stop and colour, all orders.
+    /// Largest albedo of an incidence and colour, all orders.
     pub largest_albedo: Option<f64>,
     /// Its standard error.
     pub largest_albedo_se: Option<f64>,
     /// Its colour, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_albedo_colour: Option<String>,
-    /// Stops and colours above 1 by more than three standard errors.
+    /// Incidences and colours above 1 by more than three standard errors.
     pub violations: usize,
     /// Whether the errors of counting are allowed for where no others are known: the table was measured.
     #[serde(skip)]
     pub counted: bool,
 }
 
-/// Reciprocity: f(wi, wo) = f(wo, wi) over pairs of stops.
+/// Reciprocity: f(wi, wo) = f(wo, wi) over pairs of incidences.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Reciprocity {
@@ -56,7 +56,7 @@ pub struct Reciprocity {
 }
 
 impl Energy {
-    /// Takes further stops in.
+    /// Takes further incidences in.
     pub fn join(&mut self, other: Energy) {
         self.skipped = other.skipped;
         self.violations += other.violations;
@@ -67,7 +67,7 @@ impl Energy {
         }
     }
 
-    /// The law for a hemisphere table or some of its stops; arms see too little to judge.
+    /// The law for a hemisphere table or some of its incidences; arms see too little to judge.
     pub fn of(table: &BrdfTable, visibility: bool) -> Self {
         let none = Energy::default();
         if !visibility {
@@ -78,10 +78,10 @@ impl Energy {
             return Energy { skipped: Some(format!("{why} not see the whole hemisphere")), ..none };
         }
         let mut energy = Energy { counted: is_measured(table), ..none };
-        for stop in 0..table.grid.stops() {
+        for incidence in 0..table.grid.incidences() {
             for colour in 0..table.colours.len() {
-                let (albedo, se) = albedo(table, stop, colour);
-                let noise = se.unwrap_or_else(|| counting_error(table, stop, albedo));
+                let (albedo, se) = albedo(table, incidence, colour);
+                let noise = se.unwrap_or_else(|| counting_error(table, incidence, albedo));
                 // f32 storage: 2^-24 of the value.
                 energy.violations += usize::from(albedo > 1.0 + 3.0 * noise + 1e-6);
                 if energy.largest_albedo.is_none_or(|largest| albedo > largest) {
@@ -97,10 +97,10 @@ impl Energy {
 
 /// Flux of all orders into all bins, with its error over the realisations, which the table holds: it is the same
 /// whether their file is there or not.
-fn albedo(table: &BrdfTable, stop: usize, colour: usize) -> (f64, Option<f64>) {
-    let sizes = table.grid.sizes(stop);
-    let flux = flux(&table.colours[colour].total[stop * sizes.len()..][..sizes.len()], &sizes);
-    (flux, table.colours[colour].albedo_se.get(stop).map(|&se| f64::from(se)))
+fn albedo(table: &BrdfTable, incidence: usize, colour: usize) -> (f64, Option<f64>) {
+    let sizes = table.grid.sizes(incidence);
+    let flux = flux(&table.colours[colour].total[incidence * sizes.len()..][..sizes.len()], &sizes);
+    (flux, table.colours[colour].albedo_se.get(incidence).map(|&se| f64::from(se)))
 }
 
 /// Whether a table says how it was measured; an imported one does not, and its `hits` are no counts.
@@ -110,13 +110,13 @@ pub(super) fn is_measured(table: &BrdfTable) -> bool {
 
 /// What a table of one realisation may be off by, counting alone: it is allowed for and never printed as an error.
 ///
-/// With n arrivals, all starts of a stop carry one flux, and what a torus shows the light has no noise of its own, so
-/// that it is flux sqrt(2/n); the 2 stands for arrivals that count on both sides of a folded stop. 0 for a table that
+/// With n arrivals, all starts of an incidence carry one flux, and what a torus shows the light has no noise of its own, so
+/// that it is flux sqrt(2/n); the 2 stands for arrivals that count on both sides of a folded incidence. 0 for a table that
 /// was not measured here: of its errors nothing is known.
 // Tested by `few_arrivals_of_one_realisation_break_no_law` (tests/it/measure/grazing_stability.rs).
-fn counting_error(table: &BrdfTable, stop: usize, flux: f64) -> f64 {
+fn counting_error(table: &BrdfTable, incidence: usize, flux: f64) -> f64 {
     let bins = table.grid.bins();
-    let arrivals: u64 = table.hits[stop * bins..][..bins].iter().map(|&hits| u64::from(hits)).sum();
+    let arrivals: u64 = table.hits[incidence * bins..][..bins].iter().map(|&hits| u64::from(hits)).sum();
     let counted = is_measured(table) && arrivals > 0;
     if counted { flux * (2.0 / arrivals as f64).sqrt() } else { 0.0 }
 }

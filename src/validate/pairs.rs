@@ -1,12 +1,12 @@
-//! Pairs of directions with the arms exchanged, and what a table says of them, gathered stop by stop.
+//! Pairs of directions with the arms exchanged, and what a table says of them, gathered incidence by incidence.
 //!
-//! A pair lies in two stops, far apart in a large table: its values are kept as the stops come by. A table with more
+//! A pair lies in two incidences, far apart in a large table: its values are kept as the incidences come by. A table with more
 //! pairs than `MOST` is judged by as many at most, evenly spread.
 //!
 //! Bins that are not the same thing both ways are judged where a test can tell: see [`PairValues::is_judged`].
 
 use super::parts::Parts;
-use super::prediction::model::StopMeans;
+use super::prediction::model::IncidenceMeans;
 use crate::instrument::{Grid, GridKind, Region, Sensor};
 use crate::sphere;
 use crate::stats;
@@ -23,7 +23,7 @@ const FEWEST_ARRIVALS: f64 = 64.0;
 /// The largest correction by the model, as a ratio above 1.
 const LARGEST_RATIO: f64 = 1.25;
 
-/// (stop, bin) with the arms one way and the other way round.
+/// (incidence, bin) with the arms one way and the other way round.
 struct ReciprocalPair {
     there: (usize, usize),
     back: (usize, usize),
@@ -35,11 +35,11 @@ pub struct PairValues {
     pub exact: bool,
     /// Independent facets of a realisation: squares of the correlation length. `None` where every start meets its own.
     facets: Option<f64>,
-    /// (stop, bin, entry) in the order of the stops.
+    /// (incidence, bin, entry) in the order of the incidences.
     places: Vec<(usize, usize, usize)>,
     value: Vec<f32>,
     arrivals: Vec<u32>,
-    /// Share of the stop's arrivals.
+    /// Share of the incidence's arrivals.
     share: Vec<f32>,
     /// A model's bin means, a list for each of its maskings; empty where there is none.
     mean: Vec<Vec<f64>>,
@@ -48,7 +48,7 @@ pub struct PairValues {
 }
 
 impl PairValues {
-    /// The pairs of a table of all stops of `grid`, whose realisations have so many independent `facets`.
+    /// The pairs of a table of all incidences of `grid`, whose realisations have so many independent `facets`.
     pub fn new(grid: &Grid, exact: bool, facets: Option<f64>) -> Self {
         let pairs = pairs(grid);
         let both = |(k, pair): (usize, &ReciprocalPair)| {
@@ -61,15 +61,15 @@ impl PairValues {
         PairValues { exact, facets, places, value, arrivals, share, mean: Vec::new(), parts: Vec::new() }
     }
 
-    /// Takes the values of some stops; `means` are a model's bin means at them.
+    /// Takes the values of some incidences; `means` are a model's bin means at them.
     pub fn add(
         &mut self,
         band: &BrdfTable,
-        first_stop: usize,
+        first_incidence: usize,
         realisations: Option<Parts>,
-        means: Option<&[StopMeans]>,
+        means: Option<&[IncidenceMeans]>,
     ) {
-        let (bins, stops) = (band.grid.bins(), band.grid.stops());
+        let (bins, incidences) = (band.grid.bins(), band.grid.incidences());
         let entries = self.places.len();
         if let (Some(means), true) = (means.and_then(|means| means.first()), self.mean.is_empty()) {
             self.mean = vec![vec![f64::NAN; entries]; means.values.len()];
@@ -78,14 +78,16 @@ impl PairValues {
         if let (Some(parts), true) = (known, self.parts.is_empty()) {
             self.parts = vec![vec![0.0; entries]; parts.all.parts.len()];
         }
-        let from = self.places.partition_point(|place| place.0 < first_stop);
+        let from = self.places.partition_point(|place| place.0 < first_incidence);
         let colour = &band.colours[0];
-        let of_stop =
-            |stop: usize| band.hits[stop * bins..][..bins].iter().map(|&hits| f64::from(hits)).sum();
-        let all: Vec<f64> = (0..stops).map(of_stop).collect();
-        for &(stop, bin, entry) in self.places[from..].iter().take_while(|place| place.0 < first_stop + stops)
+        let of_incidence = |incidence: usize| {
+            band.hits[incidence * bins..][..bins].iter().map(|&hits| f64::from(hits)).sum()
+        };
+        let all: Vec<f64> = (0..incidences).map(of_incidence).collect();
+        for &(incidence, bin, entry) in
+            self.places[from..].iter().take_while(|place| place.0 < first_incidence + incidences)
         {
-            let here = stop - first_stop;
+            let here = incidence - first_incidence;
             let at = here * bins + bin;
             self.value[entry] = colour.single[at];
             self.arrivals[entry] = band.hits[at];
@@ -93,8 +95,8 @@ impl PairValues {
             for (masking, mean) in self.mean.iter_mut().enumerate() {
                 mean[entry] = means.map_or(f64::NAN, |means| means[here].values[masking][0][bin]);
             }
-            if let Some(Parts { all, first_stop }) = known {
-                let at = (first_stop + here) * bins + bin;
+            if let Some(Parts { all, first_incidence }) = known {
+                let at = (first_incidence + here) * bins + bin;
                 for (mine, part) in self.parts.iter_mut().zip(&all.parts) {
                     mine[entry] = part.single[0][at];
                 }
@@ -126,11 +128,11 @@ impl PairValues {
 
     /// Whether a usable pair is judged: with the realisations at hand, and, where the two bins differ in shape,
     ///
-    /// - both hold 4 independent facets in each realisation (share of the stop's arrivals times the squares of the
+    /// - both hold 4 independent facets in each realisation (share of the incidence's arrivals times the squares of the
     ///   correlation length in a patch) and 64 arrivals, or values are far from normal;
     /// - every masking of the model corrects by less than 25 %, or the table's own discrepancy would be tested.
     // Tested by `binned_reciprocity_raises_no_false_alarm`,
-    // `a_stop_that_is_scaled_or_exchanged_is_seen_in_binned_reciprocity`.
+    // `an_incidence_that_is_scaled_or_exchanged_is_seen_in_binned_reciprocity`.
     pub fn is_judged(&self, pair: usize) -> bool {
         let realisations = self.parts.len() as f64;
         let ways = [2 * pair, 2 * pair + 1];
@@ -155,7 +157,7 @@ impl PairValues {
 
     /// How far the correction may be off: by as much as the maskings differ in it, and, for random heights, which are not
     /// the model, by half of what the nearest masking is off in the bins. That half is an assumption: what a surface is off
-    /// has one sign in both bins of a pair, which differ in shape alone. A stop that is scaled is off by all of it.
+    /// has one sign in both bins of a pair, which differ in shape alone. An incidence that is scaled is off by all of it.
     pub fn allowance(&self, pair: usize) -> f64 {
         let back = f64::from(self.value[2 * pair + 1]);
         let off = self.ratios(pair).map(|ratio| (ratio - self.ratio(pair)).abs()).fold(0.0, f64::max);
@@ -197,18 +199,18 @@ impl PairValues {
     }
 }
 
-/// Pairs of stops whose directions the sensor sees from each other. In a 3-D table every column is such a pair.
+/// Pairs of incidences whose directions the sensor sees from each other. In a 3-D table every column is such a pair.
 fn pairs(grid: &Grid) -> Vec<ReciprocalPair> {
-    let stops = grid.stops();
+    let incidences = grid.incidences();
     let relative_3d = grid.phi_r_relative && grid.phi_i_deg.len() == 1 && grid.kind == GridKind::Hemisphere;
     // Columns beyond half a turn repeat the others mirrored.
     let each = if relative_3d { (grid.phi_r_edges_deg.len() - 1) / 2 + 1 } else { 1 };
-    let all = (stops as u64).saturating_mul((stops as u64).saturating_sub(1)) / 2 * each as u64;
+    let all = (incidences as u64).saturating_mul((incidences as u64).saturating_sub(1)) / 2 * each as u64;
     let step = all.div_ceil(MOST as u64).max(1);
     let sensor = Sensor::new(grid);
     let (mut pairs, mut number) = (Vec::new(), 0);
-    for a in 0..stops {
-        for b in a + 1..stops {
+    for a in 0..incidences {
+        for b in a + 1..incidences {
             for column in 0..each {
                 number += 1;
                 if (number - 1) % step != 0 {
@@ -230,15 +232,15 @@ fn pairs(grid: &Grid) -> Vec<ReciprocalPair> {
     pairs
 }
 
-/// The row of bins that holds the polar angle of a stop.
-fn row_of(grid: &Grid, stop: usize) -> usize {
-    let theta = grid.stop_deg(stop).0;
+/// The row of bins that holds the polar angle of an incidence.
+fn row_of(grid: &Grid, incidence: usize) -> usize {
+    let theta = grid.incidence_deg(incidence).0;
     grid.theta_r_edges_deg.partition_point(|&edge| edge <= theta) - 1
 }
 
-/// The bin at stop `from` that looks along the direction of stop `to`; of an arm, only a position that is there.
+/// The bin at incidence `from` that looks along the direction of incidence `to`; of an arm, only a position that is there.
 fn bin_of(grid: &Grid, sensor: &Sensor, from: usize, to: usize) -> Option<usize> {
-    let back = if grid.phi_r_relative { -grid.stop_deg(from).1 } else { 0.0 };
+    let back = if grid.phi_r_relative { -grid.incidence_deg(from).1 } else { 0.0 };
     let wo = sphere::turned(grid.wi(to), sphere::sin_cos_deg(back));
     // Bins between edges hold what falls into them: their regions need not be made.
     let apertures = matches!(grid.kind, GridKind::Arm | GridKind::Points);

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::compare::{self, ColourFigures, Comparison, Figures, StopComparison, StopData};
+use super::compare::{self, ColourFigures, Comparison, Figures, IncidenceComparison, IncidenceData};
 use super::counted_bins::counted_bins;
 use super::expect::{self, Bar};
 use super::geometric::GeometricOptics;
@@ -11,12 +11,12 @@ use super::judgement::{self, Judgement, Ruling};
 use super::laws::{Energy, Reciprocity};
 use super::pairs::PairValues;
 use super::parts::Parts;
-use super::prediction::model::{Model, StopMeans};
+use super::prediction::model::{IncidenceMeans, Model};
 use super::seen::SeenLight;
 use super::words;
 use crate::campaign::{Campaign, GrainShape};
 use crate::error::Result;
-use crate::instrument::{Grid, GridKind, folded_stops};
+use crate::instrument::{Grid, GridKind, folded_incidences};
 use crate::surface::grains::mean_count;
 use crate::table::{BrdfTable, Realisations, TableRows};
 
@@ -39,7 +39,7 @@ pub struct Verdict {
     pub comparisons: Vec<Comparison>,
     /// Flux.
     pub energy: Energy,
-    /// Arms exchanged; null where no two stops see each other.
+    /// Arms exchanged; null where no two incidences see each other.
     pub reciprocity: Option<Reciprocity>,
     /// The masking with the smallest discrepancy; null where none can be distinguished from 0.
     pub nearest_masking: Option<String>,
@@ -51,12 +51,12 @@ pub struct Verdict {
     pub geometric_optics: Option<GeometricOptics>,
 }
 
-/// What theory predicts for every stop and bin of a table.
+/// What theory predicts for every incidence and bin of a table.
 pub struct Prediction {
     /// The model of the table's surface.
     pub model: Model,
-    /// Its means, stop by stop.
-    pub means: Vec<StopMeans>,
+    /// Its means, incidence by incidence.
+    pub means: Vec<IncidenceMeans>,
 }
 
 impl Prediction {
@@ -71,10 +71,10 @@ impl Prediction {
     pub fn half(&self, grid: &Grid, below: bool) -> Option<Self> {
         let half = grid.half(below)?;
         let of_bins = |values: &Vec<f64>| half.of(values, 1);
-        let of_stop = |means: &StopMeans| StopMeans {
+        let of_incidence = |means: &IncidenceMeans| IncidenceMeans {
             values: means.values.iter().map(|colours| colours.iter().map(of_bins).collect()).collect(),
         };
-        Some(Prediction { model: self.model.clone(), means: self.means.iter().map(of_stop).collect() })
+        Some(Prediction { model: self.model.clone(), means: self.means.iter().map(of_incidence).collect() })
     }
 }
 
@@ -108,11 +108,11 @@ pub fn examine_against<'a>(
     prediction: Option<&Prediction>,
 ) -> Verdict {
     let mut examination = Examination::new(campaign.into(), &table.grid);
-    examination.add(table, 0, realisations.map(|all| Parts { all, first_stop: 0 }), prediction);
+    examination.add(table, 0, realisations.map(|all| Parts { all, first_incidence: 0 }), prediction);
     examination.verdict()
 }
 
-/// Tests a stored table, a band of stops after the other: none is larger than `bytes` with its prediction. The figures
+/// Tests a stored table, a band of incidences after the other: none is larger than `bytes` with its prediction. The figures
 /// are those of the whole table.
 // Tested by `a_table_examined_by_rows_has_the_verdict_of_the_whole` (tests/it/table/large_tables.rs).
 pub fn examine_rows(
@@ -123,41 +123,41 @@ pub fn examine_rows(
 ) -> Result<Verdict> {
     rows.verify()?;
     let mut examination = Examination::new(campaign, &rows.grid().clone());
-    for stops in rows.bands(bytes, row_bytes(rows)) {
-        let first_stop = stops.start;
-        let band = rows.take(&stops.collect::<Vec<_>>())?;
+    for incidences in rows.bands(bytes, row_bytes(rows)) {
+        let first_incidence = incidences.start;
+        let band = rows.take(&incidences.collect::<Vec<_>>())?;
         let prediction = campaign.and_then(|campaign| Prediction::of(campaign, &band.grid));
-        let parts = realisations.map(|all| Parts { all, first_stop });
-        examination.add(&band, first_stop, parts, prediction.as_ref());
+        let parts = realisations.map(|all| Parts { all, first_incidence });
+        examination.add(&band, first_incidence, parts, prediction.as_ref());
     }
     Ok(examination.verdict())
 }
 
-/// Bytes of a stop and of what theory predicts for it: f64 means of each colour with each of three maskings.
+/// Bytes of an incidence and of what theory predicts for it: f64 means of each colour with each of three maskings.
 pub fn row_bytes(rows: &TableRows) -> u64 {
     rows.row_bytes() + predicted_bytes(rows.grid().bins(), rows.colours())
 }
 
-/// Bytes of the prediction for a stop.
+/// Bytes of the prediction for an incidence.
 pub fn predicted_bytes(bins: usize, colours: usize) -> u64 {
     8 * 3 * (bins * colours) as u64
 }
 
-/// An examination under way: the stops come in their order, in bands.
+/// An examination under way: the incidences come in their order, in bands.
 pub struct Examination {
     campaign: Option<Campaign>,
     grid: Grid,
-    /// Name of the model, and for each masking its name and the stops so far.
+    /// Name of the model, and for each masking its name and the incidences so far.
     model: String,
     /// By scope and masking.
-    compared: Vec<(&'static str, String, Vec<StopComparison>)>,
+    compared: Vec<(&'static str, String, Vec<IncidenceComparison>)>,
     energy: Energy,
     seen: SeenLight,
     pairs: Option<PairValues>,
 }
 
 impl Examination {
-    /// Of a table of all stops of `grid`; without a campaign it is tested against the laws alone.
+    /// Of a table of all incidences of `grid`; without a campaign it is tested against the laws alone.
     pub fn new(campaign: Option<&Campaign>, grid: &Grid) -> Self {
         let visibility = campaign.is_none_or(|campaign| campaign.trace.visibility);
         let exact = match campaign {
@@ -181,11 +181,11 @@ impl Examination {
         }
     }
 
-    /// Takes the next stops; `realisations` and `prediction` are theirs.
+    /// Takes the next incidences; `realisations` and `prediction` are theirs.
     pub fn add(
         &mut self,
         band: &BrdfTable,
-        first_stop: usize,
+        first_incidence: usize,
         realisations: Option<Parts>,
         prediction: Option<&Prediction>,
     ) {
@@ -193,14 +193,14 @@ impl Examination {
         self.energy.join(Energy::of(band, visibility));
         self.seen.add(band);
         if !band.grid.looks_below() {
-            return self.add_side(SCOPES[0], (band, first_stop), realisations, prediction);
+            return self.add_side(SCOPES[0], (band, first_incidence), realisations, prediction);
         }
         for (scope, below) in SCOPES.into_iter().zip([false, true]) {
             let Some(half) = band.half(below) else { continue };
-            let all = realisations.and_then(|parts| parts.all.half(&band.grid, parts.first_stop, below));
-            let parts = all.as_ref().map(|all| Parts { all, first_stop: 0 });
+            let all = realisations.and_then(|parts| parts.all.half(&band.grid, parts.first_incidence, below));
+            let parts = all.as_ref().map(|all| Parts { all, first_incidence: 0 });
             let prediction = prediction.and_then(|prediction| prediction.half(&band.grid, below));
-            self.add_side(scope, (&half, first_stop), parts, prediction.as_ref());
+            self.add_side(scope, (&half, first_incidence), parts, prediction.as_ref());
         }
     }
 
@@ -208,12 +208,17 @@ impl Examination {
     fn add_side(
         &mut self,
         scope: &'static str,
-        (band, first_stop): (&BrdfTable, usize),
+        (band, first_incidence): (&BrdfTable, usize),
         realisations: Option<Parts>,
         prediction: Option<&Prediction>,
     ) {
         if let Some(pairs) = self.pairs.as_mut().filter(|_| scope == SCOPES[0]) {
-            pairs.add(band, first_stop, realisations, prediction.map(|prediction| &prediction.means[..]));
+            pairs.add(
+                band,
+                first_incidence,
+                realisations,
+                prediction.map(|prediction| &prediction.means[..]),
+            );
         }
         let (Some(campaign), Some(prediction)) = (&self.campaign, prediction) else { return };
         self.model = prediction.model.name();
@@ -221,8 +226,8 @@ impl Examination {
             let same =
                 |(of, masking, _): &&mut (&str, String, _)| *of == scope && *masking == comparison.masking;
             match self.compared.iter_mut().find(same) {
-                Some((.., stops)) => stops.extend(comparison.stops),
-                None => self.compared.push((scope, comparison.masking, comparison.stops)),
+                Some((.., incidences)) => incidences.extend(comparison.incidences),
+                None => self.compared.push((scope, comparison.masking, comparison.incidences)),
             }
         }
     }
@@ -234,16 +239,16 @@ impl Examination {
         if self.campaign.as_ref().is_some_and(own) { OWN_SLOPES } else { "" }
     }
 
-    /// What all stops together show.
+    /// What all incidences together show.
     pub fn verdict(self) -> Verdict {
         let own_slopes = self.own_slopes();
         let visibility = self.campaign.as_ref().is_none_or(|campaign| campaign.trace.visibility);
         let comparisons: Vec<Comparison> = self
             .compared
             .into_iter()
-            .map(|(scope, masking, stops)| Comparison {
+            .map(|(scope, masking, incidences)| Comparison {
                 scope: scope.into(),
-                ..Comparison::new(&self.model, &masking, stops)
+                ..Comparison::new(&self.model, &masking, incidences)
             })
             .collect();
         let first = comparisons.first().map_or("", |c| c.scope.as_str());
@@ -309,7 +314,7 @@ fn realisations_of(campaign: &Campaign) -> usize {
     campaign.surface.realisations as usize
 }
 
-/// A table against every masking of a model; realisations and prediction are those of its stops.
+/// A table against every masking of a model; realisations and prediction are those of its incidences.
 pub fn compare(
     table: &BrdfTable,
     campaign: &Campaign,
@@ -317,33 +322,38 @@ pub fn compare(
     Prediction { model, means }: &Prediction,
 ) -> Vec<Comparison> {
     let names = model.maskings();
-    let folded = folded_stops(campaign, &table.grid);
+    let folded = folded_incidences(campaign, &table.grid);
     let of = |(index, masking): (usize, &&str)| {
-        let of_stop = |stop: usize| {
-            compare_stop((table, realisations), campaign, (stop, folded[stop]), &means[stop].values[index])
+        let of_incidence = |incidence: usize| {
+            compare_incidence(
+                (table, realisations),
+                campaign,
+                (incidence, folded[incidence]),
+                &means[incidence].values[index],
+            )
         };
-        let stops = (0..table.grid.stops()).into_par_iter().map(of_stop).collect();
-        Comparison::new(&model.name(), masking, stops)
+        let incidences = (0..table.grid.incidences()).into_par_iter().map(of_incidence).collect();
+        Comparison::new(&model.name(), masking, incidences)
     };
     names.iter().enumerate().map(of).collect()
 }
 
-/// One stop (and whether it is folded) against the model's means by colour.
-fn compare_stop(
+/// One incidence (and whether it is folded) against the model's means by colour.
+fn compare_incidence(
     (table, parts): (&BrdfTable, Option<Parts>),
     campaign: &Campaign,
-    (stop, folded): (usize, bool),
+    (incidence, folded): (usize, bool),
     model: &[Vec<f64>],
-) -> StopComparison {
+) -> IncidenceComparison {
     let grid = &table.grid;
     let bins = grid.bins();
-    let here = stop * bins..(stop + 1) * bins;
-    let size = grid.sizes(stop);
-    let counted = counted_bins(grid, stop, folded);
+    let here = incidence * bins..(incidence + 1) * bins;
+    let size = grid.sizes(incidence);
+    let counted = counted_bins(grid, incidence, folded);
     let realisations = realisations_of(campaign);
     let figures = |(colour, model): (usize, &Vec<f64>)| {
         let channels = &table.colours[colour];
-        StopData {
+        IncidenceData {
             value: &channels.single[here.clone()],
             stderr: &channels.stderr_single[here.clone()],
             hits: &table.hits[here.clone()],
@@ -351,7 +361,7 @@ fn compare_stop(
             size: &size,
             counted: &counted,
             realisations,
-            parts: parts.map_or(vec![], |parts| parts.single(colour, stop, bins)),
+            parts: parts.map_or(vec![], |parts| parts.single(colour, incidence, bins)),
         }
         .figures()
     };
@@ -360,9 +370,9 @@ fn compare_stop(
     let bins_judged: usize = colours.iter().map(|c| c.bins).sum();
     let outside: usize = colours.iter().map(|c| c.outside).sum();
     let whole = grid.kind == GridKind::Hemisphere;
-    let (theta_i_deg, phi_i_deg) = grid.stop_deg(stop);
+    let (theta_i_deg, phi_i_deg) = grid.incidence_deg(incidence);
     let (figures, by_part) = Figures::mean(colours.iter().map(|c| (&c.figures, &c.by_part[..])));
-    StopComparison {
+    IncidenceComparison {
         theta_i_deg,
         phi_i_deg,
         albedo_model: whole.then(|| colours.iter().map(|c| c.albedo_model).sum::<f64>() / count),

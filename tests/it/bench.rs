@@ -210,7 +210,7 @@ fn two_ways_are_compared_at_an_equal_error() {
 }
 
 #[test]
-fn sizes_have_a_row_for_each_stop_and_for_all_together() {
+fn sizes_have_a_row_for_each_incidence_and_for_all_together() {
     let folder = folder(&TINY.replace("[40]", "[40, 85]"));
     let output = bench(folder.path(), &["--cells", "512,256", "--json"]);
     exits(&output, 0);
@@ -220,7 +220,7 @@ fn sizes_have_a_row_for_each_stop_and_for_all_together() {
     let expected = [256u64, 512].iter().flat_map(|&side| {
         let starts = side * side;
         [("[40.0]", 1), ("[85.0]", 1), ("[40.0,85.0]", 2)]
-            .map(|(theta, stops)| (Some(side), theta.to_string(), Some(stops * starts)))
+            .map(|(theta, incidences)| (Some(side), theta.to_string(), Some(incidences * starts)))
     });
     assert_eq!(rows.iter().map(of).collect::<Vec<_>>(), expected.collect::<Vec<_>>());
     for patch in answer["patches"].as_array().expect("patches") {

@@ -472,9 +472,9 @@ fn errors_of_albedos_do_not_change_with_a_missing_file() {
     assert!(whole["energy"]["largest_albedo_se"].as_f64().expect("known") > 0.0);
     assert_eq!(whole["energy"], summary["energy"]);
     assert_eq!(alone["energy"], summary["energy"]);
-    // The error of the mean of four realisations of order 1 and all others, as the summary's stops have it.
-    let stops = summary["stops"].as_array().expect("stops");
-    let largest = stops.iter().max_by(|a, b| {
+    // The error of the mean of four realisations of order 1 and all others, as the summary's incidences have it.
+    let incidences = summary["stops"].as_array().expect("stops");
+    let largest = incidences.iter().max_by(|a, b| {
         a["albedo_total"]
             .as_f64()
             .expect("a number")
@@ -493,7 +493,7 @@ fn errors_of_albedos_do_not_change_with_a_missing_file() {
 
 #[test]
 fn all_realisations_are_kept_on_demand_where_the_memory_allows() {
-    // 18 x 72 bins and 9 stops: 93 KiB a realisation and value, 720 realisations of both: 134 MB.
+    // 18 x 72 bins and 9 incidences: 93 KiB a realisation and value, 720 realisations of both: 134 MB.
     let text = SMALL
         .replace("realisations = 4", "realisations = 720")
         .replace("theta_i_deg = [0, 50]", "theta_i_deg = [0, 10, 20, 30, 40, 50, 60, 70, 80]")

@@ -175,20 +175,20 @@ fn a_statistical_matt_surface_reflects_what_theory_says() {
     let table = &measured.table;
     let prediction = Prediction::of(&measured.campaign, &table.grid).expect("a model");
     let at = prediction.model.masking_index(Some("height_correlated"));
-    for stop in 0..table.grid.stops() {
-        let (sizes, bins) = (table.grid.sizes(stop), table.grid.bins());
-        let theory = &prediction.means[stop].values[at][0];
+    for incidence in 0..table.grid.incidences() {
+        let (sizes, bins) = (table.grid.sizes(incidence), table.grid.bins());
+        let theory = &prediction.means[incidence].values[at][0];
         let (mut found, mut expected) = (0.0, 0.0);
         for bin in 0..bins {
-            found += sizes[bin] * f64::from(table.colours[0].single[stop * bins + bin]);
+            found += sizes[bin] * f64::from(table.colours[0].single[incidence * bins + bin]);
             expected += sizes[bin] * theory[bin];
             // A bin has n = 2^20 FRAC_1_PI sizes arrivals or a few times fewer: 6 standard errors of a Poisson count.
             let se = 0.5 * (sizes[bin] * FRAC_1_PI / 1_048_576.0).sqrt();
             let difference =
-                sizes[bin] * (f64::from(table.colours[0].single[stop * bins + bin]) - theory[bin]);
-            assert!(difference.abs() < 8.0 * se, "{stop} {bin}: {difference} {se}");
+                sizes[bin] * (f64::from(table.colours[0].single[incidence * bins + bin]) - theory[bin]);
+            assert!(difference.abs() < 8.0 * se, "{incidence} {bin}: {difference} {se}");
         }
         // Half of a share of 2^20 samples: 4.5 standard errors are below 4.5 * 0.25/2^10.
-        assert!((found - expected).abs() < 1.1e-3, "{stop}: {found} {expected}");
+        assert!((found - expected).abs() < 1.1e-3, "{incidence}: {found} {expected}");
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 
 use glam::DVec3;
-use gonio::fit::nodes::{Lobe, StopNodes};
+use gonio::fit::nodes::{IncidenceNodes, Lobe};
 use gonio::fit::{self, Fit, FitData, FitLaw, FitSample, MicrofacetLaw};
 use gonio::instrument::{Grid, GridKind, Region};
 use gonio::measure::Measured;
@@ -61,9 +61,12 @@ fn table(grid: Grid, colours: Vec<Vec<f64>>) -> BrdfTable {
 /// Bin means by the adaptive cubature that `validate` uses, for every F0.
 fn microfacet_table(grid: Grid, model: &Microfacet, masking: Masking, f0: &[f64]) -> BrdfTable {
     let mut colours = vec![Vec::new(); f0.len()];
-    for stop in 0..grid.stops() {
-        let means =
-            BinMeans::new(vec![masking]).evaluate(model, &[(grid.wi(stop), 1.0)], &grid.regions(stop));
+    for incidence in 0..grid.incidences() {
+        let means = BinMeans::new(vec![masking]).evaluate(
+            model,
+            &[(grid.wi(incidence), 1.0)],
+            &grid.regions(incidence),
+        );
         for (colour, &f0) in colours.iter_mut().zip(f0) {
             colour.extend(means.iter().map(|mean| mean.with_f0(0, f0)));
         }
@@ -83,15 +86,15 @@ fn simpson_table(grid: Grid, value: impl Fn(DVec3, DVec3) -> f64) -> BrdfTable {
         }
     };
     let mut means = Vec::new();
-    for stop in 0..grid.stops() {
-        for region in grid.regions(stop) {
+    for incidence in 0..grid.incidences() {
+        for region in grid.regions(incidence) {
             let Region::Rectangle { theta, phi } = region else { unreachable!("a hemisphere") };
             let mut sum = 0.0;
             for i in 0..=12 {
                 let t = theta[0] + (theta[1] - theta[0]) * f64::from(i) / 12.0;
                 for j in 0..=12 {
                     let p = phi[0] + (phi[1] - phi[0]) * f64::from(j) / 12.0;
-                    let f = value(grid.wi(stop), sphere::direction(t, p));
+                    let f = value(grid.wi(incidence), sphere::direction(t, p));
                     sum += weight(i) * weight(j) * f * t.sin() * t.cos();
                 }
             }
@@ -124,18 +127,18 @@ fn the_quadrature_agrees_with_the_adaptive_one() {
     for (ndf, alpha) in [(Ndf::Ggx, 0.08), (Ndf::Ggx, 0.5), (Ndf::Beckmann, 0.3)] {
         let grid = grid(&[10.0, 60.0], &[0.0], true);
         let model = Microfacet::isotropic(ndf, alpha);
-        let nodes = StopNodes::of_grid(&grid, 0.0, Lobe { alpha, eta: 1.5 });
+        let nodes = IncidenceNodes::of_grid(&grid, 0.0, Lobe { alpha, eta: 1.5 });
         let law = FitLaw::Microfacet(MicrofacetLaw::new(ndf, Masking::HeightCorrelated, false));
-        for (stop, nodes) in nodes.iter().enumerate() {
+        for (incidence, nodes) in nodes.iter().enumerate() {
             let means = BinMeans::new(vec![Masking::HeightCorrelated]);
-            let exact = means.evaluate(&model, &[(grid.wi(stop), 1.0)], &grid.regions(stop));
+            let exact = means.evaluate(&model, &[(grid.wi(incidence), 1.0)], &grid.regions(incidence));
             let (mut off, mut all) = (0.0, 0.0);
             for (found, exact) in law.means(&[alpha.ln()], nodes).iter().zip(&exact) {
                 off += (found[0] - exact.unit[0]).abs();
                 all += exact.unit[0];
             }
             // The rule is right to 1e-5 of a bin where the lobe is; twice that for the tails of Gaussians.
-            assert!(off < 2e-5 * all, "{ndf:?} {alpha} stop {stop}: {}", off / all);
+            assert!(off < 2e-5 * all, "{ndf:?} {alpha} incidence {incidence}: {}", off / all);
         }
     }
 }

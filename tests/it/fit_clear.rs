@@ -1,7 +1,7 @@
 //! Promise: of clear facets a fit returns the roughness and the index, from light that comes back, goes through or both,
 //! from either side; a study of such light finds the sample's axes; Student's gamma is fitted with the roughness.
 
-use gonio::fit::nodes::{Lobe, StopNodes};
+use gonio::fit::nodes::{IncidenceNodes, Lobe};
 use gonio::fit::{self, FitData, FitLaw, MicrofacetLaw};
 use gonio::instrument::{Grid, GridKind};
 use gonio::optics::Fresnel;
@@ -29,23 +29,24 @@ fn grid(theta_i_deg: &[f64], phi_i_deg: &[f64], step: f64, edges: std::ops::Rang
     }
 }
 
-/// Bin means of an interface at a stop, by the adaptive cubature that `validate` uses.
-fn means(grid: &Grid, stop: usize, model: &Microfacet, masking: Masking, eta: f64) -> Vec<f64> {
+/// Bin means of an interface at an incidence, by the adaptive cubature that `validate` uses.
+fn means(grid: &Grid, incidence: usize, model: &Microfacet, masking: Masking, eta: f64) -> Vec<f64> {
     let reflectance = Some(Reflectance::unpolarised(Fresnel::Dielectric { eta }));
     let means = BinMeans { reflectance, ..BinMeans::new(vec![masking]) };
-    let source = [(grid.wi(stop), 1.0)];
-    let of = |region: usize| match grid.regions(stop)[region].is_below() {
+    let source = [(grid.wi(incidence), 1.0)];
+    let of = |region: usize| match grid.regions(incidence)[region].is_below() {
         true => {
-            means.evaluate_through(model, &source, &grid.regions(stop)[region..=region], eta)[0].values[0]
+            means.evaluate_through(model, &source, &grid.regions(incidence)[region..=region], eta)[0].values
+                [0]
         }
-        false => means.evaluate(model, &source, &grid.regions(stop)[region..=region])[0].schlick[0],
+        false => means.evaluate(model, &source, &grid.regions(incidence)[region..=region])[0].schlick[0],
     };
     (0..grid.bins()).map(of).collect()
 }
 
 fn table(grid: Grid, model: &Microfacet, masking: Masking, eta: f64) -> BrdfTable {
     let values: Vec<f64> =
-        (0..grid.stops()).flat_map(|stop| means(&grid, stop, model, masking, eta)).collect();
+        (0..grid.incidences()).flat_map(|incidence| means(&grid, incidence, model, masking, eta)).collect();
     let single: Vec<f32> = values.iter().map(|&value| value as f32).collect();
     let errors: Vec<f32> = single.iter().map(|value| 1e-3 * value + 1e-7).collect();
     let colour = ColourChannels {
@@ -83,12 +84,12 @@ fn nodes_below_the_horizon_agree_with_the_adaptive_cubature() {
             (1.0 / eta, gonio::campaign::LightSide::Back)
         };
         let law = MicrofacetLaw { clear: Some(side), ..MicrofacetLaw::new(Ndf::Ggx, masking, false) };
-        let nodes = StopNodes::of_grid(&grid, 0.0, Lobe { alpha, eta });
-        for (stop, nodes) in nodes.iter().enumerate() {
-            let exact = means(&grid, stop, &model, masking, eta);
+        let nodes = IncidenceNodes::of_grid(&grid, 0.0, Lobe { alpha, eta });
+        for (incidence, nodes) in nodes.iter().enumerate() {
+            let exact = means(&grid, incidence, &model, masking, eta);
             let found = law.means(&[alpha.ln(), (n - 1.0f64).ln()], nodes);
             let off: f64 = found.iter().zip(&exact).map(|(found, exact)| (found[0] - exact).abs()).sum();
-            assert!(off < 2e-4 * exact.iter().sum::<f64>(), "{alpha} {eta} stop {stop}: {off}");
+            assert!(off < 2e-4 * exact.iter().sum::<f64>(), "{alpha} {eta} incidence {incidence}: {off}");
         }
     }
 }
@@ -169,12 +170,15 @@ fn students_gamma_is_fitted_with_the_roughness() {
         let masking = Masking::HeightCorrelated;
         let mut table = table(grid.clone(), &model, masking, 1.5);
         // A mirror: the mean with F = 1.
-        let unit = |stop| {
-            let means =
-                BinMeans::new(vec![masking]).evaluate(&model, &[(grid.wi(stop), 1.0)], &grid.regions(stop));
+        let unit = |incidence| {
+            let means = BinMeans::new(vec![masking]).evaluate(
+                &model,
+                &[(grid.wi(incidence), 1.0)],
+                &grid.regions(incidence),
+            );
             means.into_iter().map(|mean| mean.unit[0] as f32).collect::<Vec<f32>>()
         };
-        table.colours[0].single = (0..grid.stops()).flat_map(unit).collect();
+        table.colours[0].single = (0..grid.incidences()).flat_map(unit).collect();
         let data = FitData::new(&table, None, None);
         let laws = FitLaw::student_t(&data);
         let own = laws.into_iter().filter(|law| law.masking() == Some(masking.name()));

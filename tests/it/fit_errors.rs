@@ -1,7 +1,7 @@
 //! Promise: the errors of a fit are what it scatters by, its intervals hold the truth in 95 % of all cases, and models
 //! that the realisations do not tell apart are said to be alike.
 
-use gonio::fit::nodes::{Lobe, StopNodes};
+use gonio::fit::nodes::{IncidenceNodes, Lobe};
 use gonio::fit::{self, Fit, FitData, FitLaw, MicrofacetLaw};
 use gonio::instrument::{Grid, GridKind};
 use gonio::rng;
@@ -56,7 +56,7 @@ fn poisson(mean: f64, rng: &mut Pcg64Dxsm) -> f64 {
 }
 
 /// Realisations whose own roughness scatters by `patch` of itself along each axis, which all bins see together, and
-/// whose bins hold `hits` arrivals a stop on average, each an independent draw.
+/// whose bins hold `hits` arrivals an incidence on average, each an independent draw.
 fn simulated(
     truth: FitLaw,
     grid: &Grid,
@@ -65,9 +65,9 @@ fn simulated(
     hits: f64,
     rng: &mut Pcg64Dxsm,
 ) -> FitData {
-    let nodes = StopNodes::of_grid(grid, 0.0, Lobe { alpha: 0.8 * ALPHA, eta: 1.5 });
+    let nodes = IncidenceNodes::of_grid(grid, 0.0, Lobe { alpha: 0.8 * ALPHA, eta: 1.5 });
     let sizes: Vec<f64> =
-        (0..grid.stops()).flat_map(|s| grid.regions(s)).map(|r| r.projected_solid_angle()).collect();
+        (0..grid.incidences()).flat_map(|s| grid.regions(s)).map(|r| r.projected_solid_angle()).collect();
     let means_of = |shape: &[f64]| -> Vec<[f64; 2]> {
         nodes.iter().flat_map(|nodes| truth.means(shape, nodes)).collect()
     };

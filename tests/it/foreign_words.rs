@@ -35,14 +35,14 @@ fn table() -> BrdfTable {
 
 /// A summary of the table, which says [`WORDS`] wherever it may.
 fn summary(digest: &str) -> Value {
-    let stop = |theta: f64| {
+    let incidence = |theta: f64| {
         json!({ "theta_i_deg": theta, "phi_i_deg": 0.0, "albedo_total": 0.5, "stopped_by": "samples",
             "looks": [{ "samples": 1, "relative_error": 0.1 }, { "samples": 2, "relative_error": 0.05 }] })
     };
     json!({
         "schema": 1, "name": WORDS, "seed": 0, "version": WORDS, "patch_digest": "", "table_digest": digest,
         "stopped_by": "seconds", "plan": { "samples": 4, "realisations": 2 }, "verdict": WORDS, "ok": true,
-        "cost": { "wall_s": 1.0, "cpu_s": 1.0, "threads": 1 }, "stops": [stop(0.0), stop(30.0)],
+        "cost": { "wall_s": 1.0, "cpu_s": 1.0, "threads": 1 }, "stops": [incidence(0.0), incidence(30.0)],
         "judgements": [{ "law": WORDS, "verdict": "passed", "reason": WORDS }],
         "comparisons": [{ "masking": WORDS, "model": WORDS, "l1_model": 0.1 }], "nearest_masking": WORDS,
         "energy": { "largest_albedo": 0.5 }, "surface": {}, "failures": [WORDS],

@@ -12,10 +12,10 @@ use gonio::instrument::Grid;
 use gonio::instrument::grid::GridKind;
 use gonio::report::page;
 use gonio::report::plot::plots;
-use gonio::report::{Page, Scene, StopSummary, Summary};
+use gonio::report::{IncidenceSummary, Page, Scene, Summary};
 use gonio::table::{BrdfTable, ColourChannels};
 use gonio::validate::prediction::bin_mean::MASKINGS;
-use gonio::validate::prediction::model::{Model, StopMeans};
+use gonio::validate::prediction::model::{IncidenceMeans, Model};
 use gonio::validate::{Prediction, examine_against};
 use half::f16;
 use serde_json::{Value, json};
@@ -93,11 +93,13 @@ fn says_the_numbers(page: &str, summary: &Value) {
     let rounded =
         |value: &Value, decimals: usize| format!("{:.decimals$}", value.as_f64().expect("a number"));
     for key in ["albedo_single", "albedo_single_se", "albedo_total"] {
-        let wanted: Vec<String> = (0..2).map(|stop| rounded(&summary["stops"][stop][key], 5)).collect();
+        let wanted: Vec<String> =
+            (0..2).map(|incidence| rounded(&summary["stops"][incidence][key], 5)).collect();
         assert_eq!(cells(page, "albedos", key), wanted, "{key}");
     }
     let comparisons = summary["comparisons"].as_array().expect("comparisons");
-    let of = |stop: usize| comparisons.iter().map(move |c| rounded(&c["stops"][stop]["l1_model"], 4));
+    let of =
+        |incidence: usize| comparisons.iter().map(move |c| rounded(&c["stops"][incidence]["l1_model"], 4));
     let means = comparisons.iter().map(|c| rounded(&c["l1_model"], 4));
     assert_eq!(cells(page, "comparisons", "l1_model"), of(0).chain(of(1)).chain(means).collect::<Vec<_>>());
     // Where no masking can be told from the table, none is nearest.
@@ -138,16 +140,17 @@ fn made(colours: usize, angles: usize, azimuths: usize, bins: [usize; 2]) -> Mad
         phi_r_edges_deg: steps(bins[1], 360.0),
         ..Grid::default()
     };
-    let (stops, bins) = (grid.stops(), grid.bins());
+    let (incidences, bins) = (grid.incidences(), grid.bins());
     let value = |seed: usize, k: usize| (1.0 + ((k * 7919 + seed * 104_729) % 9973) as f32).sqrt();
     let channels = |colour: usize| {
-        let ramp = |seed: usize| (0..stops * bins).map(|k| value(seed + colour, k)).collect::<Vec<f32>>();
+        let ramp =
+            |seed: usize| (0..incidences * bins).map(|k| value(seed + colour, k)).collect::<Vec<f32>>();
         ColourChannels {
             total: ramp(1),
             single: ramp(1),
-            multiple: vec![0.0; stops * bins],
-            stderr: vec![0.01; stops * bins],
-            stderr_single: vec![0.01; stops * bins],
+            multiple: vec![0.0; incidences * bins],
+            stderr: vec![0.01; incidences * bins],
+            stderr_single: vec![0.01; incidences * bins],
             ..ColourChannels::default()
         }
     };
@@ -161,21 +164,21 @@ fn made(colours: usize, angles: usize, azimuths: usize, bins: [usize; 2]) -> Mad
         seed: 5,
         patch_digest: String::new(),
         colours: (0..colours).map(channels).collect(),
-        hits: vec![9; stops * bins],
+        hits: vec![9; incidences * bins],
         schlick: None,
     };
-    let means = |stop: usize| {
+    let means = |incidence: usize| {
         let bins =
-            |seed: usize| (0..bins).map(|k| f64::from(value(seed, stop * bins + k))).collect::<Vec<_>>();
-        StopMeans { values: vec![(0..colours).map(bins).collect(); MASKINGS] }
+            |seed: usize| (0..bins).map(|k| f64::from(value(seed, incidence * bins + k))).collect::<Vec<_>>();
+        IncidenceMeans { values: vec![(0..colours).map(bins).collect(); MASKINGS] }
     };
     let model = Model::of(&campaign).expect("GGX has a model");
-    Made { prediction: Prediction { model, means: (0..stops).map(means).collect() }, table, campaign }
+    Made { prediction: Prediction { model, means: (0..incidences).map(means).collect() }, table, campaign }
 }
 
 /// What a table without a campaign says of itself.
 fn summary_of(name: &str, table: &BrdfTable) -> Summary {
-    Summary::of_table(name, table, None, None, StopSummary::of_bins(table)).expect("a summary")
+    Summary::of_table(name, table, None, None, IncidenceSummary::of_bins(table)).expect("a summary")
 }
 
 /// A document of `gonio bench`.
@@ -189,8 +192,8 @@ fn bench_of(rows: Value, ladders: Value) -> BenchAnswer {
 fn page_of(made: &Made, name: &str, benches: &[BenchAnswer]) -> String {
     let Made { table, campaign, prediction } = made;
     let verdict = examine_against(table, campaign, None, Some(prediction));
-    let stops = StopSummary::of_bins(table);
-    let summary = Summary::of_table(name, table, Some(&campaign.surface), Some(&verdict), stops);
+    let incidences = IncidenceSummary::of_bins(table);
+    let summary = Summary::of_table(name, table, Some(&campaign.surface), Some(&verdict), incidences);
     page(&Page {
         scene: Scene { table, prediction: Some(prediction), realisations: 4 },
         whole: &table.grid,
@@ -249,7 +252,7 @@ fn the_inlined_values_are_the_tables_to_half_precision() {
 }
 
 #[test]
-fn six_stops_of_90_by_360_bins_stay_below_6_mb() {
+fn six_incidences_of_90_by_360_bins_stay_below_6_mb() {
     for colours in [1, 3] {
         let page = page_of(&made(colours, 6, 1, [90, 360]), "large", &[]);
         assert!(page.len() < 6_000_000, "{colours} colours: {} bytes", page.len());
@@ -328,7 +331,7 @@ fn what_a_table_lacks_is_said() {
 
 /// The page of a table of values from 1 on, on a grid of another kind and without a campaign.
 fn page_on(grid: Grid) -> String {
-    let count = grid.stops() * grid.bins();
+    let count = grid.incidences() * grid.bins();
     let values: Vec<f32> = (0..count).map(|k| 1.0 + k as f32).collect();
     let zero = vec![0.0; count];
     let table = BrdfTable {
@@ -374,13 +377,13 @@ fn patches_and_points_get_pictures_and_a_viewer() {
         [[0.0, 20.0, -180.0, 180.0]].into_iter().chain((0..4).map(quarter)).collect();
     let klems = page_on(Grid {
         kind: GridKind::Patches,
-        stops_deg: vec![[0.0, 0.0], [55.0, 0.0], [55.0, 180.0]],
+        incidences_deg: vec![[0.0, 0.0], [55.0, 0.0], [55.0, 180.0]],
         patches_deg: patches,
         ..Grid::default()
     });
     let table = &data_of(&klems)["table"];
     assert_eq!((&table["theta_i"], &table["phi_i"]), (&json!([0.0, 55.0]), &json!([0.0, 180.0])));
-    // At normal light both azimuths show stop 0; rows of the pole and of the quarters, columns from 45 degrees on.
+    // At normal light both azimuths show incidence 0; rows of the pole and of the quarters, columns from 45 degrees on.
     assert_eq!(&values_of(&klems)[..10], [1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 4.0, 4.0, 5.0, 2.0]);
     for words in ["light at theta_i 0, 55 degrees in 3 directions; 5 patches", "Polar plot", "Albedo against"]
     {
@@ -410,15 +413,19 @@ fn a_run_that_looks_at_its_error_is_plotted_against_samples_with_its_masking() {
     fs::write(at("small.toml"), text).expect("campaign");
     done(&gonio(folder.path(), &["measure", "small.toml", "-o", "out"]));
     let summary: Value = serde_json::from_str(&read(&at("out/small.json"))).expect("JSON");
-    let stop = &summary["stops"][1];
-    let looked: Vec<u64> =
-        stop["looks"].as_array().expect("looks").iter().filter_map(|look| look["samples"].as_u64()).collect();
+    let incidence = &summary["stops"][1];
+    let looked: Vec<u64> = incidence["looks"]
+        .as_array()
+        .expect("looks")
+        .iter()
+        .filter_map(|look| look["samples"].as_u64())
+        .collect();
     assert!(looked.len() > 1 && looked.iter().enumerate().all(|(k, &n)| n == 65_536 << k), "{looked:?}");
-    // The last look is the error at which the stop ended, and all starts are in the classes.
-    assert_eq!(stop["looks"][looked.len() - 1]["relative_error"], stop["relative_error"]);
-    let classes = stop["seen_by_slope"].as_array().expect("classes");
+    // The last look is the error at which the incidence ended, and all starts are in the classes.
+    assert_eq!(incidence["looks"][looked.len() - 1]["relative_error"], incidence["relative_error"]);
+    let classes = incidence["seen_by_slope"].as_array().expect("classes");
     let starts: u64 = classes.iter().filter_map(|class| class["starts"].as_u64()).sum();
-    assert_eq!(starts, 4 * stop["samples"].as_u64().expect("samples"));
+    assert_eq!(starts, 4 * incidence["samples"].as_u64().expect("samples"));
     let page = read(&at("out/small.html"));
     for words in [
         "Error against samples, as the run looked at it",
@@ -484,8 +491,8 @@ fn the_ladders_of_a_bench_are_plotted() {
 #[test]
 fn albedos_of_colours_are_means_in_measurement_and_model() {
     let mut made = made(3, 2, 1, [6, 12]);
-    for stop in &mut made.prediction.means {
-        for (colour, means) in stop.values[0].iter_mut().enumerate() {
+    for incidence in &mut made.prediction.means {
+        for (colour, means) in incidence.values[0].iter_mut().enumerate() {
             means.fill(0.3 * (colour + 1) as f64);
         }
     }
@@ -498,10 +505,13 @@ fn albedos_of_colours_are_means_in_measurement_and_model() {
 fn bars_of_the_albedo_are_intervals_of_95_percent() {
     let made = made(1, 2, 1, [6, 12]);
     let scene = Scene { table: &made.table, prediction: None, realisations: 4 };
-    let stop =
-        StopSummary { albedo_single: Some(0.9), albedo_single_se: Some(0.001), ..StopSummary::default() };
-    let chart =
-        plots::albedo(&scene, &[stop.clone(), stop], &plots::shown_sweeps(&scene)[0]).expect("a chart");
+    let incidence = IncidenceSummary {
+        albedo_single: Some(0.9),
+        albedo_single_se: Some(0.001),
+        ..IncidenceSummary::default()
+    };
+    let chart = plots::albedo(&scene, &[incidence.clone(), incidence], &plots::shown_sweeps(&scene)[0])
+        .expect("a chart");
     assert_eq!(chart.series[0].error.len(), 2);
     // Student's t of 3 degrees of freedom is 3.1824 in tables; to their last digit.
     assert!(chart.series[0].error.iter().all(|bar| (bar / 0.001 - 3.1824).abs() < 5e-5), "{chart:?}");

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gonio::report::plot::plots::{shares, shown_sweeps};
-use gonio::report::{Scene, StopSummary};
+use gonio::report::{IncidenceSummary, Scene};
 use gonio::table::{BrdfTable, store};
 use half::f16;
 use serde_json::{Value, json};
@@ -74,12 +74,13 @@ fn both_halves_are_on_the_page_as_they_were_measured() {
         let above = table.grid.theta_r_edges_deg.iter().filter(|&&edge| edge < 90.0).count();
         let single = &table.colours[0].single;
         // The row that lies `k` rows from the pole of its side.
-        let row = |stop: usize, row: usize| {
-            single[(stop * rows + row) * columns..][..columns].iter().map(|&value| f64::from(value))
+        let row = |incidence: usize, row: usize| {
+            single[(incidence * rows + row) * columns..][..columns].iter().map(|&value| f64::from(value))
         };
-        let back: Vec<f64> = (0..2).flat_map(|stop| (0..above).flat_map(move |k| row(stop, k))).collect();
+        let back: Vec<f64> =
+            (0..2).flat_map(|incidence| (0..above).flat_map(move |k| row(incidence, k))).collect();
         let through: Vec<f64> =
-            (0..2).flat_map(|stop| (above..rows).rev().flat_map(move |k| row(stop, k))).collect();
+            (0..2).flat_map(|incidence| (above..rows).rev().flat_map(move |k| row(incidence, k))).collect();
         for (half, wanted) in [("table", back), ("through", through)] {
             let found = values_of(&data[half]);
             assert_eq!(found.len(), wanted.len(), "{name}: {half}");
@@ -124,13 +125,16 @@ fn shares_of_the_light_add_up() {
     let table = table_of(&folder, "small");
     let summary = fs::read_to_string(folder.path().join("out/small.json")).expect("a summary");
     let summary: Value = serde_json::from_str(&summary).expect("JSON");
-    let mut stops: Vec<StopSummary> = serde_json::from_value(summary["stops"].clone()).expect("stops");
+    let mut incidences: Vec<IncidenceSummary> =
+        serde_json::from_value(summary["stops"].clone()).expect("stops");
     let [back, through] = [false, true].map(|below| table.half(below).expect("a half"));
     let scenes = [&back, &through].map(|table| Scene { table, prediction: None, realisations: 4 });
     let sweep = shown_sweeps(&scenes[0]).remove(0);
-    let chart = |stops: &[StopSummary]| shares([&scenes[0], &scenes[1]], stops, &sweep, 0).expect("a chart");
+    let chart = |incidences: &[IncidenceSummary]| {
+        shares([&scenes[0], &scenes[1]], incidences, &sweep, 0).expect("a chart")
+    };
     let parts: [fn(f64) -> f64; 3] = [|r| r, |r| 1.0 - r, |_| 1.0];
-    let series = chart(&stops).series.split_off(1);
+    let series = chart(&incidences).series.split_off(1);
     assert_eq!(series.iter().map(|series| &series.label[..]).collect::<Vec<_>>(), ["R", "T", "R + T"]);
     for (series, part) in series.iter().zip(parts) {
         assert!(series.error.is_empty(), "nothing is known of their errors");
@@ -142,18 +146,18 @@ fn shares_of_the_light_add_up() {
             );
         }
     }
-    for stop in &mut stops {
-        (stop.albedo_total_se, stop.transmittance_total_se) = (Some(0.001), Some(0.002));
+    for incidence in &mut incidences {
+        (incidence.albedo_total_se, incidence.transmittance_total_se) = (Some(0.001), Some(0.002));
     }
     // Student's t for 95 % of 3 degrees of freedom is 3.1824 in tables; of a sum as much as both may have.
-    for (series, se) in chart(&stops).series[1..].iter().zip([0.001, 0.002, 0.003]) {
+    for (series, se) in chart(&incidences).series[1..].iter().zip([0.001, 0.002, 0.003]) {
         assert_eq!(series.error.len(), 2);
         // The table's last digit.
         assert!(series.error.iter().all(|error| (error / se - 3.1824).abs() < 5e-5), "{:?}", series.error);
     }
     // One of them alone makes no sum.
-    stops[1].transmittance_total = None;
-    assert!(shares([&scenes[0], &scenes[1]], &stops, &sweep, 0).is_none());
+    incidences[1].transmittance_total = None;
+    assert!(shares([&scenes[0], &scenes[1]], &incidences, &sweep, 0).is_none());
 }
 
 #[test]

@@ -8,7 +8,7 @@ use gonio::rng::{self, Purpose, StreamId};
 use gonio::surface::{SlopeLaw, Synthesiser};
 
 fn stream(number: u64) -> rand_pcg::Pcg64Dxsm {
-    rng::stream(StreamId { seed: 3, purpose: Purpose::Surface, realisation: number, stop: 0, block: 0 })
+    rng::stream(StreamId { seed: 3, purpose: Purpose::Surface, realisation: number, incidence: 0, block: 0 })
 }
 
 /// Independent slopes of a law of lengths, stretched and turned, in `tiles` tiles.

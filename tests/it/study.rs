@@ -60,7 +60,7 @@ fn mirror_images_and_folding_are_off() {
     let (campaign, plan) = study::turned(&parsed.campaign).expect("a study");
     assert!(!campaign.surface.mirror_images && !campaign.trace.fold);
     assert!(plan.images == 1 && !plan.averages_azimuth && plan.folded.iter().all(|folded| !folded));
-    assert_eq!((plan.stops, plan.grid.phi_i_deg.len()), (24, 12));
+    assert_eq!((plan.incidences, plan.grid.phi_i_deg.len()), (24, 12));
     let relative = text.replace("azimuth = \"absolute\"\n", "");
     let relative = relative.replace("phi_i_deg = { from = 0, to = 330, step = 30 }\n", "");
     let parsed = campaign::parse(&relative, "c.toml", Path::new("")).expect("sound");

@@ -35,21 +35,21 @@ fn a_sweep_has_its_figures_in_one_file() {
     for (k, alpha) in ["0.1", "0.2", "0.3"].into_iter().enumerate() {
         let json = fs::read(at.join(format!("out/small/small_alpha_{alpha}.json"))).expect("summary");
         let summary: Summary = serde_json::from_slice(&json).expect("a summary");
-        for (row, stop) in rows[2 * k..2 * k + 2].iter().zip(&summary.stops) {
+        for (row, incidence) in rows[2 * k..2 * k + 2].iter().zip(&summary.incidences) {
             let cell = |name: &str| row.iter().find(|(head, _)| head == name).map(|(_, cell)| cell.as_str());
             assert_eq!(
                 (cell("table"), cell("alpha_x")),
                 (Some(&*format!("small_alpha_{alpha}")), Some(alpha))
             );
             let number = |name: &str| cell(name).and_then(|cell| cell.parse::<f64>().ok());
-            assert_eq!(number("theta_i_deg"), Some(stop.theta_i_deg));
-            assert_eq!(number("albedo_total"), stop.albedo_total);
-            assert_eq!(number("albedo_total_se"), stop.albedo_total_se);
+            assert_eq!(number("theta_i_deg"), Some(incidence.theta_i_deg));
+            assert_eq!(number("albedo_total"), incidence.albedo_total);
+            assert_eq!(number("albedo_total_se"), incidence.albedo_total_se);
         }
         let own = &summary.comparisons[0];
         let name = format!("l1_model:{}:{}:{}", own.model, own.masking, own.scope);
         let found = rows[2 * k + 1].iter().find(|(head, _)| *head == name).expect("a column");
-        assert_eq!(found.1.parse::<f64>().ok(), own.stops[1].figures.l1_model);
+        assert_eq!(found.1.parse::<f64>().ok(), own.incidences[1].figures.l1_model);
     }
     let page = fs::read_to_string(at.join("out/small/small.sweep.html")).expect("written");
     for word in

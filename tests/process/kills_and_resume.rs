@@ -19,7 +19,7 @@ use crate::support::failing::Failing;
 use crate::support::mutations;
 use crate::support::program::{exits, folder};
 
-/// A campaign of some seconds: two roughnesses, colours, two orders, stops that share a sweep.
+/// A campaign of some seconds: two roughnesses, colours, two orders, incidences that share a sweep.
 fn small(samples: u64, realisations: u32, stop: &str) -> String {
     format!(
         "name = \"small\"\nseed = 5\n\

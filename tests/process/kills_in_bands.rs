@@ -1,4 +1,4 @@
-//! Promise: a run in bands of stops, for want of memory, is kept and gone on with as any other, and in the bands that it
+//! Promise: a run in bands of incidences, for want of memory, is kept and gone on with as any other, and in the bands that it
 //! began with.
 
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ use rustix::process::Signal;
 use crate::support::ended::{self, Whole, digests, ended_by, run, uninterrupted};
 use crate::support::program::{exits, folder};
 
-/// Two roughnesses, two orders, colours, eight stops at two azimuths; a second or two for all of them.
+/// Two roughnesses, two orders, colours, eight incidences at two azimuths; a second or two for all of them.
 fn small(samples: u64) -> String {
     format!(
         "name = \"small\"\nseed = 5\n\

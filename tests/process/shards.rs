@@ -16,7 +16,7 @@ use crate::support::failing;
 use crate::support::outputs::digests;
 use crate::support::program::{command, exits, gonio};
 
-/// Ten stops at two azimuths, two roughnesses, two orders, colours; a rule that ends stops at different blocks.
+/// Ten incidences at two azimuths, two roughnesses, two orders, colours; a rule that ends incidences at different blocks.
 const CAMPAIGN: &str = "\
 name = \"dealt\"
 seed = 3
@@ -81,7 +81,7 @@ fn seven_shards_in_any_order_make_the_bytes_of_one_run() {
         exits(&gonio(folder.path(), &words), 0);
         assert_eq!(digests(&folder.path().join("again")), whole);
     }
-    // The rule ended some stops before the others: they were dealt as they are measured, each by itself.
+    // The rule ended some incidences before the others: they were dealt as they are measured, each by itself.
     let summary: Value =
         serde_json::from_slice(&fs::read(folder.path().join("whole/dealt_alpha_0.3.json")).expect("there"))
             .expect("JSON");
@@ -89,7 +89,7 @@ fn seven_shards_in_any_order_make_the_bytes_of_one_run() {
         .as_array()
         .expect("stops")
         .iter()
-        .filter_map(|stop| stop["samples"].as_u64())
+        .filter_map(|incidence| incidence["samples"].as_u64())
         .collect();
     assert!(samples.iter().any(|&of_stop| of_stop != samples[0]), "{samples:?}");
     // Done twice, nothing is measured or merged twice.
@@ -134,7 +134,7 @@ fn shards_merged_in_bands_have_the_bytes_of_one_run() {
     let bands = |mb: u64| {
         Merge::of_shards(headers(), &campaign, mb << 20).map_or(0, |merge| merge.plan().bands().len())
     };
-    let least = (1..1000).find(|&mb| bands(mb) > 0).expect("a budget for one stop");
+    let least = (1..1000).find(|&mb| bands(mb) > 0).expect("a budget for one incidence");
     assert!(bands(least) > 2, "{} bands within {least} MiB", bands(least));
     let (enough, less) = (least.to_string(), (least - 1).to_string());
     let refused = gonio(folder.path(), &["merge", "shards", "-o", "merged", "--memory-mb", &less]);
@@ -145,7 +145,7 @@ fn shards_merged_in_bands_have_the_bytes_of_one_run() {
     let of = |name: &str| {
         let (mut files, mut plans) = (digests(&folder.path().join(name)), Vec::new());
         for alpha in ["0.3", "0.5"] {
-            // Summaries and pages tell how many stops were taken at a time.
+            // Summaries and pages tell how many incidences were taken at a time.
             let file = format!("dealt_alpha_{alpha}.json");
             let bytes = fs::read(folder.path().join(name).join(&file)).expect("there");
             let mut summary: Value = serde_json::from_slice(&bytes).expect("JSON");
@@ -157,7 +157,10 @@ fn shards_merged_in_bands_have_the_bytes_of_one_run() {
     };
     let ((merged, plans), (whole, _)) = (of("merged"), of("whole"));
     assert_eq!(merged, whole);
-    assert!(plans.iter().all(|plan| plan["band_stops"].as_u64().is_some_and(|stops| stops < 5)), "{plans:?}");
+    assert!(
+        plans.iter().all(|plan| plan["band_stops"].as_u64().is_some_and(|incidences| incidences < 5)),
+        "{plans:?}"
+    );
     // Some of the shards, too.
     fs::remove_file(shard(folder.path(), 2, 3)).expect("there");
     for words in [&["-o", "part"][..], &["-o", "part_in_bands", "--memory-mb", &enough]] {
@@ -236,11 +239,13 @@ fn what_is_there_can_be_merged_and_says_what_is_missing() {
     let load = |name: &str| store::load(&folder.path().join("out").join(name)).expect("a table").table;
     let (part, whole) = (load("dealt_partial_alpha_0.3.exr"), load("dealt_alpha_0.3.exr"));
     let bins = whole.grid.bins();
-    assert_eq!((part.grid.stops(), whole.grid.stops()), (6, 10));
-    for stop in 0..6 {
-        let same = (0..10).find(|&of| whole.grid.stop_deg(of) == part.grid.stop_deg(stop)).expect("a stop");
-        let (here, there) = (stop * bins..(stop + 1) * bins, same * bins..(same + 1) * bins);
-        // Each stop has all that it has in the whole, errors included.
+    assert_eq!((part.grid.incidences(), whole.grid.incidences()), (6, 10));
+    for incidence in 0..6 {
+        let same = (0..10)
+            .find(|&of| whole.grid.incidence_deg(of) == part.grid.incidence_deg(incidence))
+            .expect("an incidence");
+        let (here, there) = (incidence * bins..(incidence + 1) * bins, same * bins..(same + 1) * bins);
+        // Each incidence has all that it has in the whole, errors included.
         assert_eq!(part.hits[here.clone()], whole.hits[there.clone()]);
         assert_eq!(part.colours[0].total[here.clone()], whole.colours[0].total[there.clone()]);
         assert_eq!(part.colours[0].stderr[here], whole.colours[0].stderr[there]);

@@ -35,7 +35,7 @@ pub fn steps(step: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| step * k as f64).collect()
 }
 
-/// Stops over rows x columns of bins, 90/rows and 360/columns degrees each, edges on multiples of the step.
+/// Incidences over rows x columns of bins, 90/rows and 360/columns degrees each, edges on multiples of the step.
 pub fn hemisphere(theta_i_deg: Vec<f64>, phi_i_deg: Option<Vec<f64>>, rows: usize, columns: usize) -> Grid {
     Grid {
         theta_i_deg,

@@ -174,8 +174,8 @@ impl ExactField {
     /// Compares the walk's answer; panics where they disagree. `end` is the ray's `horizon`.
     pub fn compare(&self, ray: &ExactRay, end: i64, outcome: Outcome) -> Agreement {
         let range = |start: i64, d: i64| {
-            let stop = start + (d * end).div_euclid(S);
-            start.min(stop) - 2..=start.max(stop) + 2
+            let incidence = start + (d * end).div_euclid(S);
+            start.min(incidence) - 2..=start.max(incidence) + 2
         };
         let mut contacts = Vec::new();
         for y in range(ray.facet.y, ray.d[1]) {

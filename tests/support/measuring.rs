@@ -72,7 +72,7 @@ pub fn measured_one(text: &str) -> Measured {
 
 /// Numbers for a test.
 pub fn test_rng(seed: u64) -> Pcg64Dxsm {
-    rng::stream(StreamId { seed, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 })
+    rng::stream(StreamId { seed, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 })
 }
 
 /// A whole number in [low, high).
@@ -104,10 +104,10 @@ pub fn start(rng: &mut Pcg64Dxsm, field: &Heightfield) -> SurfacePoint {
     }
 }
 
-/// The columns of a table's row of hits for one stop.
-pub fn hits_of(measured: &Measured, stop: usize) -> &[u32] {
+/// The columns of a table's row of hits for one incidence.
+pub fn hits_of(measured: &Measured, incidence: usize) -> &[u32] {
     let bins = measured.table.grid.bins();
-    &measured.table.hits[stop * bins..(stop + 1) * bins]
+    &measured.table.hits[incidence * bins..(incidence + 1) * bins]
 }
 
 /// Which of `columns` columns `column` is after a turn by whole columns.

@@ -10,7 +10,7 @@ use crate::cli::text::numbers::{grouped, or_na};
 use crate::cli::text::output::{Output, inform, to_json};
 use crate::cli::text::progress::RunProgress;
 use crate::error::Result;
-use crate::instrument::StopAngles;
+use crate::instrument::IncidenceAngles;
 
 /// Measures a campaign as planned and by another way.
 pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -> Result<u8> {
@@ -41,7 +41,7 @@ pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -
     ))?;
     out.line("noise: relative standard error of a run that more starts take down; error: the patches' too")?;
     out.line("")?;
-    out.lines(stops(&found, other))?;
+    out.lines(incidences(&found, other))?;
     out.line("")?;
     out.lines(ways(&found))?;
     out.line("")?;
@@ -57,22 +57,24 @@ pub fn against(campaign: &Campaign, other: Other, replicates: u32, json: bool) -
     Ok(0)
 }
 
-fn stops(found: &Against, other: Other) -> Vec<String> {
+fn incidences(found: &Against, other: Other) -> Vec<String> {
     let headers = ["theta_i", "phi_i", "bins", "noise", &format!("by {other}"), "variance ratio"];
-    let angles = StopAngles::new(found.stops.iter().map(|stop| (stop.theta_i_deg, stop.phi_i_deg)));
-    let row = |(index, stop): (usize, &bench::against::StopNoise)| {
-        let [plan, other] = stop.noise;
+    let angles = IncidenceAngles::new(
+        found.incidences.iter().map(|incidence| (incidence.theta_i_deg, incidence.phi_i_deg)),
+    );
+    let row = |(index, incidence): (usize, &bench::against::IncidenceNoise)| {
+        let [plan, other] = incidence.noise;
         let [theta, phi] = angles.texts(index);
         vec![
             theta,
             phi,
-            stop.bins.to_string(),
+            incidence.bins.to_string(),
             format!("{plan:.5}"),
             format!("{other:.5}"),
             format!("{:.2}", (other / plan).powi(2)),
         ]
     };
-    columns(&headers, &found.stops.iter().enumerate().map(row).collect::<Vec<_>>())
+    columns(&headers, &found.incidences.iter().enumerate().map(row).collect::<Vec<_>>())
 }
 
 fn ways(found: &Against) -> Vec<String> {
@@ -96,8 +98,8 @@ pub fn sizes(campaign: &Campaign, sides: &[u32], json: bool) -> Result<u8> {
     let mut sides = sides.to_vec();
     sides.sort_unstable();
     sides.dedup();
-    let stops = campaign.light.theta_i_deg.len() as u64;
-    let runs = if stops > 1 { 2 * stops } else { 1 };
+    let incidences = campaign.light.theta_i_deg.len() as u64;
+    let runs = if incidences > 1 { 2 * incidences } else { 1 };
     let progress = RunProgress::new(sides.iter().map(|&side| scale::starts(side) * runs).sum(), "samples");
     let found = bench::scale(campaign, &sides, &|starts| progress.add(starts))?;
     progress.finish();

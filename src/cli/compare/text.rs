@@ -64,9 +64,11 @@ pub fn lines(found: &TableDifference) -> Vec<String> {
     };
     let row = |head: [String; 2], figures: &DifferenceFigures| [head.to_vec(), cells(figures)].concat();
     let mut rows: Vec<Vec<String>> = found
-        .stops
+        .incidences
         .iter()
-        .map(|stop| row([stop.theta_i_deg.to_string(), stop.phi_i_deg.to_string()], &stop.figures))
+        .map(|incidence| {
+            row([incidence.theta_i_deg.to_string(), incidence.phi_i_deg.to_string()], &incidence.figures)
+        })
         .collect();
     rows.push(row(["all".into(), String::new()], &found.figures));
     lines.extend(columns(&["theta_i", "phi_i", "l1", "noise", "without it", "max t", "% outside 95"], &rows));

@@ -167,18 +167,18 @@ fn lines(answer: &ScanLaw, page: &Path) -> Vec<String> {
     }
     lines.push(String::new());
     let number = |value: Option<f64>| value.map_or("n/a".to_string(), |value| short(value, 4));
-    let stops = answer.difference.stops.iter().map(|stop| {
-        let figures = &stop.figures;
+    let incidences = answer.difference.incidences.iter().map(|incidence| {
+        let figures = &incidence.figures;
         vec![
-            short(stop.theta_i_deg, 1),
-            short(stop.phi_i_deg, 1),
+            short(incidence.theta_i_deg, 1),
+            short(incidence.phi_i_deg, 1),
             number(figures.l1),
             number(figures.l1_noise),
             figures.shown(),
         ]
     });
-    let stops: Vec<Vec<String>> = stops.collect();
-    lines.extend(columns(&["theta_i", "phi_i", "l1", "noise", "without noise"], &stops));
+    let incidences: Vec<Vec<String>> = incidences.collect();
+    lines.extend(columns(&["theta_i", "phi_i", "l1", "noise", "without noise"], &incidences));
     let [scan, beside] = &answer.files;
     lines.push(format!("tables  {scan}, {beside}"));
     lines.push(format!("page    {}", page.display()));

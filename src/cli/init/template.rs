@@ -72,7 +72,7 @@ pub fn campaign(
         of_surface(surface, purpose, map),
         of_instrument(surface, instrument, purpose),
         of_purpose(purpose),
-        of_stop(purpose),
+        of_incidence(purpose),
     ];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }
@@ -189,7 +189,7 @@ fn of_purpose(purpose: Purpose) -> String {
     .into()
 }
 
-fn of_stop(purpose: Purpose) -> String {
+fn of_incidence(purpose: Purpose) -> String {
     let (samples, error) = match purpose {
         Purpose::Look => ("262_144", ""),
         Purpose::Glass => ("1_048_576", ""),

@@ -1,7 +1,7 @@
 //! The lobe in the plane of incidence as plain text.
 
 use super::layout;
-use crate::report::plot::plots::{spread, stop_name};
+use crate::report::plot::plots::{incidence_name, spread};
 use crate::report::slices::{Cut, Scene};
 
 /// Columns of the plot inside its frame: one in the middle, and as many on either side.
@@ -18,10 +18,10 @@ const MOST_ANGLES: usize = 3;
 ///
 /// `*` measured, `-` the model with the masking `masking`, `+` both; heights are shares of the peak.
 pub fn lobes(scene: &Scene, masking: usize) -> Vec<String> {
-    let stops = scene.sweeps().into_iter().next().map_or(Vec::new(), |sweep| sweep.stops);
+    let incidences = scene.sweeps().into_iter().next().map_or(Vec::new(), |sweep| sweep.incidences);
     let mut lines = Vec::new();
-    for index in spread(stops.len(), MOST_ANGLES) {
-        lines.extend(lobe(scene, stops[index], masking).into_iter().flatten());
+    for index in spread(incidences.len(), MOST_ANGLES) {
+        lines.extend(lobe(scene, incidences[index], masking).into_iter().flatten());
     }
     if !lines.is_empty() {
         let half = columns_of_plot() / 2;
@@ -38,10 +38,10 @@ fn columns_of_plot() -> usize {
     if layout::width() >= LABEL + COLUMNS { COLUMNS } else { FEW_COLUMNS }
 }
 
-fn lobe(scene: &Scene, stop: usize, masking: usize) -> Option<Vec<String>> {
-    let cuts = scene.in_plane(stop);
-    let measured = |bin: usize| scene.single(stop, bin);
-    let model = |bin: usize| scene.model(masking, stop, bin).unwrap_or(0.0);
+fn lobe(scene: &Scene, incidence: usize, masking: usize) -> Option<Vec<String>> {
+    let cuts = scene.in_plane(incidence);
+    let measured = |bin: usize| scene.single(incidence, bin);
+    let model = |bin: usize| scene.model(masking, incidence, bin).unwrap_or(0.0);
     let highest = cuts.iter().map(|c| measured(c.bin).max(model(c.bin))).fold(0.0, f64::max);
     if cuts.len() < 2 || highest <= 0.0 {
         return None;
@@ -62,7 +62,7 @@ fn lobe(scene: &Scene, stop: usize, masking: usize) -> Option<Vec<String>> {
             (false, true) => '-',
             (false, false) => ' ',
         };
-    let name = stop_name(scene, stop).replace('°', "");
+    let name = incidence_name(scene, incidence).replace('°', "");
     let mut lines = vec![format!("{name}: BRDF{} in the plane of incidence, 1/sr", scene.colour_note())];
     for at in 0..ROWS {
         let label = match at {

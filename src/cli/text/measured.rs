@@ -8,9 +8,9 @@ use super::numbers::{bytes, duration, grouped, with_error};
 use super::output::Output;
 use super::{lobes, optics, verdict};
 use crate::error::Result;
-use crate::instrument::StopAngles;
+use crate::instrument::IncidenceAngles;
 use crate::job::{TablePaths, WrittenTable};
-use crate::measure::{Cost, Measured, Plan, StopResult, StoppedBy};
+use crate::measure::{Cost, IncidenceResult, Measured, Plan, StoppedBy};
 use crate::report::Scene;
 use crate::table::BrdfTable;
 use crate::table::realisations::{self, StoredRealisations};
@@ -53,37 +53,37 @@ fn lobes(written: &WrittenTable) -> Vec<String> {
 /// Albedos of every incidence, and how far each model is.
 fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
     let WrittenTable { measured, plan, .. } = written;
-    let open_map = measured.stops.iter().any(|stop| stop.left_map > 0);
+    let open_map = measured.incidences.iter().any(|incidence| incidence.left_map > 0);
     let mut headers = vec!["theta_i", "phi_i", "albedo single", "albedo total", "hidden", "cut"];
-    let beyond = measured.stops.iter().any(|stop| stop.beyond_order_1().0.is_some());
+    let beyond = measured.incidences.iter().any(|incidence| incidence.beyond_order_1().0.is_some());
     headers.extend(beyond.then_some("beyond order 1"));
     headers.extend(open_map.then_some("left map"));
     headers.extend(plan.apertures_only.then_some("outside"));
     let absorbs = measured.campaign.surface.kind.has_absorbing_base();
     headers.extend(absorbs.then_some("absorbed"));
-    let angles = StopAngles::of(&plan.grid);
-    let row = |(index, stop): (usize, &StopResult)| {
+    let angles = IncidenceAngles::of(&plan.grid);
+    let row = |(index, incidence): (usize, &IncidenceResult)| {
         let [theta, phi] = angles.texts(index);
-        let paths = (stop.samples * plan.sums.paths_of_a_start()) as f64 * f64::from(plan.realisations);
+        let paths = (incidence.samples * plan.sums.paths_of_a_start()) as f64 * f64::from(plan.realisations);
         let share = |count: u64| format!("{:.4} %", 100.0 * count as f64 / paths);
         let mut row = vec![
             theta,
             phi,
-            albedo(stop.single()),
-            albedo(stop.total()),
-            share(stop.hidden),
-            share(stop.cut),
+            albedo(incidence.single()),
+            albedo(incidence.total()),
+            share(incidence.hidden),
+            share(incidence.cut),
         ];
-        let missed = stop.beyond_order_1();
-        let none_seen = stop.orders[1..].iter().sum::<u64>() + stop.cut == 0;
+        let missed = incidence.beyond_order_1();
+        let none_seen = incidence.orders[1..].iter().sum::<u64>() + incidence.cut == 0;
         let beyond = |mean| if none_seen { "not seen".into() } else { with_error(mean, missed.1) };
         row.extend(missed.0.map(beyond));
-        row.extend(open_map.then(|| share(stop.left_map)));
-        row.extend(plan.apertures_only.then(|| share(stop.outside)));
-        row.extend(absorbs.then(|| share(stop.absorbed)));
+        row.extend(open_map.then(|| share(incidence.left_map)));
+        row.extend(plan.apertures_only.then(|| share(incidence.outside)));
+        row.extend(absorbs.then(|| share(incidence.absorbed)));
         row
     };
-    let rows: Vec<Vec<String>> = measured.stops.iter().enumerate().map(row).collect();
+    let rows: Vec<Vec<String>> = measured.incidences.iter().enumerate().map(row).collect();
     let alpha = match measured.campaign.alphas()[..] {
         [Some(alpha)] => format!(", alpha {}", alpha.text()),
         _ => String::new(),
@@ -107,25 +107,26 @@ fn report(out: &mut Output, written: &WrittenTable) -> Result<()> {
 }
 
 /// Light that has gone through the surface, where any can.
-fn through_lines(measured: &Measured, angles: &StopAngles) -> Vec<String> {
-    if measured.stops.iter().all(|stop| stop.through.is_empty()) {
+fn through_lines(measured: &Measured, angles: &IncidenceAngles) -> Vec<String> {
+    if measured.incidences.iter().all(|incidence| incidence.through.is_empty()) {
         return vec![];
     }
-    let row = |(index, stop): (usize, &StopResult)| {
+    let row = |(index, incidence): (usize, &IncidenceResult)| {
         let [theta, phi] = angles.texts(index);
-        vec![theta, phi, albedo(stop.single_transmittance()), albedo(stop.total_transmittance())]
+        vec![theta, phi, albedo(incidence.single_transmittance()), albedo(incidence.total_transmittance())]
     };
-    let rows: Vec<Vec<String>> = measured.stops.iter().enumerate().map(row).collect();
+    let rows: Vec<Vec<String>> = measured.incidences.iter().enumerate().map(row).collect();
     let headers = ["theta_i", "phi_i", "through single", "through total"];
     [vec![String::new()], columns(&headers, &rows)].concat()
 }
 
 /// How much light left an open map by its edge, where any did.
 fn lost_light_line(measured: &Measured, plan: &Plan) -> Vec<String> {
-    let stops = measured.stops.iter().enumerate().map(|(index, stop)| (index, stop.lost_light[1]));
-    let most = stops.filter(|stop| stop.1 > 0.0).max_by(|a, b| a.1.total_cmp(&b.1));
+    let incidences =
+        measured.incidences.iter().enumerate().map(|(index, incidence)| (index, incidence.lost_light[1]));
+    let most = incidences.filter(|incidence| incidence.1 > 0.0).max_by(|a, b| a.1.total_cmp(&b.1));
     let Some((index, flux)) = most else { return vec![] };
-    let [theta, phi] = StopAngles::of(&plan.grid).texts(index);
+    let [theta, phi] = IncidenceAngles::of(&plan.grid).texts(index);
     let text = format!(
         "at {theta}, {phi} up to {flux:.4} of the light is missing; error bars cover where it may have gone"
     );
@@ -134,15 +135,15 @@ fn lost_light_line(measured: &Measured, plan: &Plan) -> Vec<String> {
 
 /// What ended the incidences, where it was not that all samples were measured.
 fn end_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
-    let angles = StopAngles::of(&plan.grid);
-    let line = |(index, stop): (usize, &StopResult)| {
-        let why = match stop.stopped_by {
+    let angles = IncidenceAngles::of(&plan.grid);
+    let line = |(index, incidence): (usize, &IncidenceResult)| {
+        let why = match incidence.stopped_by {
             StoppedBy::Samples if measured.campaign.stop.relative_error.is_none() => return None,
             StoppedBy::Samples => "all samples measured".into(),
             StoppedBy::RelativeError => "error reached".into(),
             StoppedBy::Seconds => "time is over".into(),
             StoppedBy::PatchLimited => {
-                let needed = stop.realisations_needed.map_or("more".into(), grouped);
+                let needed = incidence.realisations_needed.map_or("more".into(), grouped);
                 format!(
                     "patch-limited: {needed} realisations would be needed, there are {}",
                     plan.realisations
@@ -150,10 +151,10 @@ fn end_lines(measured: &Measured, plan: &Plan) -> Vec<String> {
             }
         };
         let [theta, phi] = angles.texts(index);
-        let error = stop.relative_error.map_or(String::new(), |e| format!(", relative error {e:.4}"));
-        Some(format!("stop {theta} {phi}: {} starts a patch{error}; {why}", grouped(stop.samples)))
+        let error = incidence.relative_error.map_or(String::new(), |e| format!(", relative error {e:.4}"));
+        Some(format!("incidence {theta} {phi}: {} starts a patch{error}; {why}", grouped(incidence.samples)))
     };
-    measured.stops.iter().enumerate().filter_map(line).collect()
+    measured.incidences.iter().enumerate().filter_map(line).collect()
 }
 
 /// An albedo and its standard error.

@@ -31,14 +31,14 @@ pub fn facts(campaign: &Campaign, plan: &Plan, disk: Disk) -> Vec<String> {
     );
     let bands = match plan.bands().len() {
         1 => String::new(),
-        bands => format!(", in {bands} bands of up to {} incidences", plan.band_stops),
+        bands => format!(", in {bands} bands of up to {} incidences", plan.band_incidences),
     };
     let facts = [
         ("campaign", format!("{}, seed {}", campaign.name, campaign.seed)),
         ("surface", surface(campaign)),
         ("optics", campaign.optics.described()),
         ("trace", format!("{orders}; {sight}")),
-        ("incidences", stops(campaign, plan)),
+        ("incidences", incidences(campaign, plan)),
         ("bins", format!("{} at each incidence: {}", grouped(plan.bins as u64), sensor(campaign))),
         ("tables", plan.tables.to_string()),
         ("realisations", plan.realisations.to_string()),
@@ -95,7 +95,7 @@ pub fn aperture(bias: &ApertureBias) -> Vec<String> {
         bias.theta_i_deg,
         angle(bias.theta_r_deg),
         angle(bias.phi_r_deg),
-        bias.stops,
+        bias.incidences,
         percent(bias.bias_of_half),
         percent(bias.bias_extrapolated)
     );
@@ -224,7 +224,7 @@ fn by_density(surface: &Surface, psd: &PsdSurface) -> String {
     )
 }
 
-fn stops(campaign: &Campaign, plan: &Plan) -> String {
+fn incidences(campaign: &Campaign, plan: &Plan) -> String {
     let thetas = listed_angles(&campaign.light.theta_i_deg);
     let phis = match &campaign.light.azimuth {
         Azimuth::KlemsFull => "the middles of the patches of the Klems full basis".into(),
@@ -235,7 +235,7 @@ fn stops(campaign: &Campaign, plan: &Plan) -> String {
         0.0 => String::new(),
         half_angle => format!("; a cone of half-angle {half_angle} degrees"),
     };
-    format!("{}: theta_i {thetas}; {phis}{aperture}", plan.stops)
+    format!("{}: theta_i {thetas}; {phis}{aperture}", plan.incidences)
 }
 
 fn sensor(campaign: &Campaign) -> String {

@@ -12,12 +12,19 @@ impl Study {
             "{} turns of the sample, {} realisations; mirror images and folding are off",
             self.turns, self.realisations
         )];
-        let index =
-            |stop: String, index: f64, se: Option<f64>| vec![stop, format!("{index:.5}"), or_na(se, 5)];
+        let index = |incidence: String, index: f64, se: Option<f64>| {
+            vec![incidence, format!("{index:.5}"), or_na(se, 5)]
+        };
         let mut rows: Vec<Vec<String>> = self
-            .stops
+            .incidences
             .iter()
-            .map(|stop| index(stop.theta_i_deg.to_string(), stop.anisotropy_index, stop.anisotropy_index_se))
+            .map(|incidence| {
+                index(
+                    incidence.theta_i_deg.to_string(),
+                    incidence.anisotropy_index,
+                    incidence.anisotropy_index_se,
+                )
+            })
             .collect();
         rows.push(index("all".into(), self.anisotropy_index, self.anisotropy_index_se));
         lines.extend(columns(&["theta_i", "anisotropy index", "+-"], &rows));

@@ -52,12 +52,16 @@ fn comparison_lines(verdict: &Verdict, scope: &str) -> Vec<String> {
         let nearest = several.then_some(nearest);
         [theta, phi, or_na(figures[0].l1_noise, 4)].into_iter().chain(distances).chain(nearest).collect()
     };
-    let of_stop = |stop: usize| {
-        let angles =
-            [first.stops[stop].theta_i_deg, first.stops[stop].phi_i_deg].map(|angle| angle.to_string());
-        row(angles, all.iter().map(|c| &c.stops[stop].figures).collect(), named(nearest_at(&all, stop)))
+    let of_incidence = |incidence: usize| {
+        let angles = [first.incidences[incidence].theta_i_deg, first.incidences[incidence].phi_i_deg]
+            .map(|angle| angle.to_string());
+        row(
+            angles,
+            all.iter().map(|c| &c.incidences[incidence].figures).collect(),
+            named(nearest_at(&all, incidence)),
+        )
     };
-    let mut rows: Vec<Vec<String>> = (0..first.stops.len()).map(of_stop).collect();
+    let mut rows: Vec<Vec<String>> = (0..first.incidences.len()).map(of_incidence).collect();
     let of_all = verdict.comparisons.first().is_some_and(|c| c.scope == scope);
     let nearest = verdict.nearest_masking.clone().filter(|_| of_all).unwrap_or_default();
     rows.push(row(["mean".into(), String::new()], all.iter().map(|c| &c.figures).collect(), named(nearest)));
@@ -72,9 +76,11 @@ fn comparison_lines(verdict: &Verdict, scope: &str) -> Vec<String> {
 
 /// The nearest masking at an incidence; `alike` where all are below their floors, the two nearest are not distinguished by
 /// the paired test at the 5 % level, or all differ by less than a hundredth of the noise.
-fn nearest_at(all: &[&Comparison], stop: usize) -> String {
-    let models: Vec<(&Figures, &[f64])> =
-        all.iter().map(|c| (&c.stops[stop].figures, &c.stops[stop].by_part[..])).collect();
+fn nearest_at(all: &[&Comparison], incidence: usize) -> String {
+    let models: Vec<(&Figures, &[f64])> = all
+        .iter()
+        .map(|c| (&c.incidences[incidence].figures, &c.incidences[incidence].by_part[..]))
+        .collect();
     let l1 = models.iter().filter_map(|(figures, _)| figures.l1);
     let [low, high] = l1.fold([f64::INFINITY, 0.0f64], |[low, high], l1| [low.min(l1), high.max(l1)]);
     if high - low <= 0.01 * models[0].0.l1_noise.unwrap_or(0.0) {

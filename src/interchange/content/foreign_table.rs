@@ -18,21 +18,21 @@ pub fn foreign_table(grid: Grid, total: Vec<Vec<f32>>) -> Checked<BrdfTable> {
 
 /// The same with a wavelength for each colour, where there are any.
 pub fn spectral_table(grid: Grid, total: Vec<Vec<f32>>, wavelengths_nm: &[f64]) -> Checked<BrdfTable> {
-    let (stops, bins) = (grid.stops(), grid.bins());
-    let pixels = stops.checked_mul(bins).ok_or("more values than a table can hold")?;
+    let (incidences, bins) = (grid.incidences(), grid.bins());
+    let pixels = incidences.checked_mul(bins).ok_or("more values than a table can hold")?;
     let are_distinguished = if wavelengths_nm.is_empty() {
         matches!(total.len(), 1 | 3)
     } else {
         wavelengths_nm.len() == total.len()
     };
     if !are_distinguished || total.iter().any(|values| values.len() != pixels) || pixels == 0 {
-        return Err(wrong!("{} colours do not make {stops} incidences of {bins} bins", total.len()));
+        return Err(wrong!("{} colours do not make {incidences} incidences of {bins} bins", total.len()));
     }
     for values in &total {
         if let Some(at) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
-            let (stop, bin, value) = (at / bins, at % bins, values[at]);
+            let (incidence, bin, value) = (at / bins, at % bins, values[at]);
             let what =
-                format!("incidence {stop}, bin {bin}: {value} is no BRDF value (finite, not negative)");
+                format!("incidence {incidence}, bin {bin}: {value} is no BRDF value (finite, not negative)");
             return Err(what.into());
         }
     }

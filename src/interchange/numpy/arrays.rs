@@ -5,10 +5,10 @@ use crate::instrument::{Grid, GridKind};
 /// Lengths along the axes of a table's arrays.
 pub fn shape(grid: &Grid, colours: usize) -> Vec<usize> {
     let product = |a: &[f64], b: &[f64]| vec![grid.theta_i_deg.len(), grid.phi_i_deg.len(), a.len(), b.len()];
-    let mut shape = match (grid.kind, grid.stops_deg.is_empty()) {
+    let mut shape = match (grid.kind, grid.incidences_deg.is_empty()) {
         (GridKind::Hemisphere, true) => product(&grid.theta_r_edges_deg[1..], &grid.phi_r_edges_deg[1..]),
         (GridKind::Arm, true) => product(&grid.theta_r_deg, &grid.phi_r_deg),
-        _ => vec![grid.stops(), grid.bins()],
+        _ => vec![grid.incidences(), grid.bins()],
     };
     if colours > 1 {
         shape.push(colours);

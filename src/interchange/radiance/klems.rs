@@ -92,7 +92,7 @@ fn matrix_of(side: &sides::Side<'_>, wanted: Option<Basis>) -> Checked<Values> {
         let value = |k: usize| {
             std::array::from_fn(|c| table.colours.get(c).map_or(0.0, |colour| f64::from(colour.total[k])))
         };
-        let matrix = (0..table.grid.stops() * table.grid.bins()).map(value).collect();
+        let matrix = (0..table.grid.incidences() * table.grid.bins()).map(value).collect();
         return Ok((bases, matrix, "the table's own patches, as they are".into()));
     }
     let basis = wanted.unwrap_or(Basis::Full);
@@ -140,9 +140,9 @@ fn as_function(table: &BrdfTable, through: bool) -> Checked<Box<dyn Brdf>> {
 fn numbers([light, sensor]: [usize; 2], value: impl Fn(usize) -> f64) -> String {
     let mut data = String::new();
     for out in 0..sensor {
-        for stop in 0..light {
+        for incidence in 0..light {
             // Writing into a String does not fail.
-            let _written = write!(data, "{:.8e},\t", value(stop * sensor + out));
+            let _written = write!(data, "{:.8e},\t", value(incidence * sensor + out));
         }
         data.push('\n');
     }
@@ -218,7 +218,9 @@ fn table_of(
         return Err("the blocks have different bases".into());
     }
     let bins = sensor.len();
-    let place = |stop: usize, bin: usize| if columns { bin * light.len() + stop } else { stop * bins + bin };
+    let place = |incidence: usize, bin: usize| {
+        if columns { bin * light.len() + incidence } else { incidence * bins + bin }
+    };
     let matrices = blocks
         .iter()
         .map(|block| matrix(&block.data, light.len(), bins, seen))

@@ -13,22 +13,23 @@ const BORDER_DEG: f64 = 1e-9;
 
 /// The geometry of a matrix: incidences in the middle of the light's patches.
 pub fn grid(light: &[[f64; 4]], sensor: Vec<[f64; 4]>) -> Grid {
-    Grid { kind: GridKind::Patches, stops_deg: middles(light), patches_deg: sensor, ..Grid::default() }
+    Grid { kind: GridKind::Patches, incidences_deg: middles(light), patches_deg: sensor, ..Grid::default() }
 }
 
 /// The bases of a table whose incidences are the middles of patches: of the light, and of the sensor.
 pub fn bases_of(table: &Grid) -> Option<[Vec<Ring>; 2]> {
     let sensor = if table.kind == GridKind::Patches { rings_of(&table.patches_deg)? } else { return None };
     let named = Basis::ALL.iter().map(|basis| basis.rings().to_vec());
-    let other = Grid { stops_deg: vec![], patches_deg: vec![], ..table.clone() };
+    let other = Grid { incidences_deg: vec![], patches_deg: vec![], ..table.clone() };
     if other != (Grid { kind: GridKind::Patches, ..Grid::default() }) {
         return None;
     }
     // A ring below the horizon is 180 degrees less one above, to a rounding.
     let near = |(a, b): (&[f64; 2], &[f64; 2])| a.iter().zip(b).all(|(a, b)| (a - b).abs() < BORDER_DEG);
     let is_own = |rings: &Vec<Ring>| {
-        let stops = middles(&patches(rings));
-        stops.len() == table.stops_deg.len() && stops.iter().zip(&table.stops_deg).all(near)
+        let incidences = middles(&patches(rings));
+        incidences.len() == table.incidences_deg.len()
+            && incidences.iter().zip(&table.incidences_deg).all(near)
     };
     Some([std::iter::once(sensor.clone()).chain(named).find(is_own)?, sensor])
 }
@@ -71,10 +72,12 @@ impl Brdf for Patchwise {
     }
 
     fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let stops = around(&self.light, DVec3::new(-wi.x, -wi.y, wi.z));
+        let incidences = around(&self.light, DVec3::new(-wi.x, -wi.y, wi.z));
         let bins = around(&self.sensor, wo);
         let mut sum = [0.0; 3];
-        for at in stops.iter().flat_map(|stop| bins.map(|bin| stop * self.table.grid.bins() + bin)) {
+        for at in
+            incidences.iter().flat_map(|incidence| bins.map(|bin| incidence * self.table.grid.bins() + bin))
+        {
             let colours = &self.table.colours;
             sum.iter_mut().zip(colours).for_each(|(s, colour)| *s += f64::from(colour.total[at]) / 16.0);
         }

@@ -14,14 +14,14 @@ pub(crate) struct Ordered {
 }
 
 /// Polar angles and azimuths whose product the incidences are, degrees.
-pub(crate) fn stop_axes(grid: &Grid) -> Checked<(Vec<f64>, Vec<f64>)> {
+pub(crate) fn incidence_axes(grid: &Grid) -> Checked<(Vec<f64>, Vec<f64>)> {
     if grid.kind == GridKind::HalfDifference {
         return Err("half/difference angles are no incidences and bins".into());
     }
-    if grid.stops_deg.is_empty() {
+    if grid.incidences_deg.is_empty() {
         return Ok((grid.theta_i_deg.clone(), grid.phi_i_deg.clone()));
     }
-    product(&grid.stops_deg)
+    product(&grid.incidences_deg)
         .ok_or_else(|| "the incidences are no product of polar angles and azimuths".into())
 }
 

@@ -21,13 +21,13 @@ pub(crate) fn not_measured(table: &BrdfTable) -> String {
         "{} of {} pairs of directions were not measured; npz, csv, astm, exr_parts and pabopto keep such gaps, import \
          --like TABLE.exr fills them in",
         table.gaps(),
-        table.grid.stops() * table.grid.bins()
+        table.grid.incidences() * table.grid.bins()
     )
 }
 
 /// The note on the gaps of a scan; half/difference angles have cells below the horizon, which are none.
 pub fn note(table: &BrdfTable) -> Option<String> {
-    let (gaps, all) = (table.gaps(), table.grid.stops() * table.grid.bins());
+    let (gaps, all) = (table.gaps(), table.grid.incidences() * table.grid.bins());
     (gaps > 0 && table.grid.kind != GridKind::HalfDifference).then(|| {
         format!(
             "{gaps} of {all} pairs of directions were not measured: gaps, which count nowhere; --like TABLE.exr fills \
@@ -48,9 +48,10 @@ pub fn filled(table: BrdfTable) -> Checked<(BrdfTable, Option<String>)> {
     if table.grid.kind != GridKind::Points {
         return Err(wrong!("{gaps} bins were not measured: nothing is interpolated over them"));
     }
-    let (stops, measured) = (table.grid.stops(), table.grid.stops() * table.grid.bins() - gaps);
+    let (incidences, measured) =
+        (table.grid.incidences(), table.grid.incidences() * table.grid.bins() - gaps);
     let rows = Rows::of(&table.grid);
-    let all = stops.saturating_mul(rows.theta.len() * rows.phi.len());
+    let all = incidences.saturating_mul(rows.theta.len() * rows.phi.len());
     if all > 2 * measured {
         return Err(wrong!(
             "the sensor's polar angles and azimuths make {all} pairs with the lights, of which {measured} were \
@@ -59,11 +60,11 @@ pub fn filled(table: BrdfTable) -> Checked<(BrdfTable, Option<String>)> {
     }
     let mut total = vec![Vec::with_capacity(all); table.colours.len()];
     let mut lacking = 0;
-    for stop in 0..stops {
+    for incidence in 0..incidences {
         for (colour, total) in total.iter_mut().enumerate() {
-            let mut cells = rows.cells(&table, stop, colour);
+            let mut cells = rows.cells(&table, incidence, colour);
             lacking += usize::from(colour == 0) * cells.iter().filter(|cell| cell.is_none()).count();
-            let (theta, phi) = table.grid.stop_deg(stop);
+            let (theta, phi) = table.grid.incidence_deg(incidence);
             rows.fill(&mut cells).map_err(|why| why.at(format_args!("light {theta} {phi} degrees")))?;
             total.extend(cells.into_iter().map(|cell| cell.unwrap_or(0.0) as f32));
         }
@@ -114,8 +115,8 @@ impl Rows {
     }
 
     /// What an incidence has of each row and column.
-    fn cells(&self, table: &BrdfTable, stop: usize, colour: usize) -> Vec<Option<f64>> {
-        let first = stop * table.grid.bins();
+    fn cells(&self, table: &BrdfTable, incidence: usize, colour: usize) -> Vec<Option<f64>> {
+        let first = incidence * table.grid.bins();
         let value = |&bin: &usize| {
             let measured = !table.is_gap(first + bin);
             measured.then(|| f64::from(table.colours[colour].total[first + bin]))

@@ -48,13 +48,13 @@ impl Guide {
     pub fn of(values: &IncidenceValues, facets: Facets) -> Self {
         let widest = GuideLobe::of(values, facets);
         let rows = values.theta_i().partition_point(|&theta| theta <= LAST_FITTED).max(1);
-        let stops = rows * values.phi_i().len();
+        let incidences = rows * values.phi_i().len();
         let mut known = Vec::new();
-        for stop in (0..stops).step_by(stops.div_ceil(STOPS)) {
-            let place = (stop / values.phi_i().len(), stop % values.phi_i().len());
+        for incidence in (0..incidences).step_by(incidences.div_ceil(STOPS)) {
+            let place = (incidence / values.phi_i().len(), incidence % values.phi_i().len());
             let phi_i = values.phi_i()[place.1];
             let wi = sphere::direction(values.theta_i()[place.0], phi_i);
-            let of = |to: Sampled| Known { wi, to, value: values.at_stop(place, phi_i, to.wo) };
+            let of = |to: Sampled| Known { wi, to, value: values.at_incidence(place, phi_i, to.wo) };
             known.extend(samples(wi, widest, SAMPLES).into_iter().map(of));
         }
         let middle = values.middle();

@@ -33,7 +33,7 @@ impl Guided {
     /// The value at any pair of directions; `theta` and `phi` are those of `wi`.
     pub fn brdf(&self, wi: DVec3, (theta, phi): (f64, f64), wo: DVec3) -> Colour {
         let over = |taps, all| self.over_incidences((wi, phi), wo, taps, all);
-        let cubic = over(self.values.stop_taps(theta, phi), true);
+        let cubic = over(self.values.incidence_taps(theta, phi), true);
         let found = cubic.or_else(|| over(self.values.linear_taps(theta, phi), false));
         // Every mirrored arm below the horizon: light and sensor both graze; the nearest incidence as it is.
         found.map_or_else(|| self.values.nearest(theta, phi, wo), |value| value.map(|v| v.max(0.0)))
@@ -81,7 +81,7 @@ impl Guided {
                     }
                     continue;
                 };
-                let value = self.values.at_stop((t.node, p.node), phi_i, to);
+                let value = self.values.at_incidence((t.node, p.node), phi_i, to);
                 let law = law(from, self.sigmas[t.node * self.values.phi_i().len() + p.node], to);
                 colours.clone().for_each(|c| sum[c] += weight * value[c] / law[c]);
                 weights += weight;

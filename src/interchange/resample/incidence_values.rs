@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::angles::{around, bin_axes, increasing, stop_axes};
+use super::angles::{around, bin_axes, incidence_axes, increasing};
 use super::axis::{AzimuthCircle, Polar, Taps, WIDEST_GAP_DEG};
 use super::folds::{Fold, unfolded};
 use super::gaps::not_measured;
@@ -28,8 +28,8 @@ pub struct IncidenceValues {
     folds: Vec<Fold>,
     /// Measured azimuths.
     azimuths: usize,
-    stops_polar: Polar,
-    stops_circle: AzimuthCircle,
+    incidences_polar: Polar,
+    incidences_circle: AzimuthCircle,
     /// The azimuth is relative and has one value: every azimuth of the light is alike.
     isotropic: bool,
     relative: bool,
@@ -49,7 +49,7 @@ impl IncidenceValues {
         if table.gaps() > 0 {
             return Err(not_measured(table).into());
         }
-        let (theta_i_deg, phi_i_deg) = stop_axes(grid)?;
+        let (theta_i_deg, phi_i_deg) = incidence_axes(grid)?;
         let (theta_i, phi_i) = (increasing("theta_i", &theta_i_deg)?, around("phi_i", &phi_i_deg)?);
         let isotropic = grid.phi_r_relative && phi_i.angles.len() == 1;
         let (theta_r_deg, phi_r_deg) = bin_axes(grid)?;
@@ -61,20 +61,23 @@ impl IncidenceValues {
         } else {
             (phi_i.angles.clone(), Fold::none(phi_i.angles.len()))
         };
-        let (stops_circle, columns_circle) =
+        let (incidences_circle, columns_circle) =
             (AzimuthCircle::new(all_phi_i.clone()), AzimuthCircle::new(columns.angles));
-        if !isotropic && gap(&stops_circle) > WIDEST_GAP_DEG {
-            return Err(wrong!("azimuths of the light leave a gap of {:.0} degrees", gap(&stops_circle)));
+        if !isotropic && gap(&incidences_circle) > WIDEST_GAP_DEG {
+            return Err(wrong!(
+                "azimuths of the light leave a gap of {:.0} degrees",
+                gap(&incidences_circle)
+            ));
         }
         if grid.kind != GridKind::Hemisphere && gap(&columns_circle) > WIDEST_GAP_DEG {
             return Err(wrong!("azimuths of the sensor leave a gap of {:.0} degrees", gap(&columns_circle)));
         }
         let (row_count, column_count) = (rows.places.len(), columns.places.len());
         let mut found = IncidenceValues {
-            stops_polar: Polar::new(&theta_i.angles, false),
+            incidences_polar: Polar::new(&theta_i.angles, false),
             rows: Polar::new(&rows.angles, true),
             columns: columns_circle,
-            stops_circle,
+            incidences_circle,
             isotropic,
             relative: grid.phi_r_relative,
             row_count,
@@ -90,9 +93,11 @@ impl IncidenceValues {
             let mut values = Vec::with_capacity(colour.total.len());
             for ti in &theta_i.places {
                 for pi in &phi_i.places {
-                    let stop = &colour.total[(ti * phi_i_deg.len() + pi) * row_count * column_count..];
+                    let incidence = &colour.total[(ti * phi_i_deg.len() + pi) * row_count * column_count..];
                     for row in &rows.places {
-                        values.extend(columns.places.iter().map(|column| stop[row * column_count + column]));
+                        values.extend(
+                            columns.places.iter().map(|column| incidence[row * column_count + column]),
+                        );
                     }
                 }
             }
@@ -146,13 +151,13 @@ impl IncidenceValues {
     }
 
     /// Taps of the cubic over the incidences at a direction of the light.
-    pub fn stop_taps(&self, theta: f64, phi: f64) -> (Taps<'_>, Taps<'_>) {
-        (self.stops_polar.cubic(theta), self.stops_circle.cubic(phi))
+    pub fn incidence_taps(&self, theta: f64, phi: f64) -> (Taps<'_>, Taps<'_>) {
+        (self.incidences_polar.cubic(theta), self.incidences_circle.cubic(phi))
     }
 
     /// The value at one of the table's own incidences, or its mirror image (indices into [`Self::theta_i`],
     /// [`Self::phi_i`]), with the light at azimuth `phi_i`, which matters where every azimuth is alike.
-    pub fn at_stop(&self, (ti, pi): (usize, usize), phi_i: f64, wo: DVec3) -> Colour {
+    pub fn at_incidence(&self, (ti, pi): (usize, usize), phi_i: f64, wo: DVec3) -> Colour {
         let fold = &self.folds[pi];
         let phi_r = fold.azimuth(sphere::phi(wo)) - if self.relative { fold.azimuth(phi_i) } else { 0.0 };
         // `wo` is a unit vector: its angle needs no `hypot`, which is as dear as all taps together.
@@ -178,13 +183,13 @@ impl IncidenceValues {
     pub fn nearest(&self, theta: f64, phi: f64, wo: DVec3) -> Colour {
         let best =
             |taps: Taps| taps.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).map_or(0, |tap| tap.node);
-        let (ti, pi) = (best(self.stops_polar.linear(theta)), best(self.stops_circle.linear(phi)));
-        self.at_stop((ti, pi), if self.isotropic { phi } else { self.phi_i[pi] }, wo)
+        let (ti, pi) = (best(self.incidences_polar.linear(theta)), best(self.incidences_circle.linear(phi)));
+        self.at_incidence((ti, pi), if self.isotropic { phi } else { self.phi_i[pi] }, wo)
     }
 
     /// Taps of straight lines between the incidences at a direction of the light.
     pub fn linear_taps(&self, theta: f64, phi: f64) -> (Taps<'_>, Taps<'_>) {
-        (self.stops_polar.linear(theta), self.stops_circle.linear(phi))
+        (self.incidences_polar.linear(theta), self.incidences_circle.linear(phi))
     }
 }
 

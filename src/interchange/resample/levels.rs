@@ -31,13 +31,13 @@ pub(crate) struct Levels {
 }
 
 /// The incidences, and nodes between them; with each whether it is an incidence.
-fn nodes(stops: &[f64], end: Option<f64>) -> Vec<(f64, bool)> {
+fn nodes(incidences: &[f64], end: Option<f64>) -> Vec<(f64, bool)> {
     let mut nodes: Vec<(f64, bool)> = Vec::new();
-    let stop = stops.iter().map(|&angle| (angle, true));
-    let pole = end.filter(|_| stops[0] > 0.0).map(|_| (0.0, false));
-    let last = end.filter(|&end| end > stops[stops.len() - 1]).map(|end| (end, false));
-    let turn = (end.is_none() && stops.len() > 1).then(|| (stops[0] + TAU, true));
-    for (angle, is_stop) in pole.into_iter().chain(stop).chain(last).chain(turn) {
+    let incidence = incidences.iter().map(|&angle| (angle, true));
+    let pole = end.filter(|_| incidences[0] > 0.0).map(|_| (0.0, false));
+    let last = end.filter(|&end| end > incidences[incidences.len() - 1]).map(|end| (end, false));
+    let turn = (end.is_none() && incidences.len() > 1).then(|| (incidences[0] + TAU, true));
+    for (angle, is_incidence) in pole.into_iter().chain(incidence).chain(last).chain(turn) {
         if let Some(&(before, _)) = nodes.last() {
             let gap = angle - before;
             let count = if gap <= NARROW[0] {
@@ -50,7 +50,7 @@ fn nodes(stops: &[f64], end: Option<f64>) -> Vec<(f64, bool)> {
             let part = |k: usize| before + gap * k as f64 / (count + 1) as f64;
             nodes.extend((1..=count).map(|k| (part(k), false)));
         }
-        nodes.push((angle, is_stop));
+        nodes.push((angle, is_incidence));
     }
     nodes
 }
@@ -64,8 +64,9 @@ impl Levels {
         let columns = values.phi_i().len();
         let ratios: Vec<Colour> = (0..values.theta_i().len() * columns)
             .into_par_iter()
-            .map(|stop| {
-                let (theta, phi) = (values.theta_i()[stop / columns], values.phi_i()[stop % columns]);
+            .map(|incidence| {
+                let (theta, phi) =
+                    (values.theta_i()[incidence / columns], values.phi_i()[incidence % columns]);
                 let [table, law] = albedos(guided, theta, phi);
                 std::array::from_fn(|c| table[c] / law[c])
             })
@@ -76,7 +77,7 @@ impl Levels {
             if on_row && on_column {
                 return [1.0; 3];
             }
-            let wanted = interpolated(&ratios, columns, values.stop_taps(theta, phi));
+            let wanted = interpolated(&ratios, columns, values.incidence_taps(theta, phi));
             let [found, law] = albedos(guided, theta, phi);
             std::array::from_fn(|c| if found[c] > 0.0 { wanted[c].max(0.0) * law[c] / found[c] } else { 1.0 })
         };

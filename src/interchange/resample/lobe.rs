@@ -107,7 +107,7 @@ impl GuideLobe {
             let theta = (0.5 + (k / around) as f64) / polar as f64 * 0.5 * FRAC_PI_2;
             let h = sphere::direction(theta, TAU * (k % around) as f64 / around as f64);
             if let Some(wo) = facets.onward(wi, h) {
-                let value = values.at_stop((0, 0), phi_i, wo)[values.middle()];
+                let value = values.at_incidence((0, 0), phi_i, wo)[values.middle()];
                 let flux = value * wo.z * theta.sin() / facets.normals_of(wi, wo, h);
                 slopes.push(([(h.x / h.z).abs(), (h.y / h.z).abs(), theta.tan()], flux));
             }

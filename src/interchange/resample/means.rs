@@ -33,7 +33,7 @@ pub(crate) fn keep_means(
     let means = Means { rows, near: across(0.0), far: across(PI), columns: places.len() };
     use rayon::prelude::*;
     for values in values {
-        values.par_chunks_mut(size).for_each(|stop| means.correct(stop));
+        values.par_chunks_mut(size).for_each(|incidence| means.correct(incidence));
     }
 }
 

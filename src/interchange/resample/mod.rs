@@ -101,7 +101,7 @@ pub fn resample_spectrum<'a>(
     grid: &Grid,
 ) -> Checked<BrdfTable> {
     let parts: Vec<&dyn Brdf> = parts.collect();
-    let (stops, bins) = (grid.stops(), grid.bins());
+    let (incidences, bins) = (grid.incidences(), grid.bins());
     for (looks, side, what) in [(grid.looks_above(), 0, COMES_BACK), (grid.looks_below(), 1, GONE_THROUGH)] {
         if looks && parts.iter().any(|part| !part.sides()[side]) {
             return Err(wrong!(
@@ -109,8 +109,8 @@ pub fn resample_spectrum<'a>(
             ));
         }
     }
-    let pairs = stops.checked_mul(bins).filter(|&pairs| pairs <= MOST_VALUES);
-    let pairs = pairs.ok_or_else(|| format!("{stops} incidences of {bins} bins are too many"))?;
+    let pairs = incidences.checked_mul(bins).filter(|&pairs| pairs <= MOST_VALUES);
+    let pairs = pairs.ok_or_else(|| format!("{incidences} incidences of {bins} bins are too many"))?;
     // A small file may be a function of many lights, each of which becomes thousands of bins.
     memory::check(needed::table(pairs, parts.iter().map(|part| part.colours()).sum()))?;
     let total = parts.into_iter().flat_map(|part| totals(part, grid)).collect();
@@ -128,11 +128,12 @@ pub fn thirds(table: &BrdfTable) -> Vec<BrdfTable> {
 }
 
 fn totals(brdf: &dyn Brdf, grid: &Grid) -> Vec<Vec<f32>> {
-    let (stops, bins) = (grid.stops(), grid.bins());
-    let mut total = vec![Vec::with_capacity(stops * bins); brdf.colours()];
-    for stop in 0..stops {
-        let wi = grid.wi(stop);
-        let means: Vec<Colour> = grid.regions(stop).par_iter().map(|region| mean(brdf, wi, region)).collect();
+    let (incidences, bins) = (grid.incidences(), grid.bins());
+    let mut total = vec![Vec::with_capacity(incidences * bins); brdf.colours()];
+    for incidence in 0..incidences {
+        let wi = grid.wi(incidence);
+        let means: Vec<Colour> =
+            grid.regions(incidence).par_iter().map(|region| mean(brdf, wi, region)).collect();
         for (colour, total) in total.iter_mut().enumerate() {
             total.extend(means.iter().map(|mean| mean[colour] as f32));
         }

@@ -56,26 +56,26 @@ impl Codec for Astm {
 
 /// Writes the totals; a gap has no line.
 pub fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
-    let (stops, bins) = (table.grid.stops(), table.grid.bins());
+    let (incidences, bins) = (table.grid.incidences(), table.grid.bins());
     let name = match (table.grid.looks_above(), table.grid.looks_below()) {
         (true, true) => "BSDF",
         (false, true) => "BTDF",
         _ => "BRDF",
     };
     writeln!(out, "LAB_NAME gonio\nSYSTEM_NAME gonio {}\nMEAS_NAME {name}", table.version)?;
-    writeln!(out, "NUM_POINTS {}", stops * bins - table.gaps())?;
+    writeln!(out, "NUM_POINTS {}", incidences * bins - table.gaps())?;
     if table.grid.is_isotropic() {
         writeln!(out, "{ISOTROPIC} yes")?;
     }
     writeln!(out, "VARS {},{}", ANGLES.join(","), names_of(table).join(","))?;
-    for stop in 0..stops {
-        let (theta_i, phi_i) = table.grid.stop_deg(stop);
-        for (bin, (theta_s, phi_s)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
-            if table.is_gap(stop * bins + bin) {
+    for incidence in 0..incidences {
+        let (theta_i, phi_i) = table.grid.incidence_deg(incidence);
+        for (bin, (theta_s, phi_s)) in middles_deg(&table.grid, incidence).into_iter().enumerate() {
+            if table.is_gap(incidence * bins + bin) {
                 continue;
             }
             let angles = [theta_i, phi_i, theta_s, phi_s].map(|deg| format!("{:.12}", deg.to_radians()));
-            let values = table.colours.iter().map(|colour| colour.total[stop * bins + bin].to_string());
+            let values = table.colours.iter().map(|colour| colour.total[incidence * bins + bin].to_string());
             let line: Vec<String> = angles.into_iter().chain(values).collect();
             writeln!(out, "{}", line.join(","))?;
         }

@@ -102,11 +102,11 @@ fn write_header(names: &[String], isotropic: bool, writer: &mut csv::Writer<impl
 /// The lines of a table, or of a band of it. A gap has none.
 fn write_lines(table: &BrdfTable, isotropic: bool, writer: &mut csv::Writer<impl Write>) -> Checked<()> {
     let bins = table.grid.bins();
-    for stop in 0..table.grid.stops() {
-        let (theta_i, phi_i) = table.grid.stop_deg(stop);
-        let regions = table.grid.regions(stop);
-        for (bin, (theta_r, phi_r)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
-            let (at, region) = (stop * bins + bin, &regions[bin]);
+    for incidence in 0..table.grid.incidences() {
+        let (theta_i, phi_i) = table.grid.incidence_deg(incidence);
+        let regions = table.grid.regions(incidence);
+        for (bin, (theta_r, phi_r)) in middles_deg(&table.grid, incidence).into_iter().enumerate() {
+            let (at, region) = (incidence * bins + bin, &regions[bin]);
             if table.is_gap(at) {
                 continue;
             }

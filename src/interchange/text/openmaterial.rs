@@ -125,20 +125,21 @@ fn colours(table: &BrdfTable, options: &Options) -> Checked<Vec<(f64, usize)>> {
 
 /// The first polar angle that the schema does not admit, degrees.
 fn beyond(table: &BrdfTable) -> Option<f64> {
-    let sensors =
-        (0..table.grid.stops()).flat_map(|stop| middles_deg(&table.grid, stop)).map(|(theta, _)| theta);
-    let lights = (0..table.grid.stops()).map(|stop| table.grid.stop_deg(stop).0);
+    let sensors = (0..table.grid.incidences())
+        .flat_map(|incidence| middles_deg(&table.grid, incidence))
+        .map(|(theta, _)| theta);
+    let lights = (0..table.grid.incidences()).map(|incidence| table.grid.incidence_deg(incidence).0);
     lights.chain(sensors).find(|theta| theta.abs().to_radians() > MOST_THETA)
 }
 
 /// Visits every bin that was measured: its entry, light and sensor in degrees, theta >= 0.
 fn each_bin(table: &BrdfTable, mut visit: impl FnMut(usize, [[f64; 2]; 2]) -> Checked<()>) -> Checked<()> {
     let bins = table.grid.bins();
-    for stop in 0..table.grid.stops() {
-        let light = table.grid.stop_deg(stop);
-        for (bin, (theta, phi)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
-            if !table.is_gap(stop * bins + bin) {
-                visit(stop * bins + bin, [[light.0, light.1], [theta, phi]])?;
+    for incidence in 0..table.grid.incidences() {
+        let light = table.grid.incidence_deg(incidence);
+        for (bin, (theta, phi)) in middles_deg(&table.grid, incidence).into_iter().enumerate() {
+            if !table.is_gap(incidence * bins + bin) {
+                visit(incidence * bins + bin, [[light.0, light.1], [theta, phi]])?;
             }
         }
     }

@@ -32,7 +32,8 @@ impl Codec for Pabopto {
     }
 
     fn encode<'a>(&self, table: &'a BrdfTable, _options: &Options) -> Checked<Encoded<'a>> {
-        let files = (0..table.grid.stops()).map(|stop| (file_name(stop), text(table, stop)));
+        let files =
+            (0..table.grid.incidences()).map(|incidence| (file_name(incidence), text(table, incidence)));
         let content = FileContent::Folder(Box::new(files));
         Ok(Encoded { content, convention: CONVENTION.into(), notes: vec![] })
     }
@@ -40,22 +41,22 @@ impl Codec for Pabopto {
     fn read_back(&self, path: &Path, table: &BrdfTable, _options: &Options) -> Checked<Option<ReadBack>> {
         let bins = table.grid.bins();
         let mut totals = Vec::with_capacity(table.hits.len());
-        for stop in 0..table.grid.stops() {
-            let mut values = read(&files::read(&path.join(file_name(stop)))?)?.1.into_iter();
-            let is_gap = |bin: usize| table.is_gap(stop * bins + bin);
+        for incidence in 0..table.grid.incidences() {
+            let mut values = read(&files::read(&path.join(file_name(incidence)))?)?.1.into_iter();
+            let is_gap = |bin: usize| table.is_gap(incidence * bins + bin);
             totals.extend((0..bins).filter_map(|bin| if is_gap(bin) { Some(0.0) } else { values.next() }));
         }
         read_back::listed(table, &[&totals])
     }
 }
 
-fn file_name(stop: usize) -> String {
-    format!("stop_{stop:04}.txt")
+fn file_name(incidence: usize) -> String {
+    format!("stop_{incidence:04}.txt")
 }
 
 /// The text of one incidence of a table with one colour; a gap has no line.
-pub fn text(table: &BrdfTable, stop: usize) -> String {
-    let (theta_i, phi_i) = table.grid.stop_deg(stop);
+pub fn text(table: &BrdfTable, incidence: usize) -> String {
+    let (theta_i, phi_i) = table.grid.incidence_deg(incidence);
     // A table counts from the normal on the light's side.
     let from_back = side_of(table) == Some(LightSide::Back);
     let in_frame = |theta: f64| if from_back { 180.0 - theta } else { theta };
@@ -64,9 +65,10 @@ pub fn text(table: &BrdfTable, stop: usize) -> String {
         "#sample_name \"gonio\"\n#format: theta phi BSDF\n#incident_angle {theta_i} {phi_i}\n#upphi 0\n#colorimetry: CIE-Y\n"
     );
     let bins = table.grid.bins();
-    for (bin, (theta, phi)) in middles_deg(&table.grid, stop).into_iter().enumerate() {
-        if !table.is_gap(stop * bins + bin) {
-            text += &format!("{} {phi} {}\n", in_frame(theta), table.colours[0].total[stop * bins + bin]);
+    for (bin, (theta, phi)) in middles_deg(&table.grid, incidence).into_iter().enumerate() {
+        if !table.is_gap(incidence * bins + bin) {
+            text +=
+                &format!("{} {phi} {}\n", in_frame(theta), table.colours[0].total[incidence * bins + bin]);
         }
     }
     text

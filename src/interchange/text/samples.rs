@@ -108,7 +108,7 @@ pub fn table(samples: &[MeasuredPair], columns: &Columns, isotropic: bool) -> Ch
 /// Samples over all pairs of their incidences and directions.
 struct SampleLayout<'a> {
     samples: &'a [MeasuredPair],
-    stops: Directions,
+    incidences: Directions,
     points: Directions,
     /// Incidence and direction of each sample.
     places: Vec<(usize, usize)>,
@@ -116,39 +116,40 @@ struct SampleLayout<'a> {
 
 impl<'a> SampleLayout<'a> {
     fn of(samples: &'a [MeasuredPair]) -> Self {
-        let (mut stops, mut points) = (Directions::default(), Directions::default());
-        let place = |sample: &MeasuredPair| (stops.place(sample.light), points.place(sample.sensor));
+        let (mut incidences, mut points) = (Directions::default(), Directions::default());
+        let place = |sample: &MeasuredPair| (incidences.place(sample.light), points.place(sample.sensor));
         let places = samples.iter().map(place).collect();
-        SampleLayout { samples, stops, points, places }
+        SampleLayout { samples, incidences, points, places }
     }
 
     /// Pairs without a sample, at least.
     fn gaps(&self) -> usize {
-        self.stops.list.len().saturating_mul(self.points.list.len()).saturating_sub(self.samples.len())
+        self.incidences.list.len().saturating_mul(self.points.list.len()).saturating_sub(self.samples.len())
     }
 
     fn table(self, columns: &Columns, phi_r_relative: bool) -> Checked<BrdfTable> {
-        let (stop_count, bins) = (self.stops.list.len(), self.points.list.len());
+        let (incidence_count, bins) = (self.incidences.list.len(), self.points.list.len());
         if self.gaps() > MOST_GAPS {
             return Err(wrong!(
-                "{} samples of {stop_count} lights and {bins} directions of the sensor: most directions belong to one \
+                "{} samples of {incidence_count} lights and {bins} directions of the sensor: most directions belong to one \
                  light alone, and a table of all pairs would be nearly empty; at most {MOST_GAPS} gaps are kept",
                 self.samples.len()
             ));
         }
         // A few thousand lines may list millions of pairs, each with all colours: no length of a file says it before.
-        memory::check(needed::table(stop_count * bins, columns.colours()))?;
-        let mut first: Vec<Option<&MeasuredPair>> = vec![None; stop_count * bins];
-        for (sample, (stop, bin)) in self.samples.iter().zip(self.places) {
-            match &mut first[stop * bins + bin] {
+        memory::check(needed::table(incidence_count * bins, columns.colours()))?;
+        let mut first: Vec<Option<&MeasuredPair>> = vec![None; incidence_count * bins];
+        for (sample, (incidence, bin)) in self.samples.iter().zip(self.places) {
+            match &mut first[incidence * bins + bin] {
                 Some(earlier) => agree(earlier, sample)?,
                 empty => *empty = Some(sample),
             }
         }
         let number = |sample: &Option<&MeasuredPair>, c: usize| sample.map_or(0.0, |sample| sample.values[c]);
         let total = (0..columns.colours()).map(|c| first.iter().map(|sample| number(sample, c)).collect());
-        let (stops_deg, points_deg) = (self.stops.list, self.points.list);
-        let grid = Grid { kind: GridKind::Points, stops_deg, points_deg, phi_r_relative, ..Grid::default() };
+        let (incidences_deg, points_deg) = (self.incidences.list, self.points.list);
+        let grid =
+            Grid { kind: GridKind::Points, incidences_deg, points_deg, phi_r_relative, ..Grid::default() };
         let grid = with_axes(grid);
         check_grid(&grid)?;
         let mut table = spectral_table(grid, total.collect(), &columns.wavelengths_nm)?;
@@ -226,7 +227,7 @@ pub fn one_azimuth(mut table: BrdfTable) -> Checked<BrdfTable> {
     if grid.azimuths() > 1 {
         return Err("isotropic: the file has several azimuths of the light, one needed".into());
     }
-    let turn = grid.stop_deg(0).1;
+    let turn = grid.incidence_deg(0).1;
     let back = |phi: &mut f64| *phi = ((*phi - turn) * 1e10).round() / 1e10;
     grid.phi_r_edges_deg.iter_mut().chain(&mut grid.phi_r_deg).for_each(back);
     grid.patches_deg.iter_mut().flat_map(|patch| &mut patch[2..]).for_each(back);
@@ -250,14 +251,14 @@ pub fn listed<'a>(
         while table.is_gap(entry) {
             entry += 1;
         }
-        let (stop, bin) = (entry / bins, entry % bins);
-        if stop >= grid.stops() {
+        let (incidence, bin) = (entry / bins, entry % bins);
+        if incidence >= grid.incidences() {
             return Err("more samples than bins".into());
         }
-        if middles_of != Some(stop) {
-            (middles, middles_of) = (middles_deg(grid, stop), Some(stop));
+        if middles_of != Some(incidence) {
+            (middles, middles_of) = (middles_deg(grid, incidence), Some(incidence));
         }
-        let (light, sensor) = (grid.stop_deg(stop), middles[bin]);
+        let (light, sensor) = (grid.incidence_deg(incidence), middles[bin]);
         let wanted = [light.0, light.1, sensor.0, sensor.1];
         let found = [sample.light, sample.sensor].concat();
         let off = found.iter().zip(wanted).any(|(found, wanted)| {
@@ -269,7 +270,7 @@ pub fn listed<'a>(
             return Err(wrong!("entry {entry} is at {found:?} degrees, the bin at {wanted:?}"));
         }
         for colour in 0..table.colours.len() {
-            listing.add(stop, bin, colour, sample.values[colour]);
+            listing.add(incidence, bin, colour, sample.values[colour]);
         }
         entry += 1;
         Ok(())
@@ -280,8 +281,8 @@ pub fn listed<'a>(
 
 /// The incidences as axes where they are a product.
 pub(crate) fn with_axes(grid: Grid) -> Grid {
-    match crate::interchange::resample::angles::stop_axes(&grid) {
-        Ok((theta_i_deg, phi_i_deg)) => Grid { theta_i_deg, phi_i_deg, stops_deg: vec![], ..grid },
+    match crate::interchange::resample::angles::incidence_axes(&grid) {
+        Ok((theta_i_deg, phi_i_deg)) => Grid { theta_i_deg, phi_i_deg, incidences_deg: vec![], ..grid },
         Err(_) => grid,
     }
 }

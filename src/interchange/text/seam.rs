@@ -20,34 +20,35 @@ pub fn dropped(table: BrdfTable) -> Checked<BrdfTable> {
         return Ok(table);
     }
     let bins = grid.bins();
-    let all: Vec<[f64; 2]> = (0..grid.stops()).map(|stop| grid.stop_deg(stop).into()).collect();
+    let all: Vec<[f64; 2]> =
+        (0..grid.incidences()).map(|incidence| grid.incidence_deg(incidence).into()).collect();
     let columns = if grid.kind == GridKind::Points { grid.points_deg.as_slice() } else { &[] };
-    let (stops, points) = (first_places(&all), first_places(columns));
-    if stops.iter().chain(&points).all(|(at, first)| at == first) {
+    let (incidences, points) = (first_places(&all), first_places(columns));
+    if incidences.iter().chain(&points).all(|(at, first)| at == first) {
         return Ok(table);
     }
-    for (stop, first) in stops.iter().filter(|(at, first)| at != first) {
-        let pairs = (0..bins).map(|bin| (stop * bins + bin, first * bins + bin));
-        one_value(&table, pairs, [all[*first], all[*stop]])?;
+    for (incidence, first) in incidences.iter().filter(|(at, first)| at != first) {
+        let pairs = (0..bins).map(|bin| (incidence * bins + bin, first * bins + bin));
+        one_value(&table, pairs, [all[*first], all[*incidence]])?;
     }
     for (bin, first) in points.iter().filter(|(at, first)| at != first) {
-        let pairs = (0..all.len()).map(|stop| (stop * bins + bin, stop * bins + first));
+        let pairs = (0..all.len()).map(|incidence| (incidence * bins + bin, incidence * bins + first));
         one_value(&table, pairs, [columns[*first], columns[*bin]])?;
     }
     let keep = |places: &[(usize, usize)]| -> Vec<usize> {
         places.iter().filter(|(at, first)| at == first).map(|(at, _)| *at).collect()
     };
-    let (rows, kept) = (keep(&stops), keep(&points));
+    let (rows, kept) = (keep(&incidences), keep(&points));
     let kept = if columns.is_empty() { (0..bins).collect() } else { kept };
     let grid = with_axes(Grid {
-        stops_deg: rows.iter().map(|&stop| all[stop]).collect(),
+        incidences_deg: rows.iter().map(|&incidence| all[incidence]).collect(),
         theta_i_deg: vec![],
         phi_i_deg: vec![],
         points_deg: if columns.is_empty() { vec![] } else { kept.iter().map(|&bin| columns[bin]).collect() },
         ..grid.clone()
     });
     let pixels: Vec<usize> =
-        rows.iter().flat_map(|stop| kept.iter().map(move |bin| stop * bins + bin)).collect();
+        rows.iter().flat_map(|incidence| kept.iter().map(move |bin| incidence * bins + bin)).collect();
     Ok(of_pixels(table, grid, &pixels))
 }
 
@@ -103,13 +104,13 @@ pub fn places(found: &Grid, wanted: &Grid) -> Checked<(Vec<usize>, Vec<usize>)> 
         return Err(wrong!("isotropic: {} instead of {}", found.is_isotropic(), wanted.is_isotropic()));
     }
     let lights = |grid: &Grid| -> Vec<[f64; 2]> {
-        let light = |stop| <[f64; 2]>::from(grid.stop_deg(stop));
-        (0..grid.stops())
-            .map(|stop| if grid.is_isotropic() { [light(stop)[0], 0.0] } else { light(stop) })
+        let light = |incidence| <[f64; 2]>::from(grid.incidence_deg(incidence));
+        (0..grid.incidences())
+            .map(|incidence| if grid.is_isotropic() { [light(incidence)[0], 0.0] } else { light(incidence) })
             .collect()
     };
     let sensors = |grid: &Grid| -> Vec<[f64; 2]> {
-        let turn = if grid.is_isotropic() { grid.stop_deg(0).1 } else { 0.0 };
+        let turn = if grid.is_isotropic() { grid.incidence_deg(0).1 } else { 0.0 };
         middles_deg(grid, 0).into_iter().map(|(theta, phi)| [theta, phi - turn]).collect()
     };
     Ok((matched(&lights(found), &lights(wanted))?, matched(&sensors(found), &sensors(wanted))?))

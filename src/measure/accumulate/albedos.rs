@@ -1,13 +1,13 @@
-//! Albedos of a stop from the fluxes of its realisations, with errors that cover lost light.
+//! Albedos of an incidence from the fluxes of its realisations, with errors that cover lost light.
 
-use super::assemble::StopResult;
+use super::assemble::IncidenceResult;
 use super::lost_light;
 use crate::stats;
 
 /// A mean and its standard error, as far as they are known.
 type KnownMean = (Option<f64>, Option<f64>);
 
-impl StopResult {
+impl IncidenceResult {
     /// Whether the light saw no surface sample: then nothing is known of the albedo.
     pub fn is_dark(&self) -> bool {
         self.orders.iter().chain(&self.through).sum::<u64>()

@@ -10,14 +10,14 @@ use crate::campaign;
 use crate::campaign::{Campaign, Optics};
 use crate::measure::plan::Plan;
 use crate::measure::rounds::FinishedTable;
-use crate::measure::stopping::{Look, StopProgress, StoppedBy};
+use crate::measure::stopping::{IncidenceProgress, Look, StoppedBy};
 use crate::stats;
 use crate::table::brdf_table::HITS_OF_AN_EMPTY_BIN;
 use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
 
 /// What an incidence shows besides its bins.
 #[derive(Debug, Clone)]
-pub struct StopResult {
+pub struct IncidenceResult {
     /// Fraction of the incident flux in each order, one value for each realisation: \[order\]\[realisation\], mean of the
     /// colours. No realisation where only the light towards the apertures is followed.
     pub albedo_by_order: Vec<Vec<f64>>,
@@ -67,8 +67,8 @@ pub struct Measured {
     pub table: BrdfTable,
     /// Every realisation.
     pub realisations: Realisations,
-    /// Every stop.
-    pub stops: Vec<StopResult>,
+    /// Every incidence.
+    pub incidences: Vec<IncidenceResult>,
 }
 
 /// The tables of one roughness, one for each material.
@@ -80,8 +80,10 @@ pub(crate) fn assemble(
 ) -> Vec<Measured> {
     let flux = finished.flux();
     let campaign = finished.alpha.map_or_else(|| campaign.clone(), |alpha| campaign.with_alpha(alpha));
-    let sizes: Vec<Vec<f64>> = (0..plan.stops)
-        .map(|stop| plan.grid.regions(stop).iter().map(|region| region.projected_solid_angle()).collect())
+    let sizes: Vec<Vec<f64>> = (0..plan.incidences)
+        .map(|incidence| {
+            plan.grid.regions(incidence).iter().map(|region| region.projected_solid_angle()).collect()
+        })
         .collect();
     let empty = empty_bin_errors(plan, &flux, &sizes);
     let source = TableSource { plan, flux: &flux, sizes: &sizes };
@@ -90,7 +92,7 @@ pub(crate) fn assemble(
         let colours = plan.sums.colours(material);
         let hits = total_hits(plan, &flux, material);
         let parts: Vec<RealisationPart> =
-            flux.iter().map(|stops| source.realisation(stops, &colours)).collect();
+            flux.iter().map(|incidences| source.realisation(incidences, &colours)).collect();
         let wavelengths = optics.wavelengths_nm();
         let channels = |(place, &colour): (usize, &ColourSource)| {
             let measured = ColourChannels::of_realisations(&parts, place, &hits, &empty);
@@ -117,49 +119,49 @@ pub(crate) fn assemble(
             schlick: source.schlick(&flux),
         }
         .with_albedo_errors(&parts);
-        let result = |(stop, end)| stop_result(&source, stop, &colours, end);
-        let stops = finished.stops.iter().enumerate().map(result).collect();
-        Measured { campaign, table, realisations: Realisations { parts }, stops }
+        let result = |(incidence, end)| incidence_result(&source, incidence, &colours, end);
+        let incidences = finished.incidences.iter().enumerate().map(result).collect();
+        Measured { campaign, table, realisations: Realisations { parts }, incidences }
     };
     campaign.optics.each().into_iter().enumerate().map(of_material).collect()
 }
 
 fn total_hits(plan: &Plan, flux: &[Vec<TallyFlux>], material: usize) -> Vec<u32> {
     let places = plan.sums.hit_places(material);
-    let of = |stop: usize, bin: usize| {
-        let hits = flux.iter().map(|stops| &stops[stop].tally.hits);
+    let of = |incidence: usize, bin: usize| {
+        let hits = flux.iter().map(|incidences| &incidences[incidence].tally.hits);
         hits.flat_map(|hits| places.clone().map(move |place| hits[place * plan.bins + bin])).sum::<u64>()
     };
-    entries(plan, |stop, bin| u32::try_from(of(stop, bin)).unwrap_or(u32::MAX))
+    entries(plan, |incidence, bin| u32::try_from(of(incidence, bin)).unwrap_or(u32::MAX))
 }
 
 /// The BRDF of 1.5 hits: what an empty bin's error bar says.
 fn empty_bin_errors(plan: &Plan, flux: &[Vec<TallyFlux>], sizes: &[Vec<f64>]) -> Vec<f32> {
-    let share = |stop: usize| {
+    let share = |incidence: usize| {
         let counted: (u64, f64) = flux
             .iter()
-            .flat_map(|stops| {
-                let Tally { outside, left_map, .. } = stops[stop].tally;
-                let orders = stops[stop].tally.leaving().map(|order| (order.count, order.flux));
+            .flat_map(|incidences| {
+                let Tally { outside, left_map, .. } = incidences[incidence].tally;
+                let orders = incidences[incidence].tally.leaving().map(|order| (order.count, order.flux));
                 let fates = [outside, left_map].map(|fate| (fate.count, fate.flux));
-                orders.chain(fates).map(|(count, units)| (count, stops[stop].of(units)))
+                orders.chain(fates).map(|(count, units)| (count, incidences[incidence].of(units)))
             })
             .fold((0, 0.0), |(count, flux), more| (count + more.0, flux + more.1));
-        let fold = if plan.folded[stop] { 0.5 } else { 1.0 };
+        let fold = if plan.folded[incidence] { 0.5 } else { 1.0 };
         if counted.0 == 0 { 1.0 } else { fold * counted.1 / counted.0 as f64 / flux.len() as f64 }
     };
-    let shares: Vec<f64> = (0..plan.stops).map(share).collect();
-    entries(plan, |stop, bin| (HITS_OF_AN_EMPTY_BIN * shares[stop] / sizes[stop][bin]) as f32)
+    let shares: Vec<f64> = (0..plan.incidences).map(share).collect();
+    entries(plan, |incidence, bin| (HITS_OF_AN_EMPTY_BIN * shares[incidence] / sizes[incidence][bin]) as f32)
 }
 
-fn stop_result(
+fn incidence_result(
     source: &TableSource,
-    stop: usize,
+    incidence: usize,
     colours: &[ColourSource],
-    end: &StopProgress,
-) -> StopResult {
+    end: &IncidenceProgress,
+) -> IncidenceResult {
     let plan = source.plan;
-    let realisations: Vec<TallyFlux> = source.flux.iter().map(|stops| stops[stop]).collect();
+    let realisations: Vec<TallyFlux> = source.flux.iter().map(|incidences| incidences[incidence]).collect();
     let tallies: Vec<&Tally> = realisations.iter().map(|flux| flux.tally).collect();
     let orders = tallies[0].orders.len();
     // The light beyond the apertures is not known.
@@ -176,7 +178,7 @@ fn stop_result(
         let unit = |order| flux.order(order, ColourSource::Unit) + flux.through(order, ColourSource::Unit);
         ((0..orders).map(unit).sum::<f64>() + flux.truncated() + flux.absorbed()) / paths
     };
-    StopResult {
+    IncidenceResult {
         albedo_by_order: (0..orders).map(|k| mean_of_colours(&|flux, c| flux.order(k, c))).collect(),
         transmittance_by_order: (0..through)
             .map(|k| mean_of_colours(&|flux, c| flux.through(k, c)))

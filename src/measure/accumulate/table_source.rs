@@ -15,13 +15,13 @@ pub(crate) struct TableSource<'a> {
 
 impl TableSource<'_> {
     /// BRDF values of one realisation: flux over projected solid angle.
-    pub fn realisation(&self, stops: &[TallyFlux], colours: &[ColourSource]) -> RealisationPart {
+    pub fn realisation(&self, incidences: &[TallyFlux], colours: &[ColourSource]) -> RealisationPart {
         let mut part = RealisationPart {
             total: vec![Vec::new(); colours.len()],
             single: vec![Vec::new(); colours.len()],
-            schlick: self.schlick(std::slice::from_ref(&stops)),
+            schlick: self.schlick(std::slice::from_ref(&incidences)),
         };
-        for (flux, sizes) in stops.iter().zip(self.sizes) {
+        for (flux, sizes) in incidences.iter().zip(self.sizes) {
             for (bin, size) in sizes.iter().enumerate() {
                 for (place, &colour) in colours.iter().enumerate() {
                     let single = flux.single(colour, bin) / size;
@@ -41,9 +41,10 @@ impl TableSource<'_> {
         flux: impl Fn(&TallyFlux<'b>, usize) -> f64,
     ) -> Vec<f32> {
         let count = realisations.len() as f64;
-        entries(self.plan, |stop, bin| {
-            let sum: f64 = realisations.iter().map(|stops| flux(&stops.as_ref()[stop], bin)).sum();
-            (sum / count / self.sizes[stop][bin]) as f32
+        entries(self.plan, |incidence, bin| {
+            let sum: f64 =
+                realisations.iter().map(|incidences| flux(&incidences.as_ref()[incidence], bin)).sum();
+            (sum / count / self.sizes[incidence][bin]) as f32
         })
     }
 
@@ -72,11 +73,12 @@ impl TableSource<'_> {
             return [vec![], vec![]];
         }
         let [mut values, mut errors] = [vec![Vec::new(); ELEMENTS], vec![Vec::new(); ELEMENTS]];
-        for (stop, sizes) in self.sizes.iter().enumerate() {
+        for (incidence, sizes) in self.sizes.iter().enumerate() {
             for (bin, size) in sizes.iter().enumerate() {
                 let of = |element: usize| {
-                    let one =
-                        |stops: &Vec<TallyFlux>| (stops[stop].mueller(place, element, bin) / size) as f32;
+                    let one = |incidences: &Vec<TallyFlux>| {
+                        (incidences[incidence].mueller(place, element, bin) / size) as f32
+                    };
                     stats::mean_and_se(self.flux.iter().map(one).map(f64::from))
                 };
                 let no_light = of(0).0 == 0.0;
@@ -84,7 +86,11 @@ impl TableSource<'_> {
                     let (mean, se) = of(element);
                     let se = se.map_or(-1.0, |se| se as f32);
                     values.push(mean as f32);
-                    errors.push(if no_light && se >= 0.0 { empty[stop * self.plan.bins + bin] } else { se });
+                    errors.push(if no_light && se >= 0.0 {
+                        empty[incidence * self.plan.bins + bin]
+                    } else {
+                        se
+                    });
                 }
             }
         }
@@ -102,8 +108,8 @@ impl TableSource<'_> {
 
 /// A value for each bin of each incidence.
 pub(crate) fn entries<T>(plan: &Plan, of: impl Fn(usize, usize) -> T) -> Vec<T> {
-    (0..plan.stops)
-        .flat_map(|stop| (0..plan.bins).map(move |bin| (stop, bin)))
+    (0..plan.incidences)
+        .flat_map(|incidence| (0..plan.bins).map(move |bin| (incidence, bin)))
         .map(|(s, b)| of(s, b))
         .collect()
 }

@@ -36,14 +36,15 @@ pub struct BlockArms {
 
 impl BlockArms {
     /// The arms of a block; a function of its address alone.
-    pub fn new(campaign: &Campaign, plan: &Plan, stop: usize, realisation: u64, block: u64) -> Self {
-        let id = StreamId { seed: campaign.seed, purpose: Purpose::Arms, realisation, stop: 0, block: 0 };
+    pub fn new(campaign: &Campaign, plan: &Plan, incidence: usize, realisation: u64, block: u64) -> Self {
+        let id =
+            StreamId { seed: campaign.seed, purpose: Purpose::Arms, realisation, incidence: 0, block: 0 };
         let mut draws = rng::stream(id);
         let mut spread = |step: f64| (rng::uniform(&mut draws) + block as f64 * step).fract();
         let turn = spread(GOLDEN);
         let (u, v) = (spread(PLASTIC[0]), spread(PLASTIC[1]));
         let image = PatchSymmetry::nth(((spread(0.0) * plan.images as f64) as u64 + block) % plan.images);
-        let (theta_i, phi_i) = plan.grid.stop_deg(stop);
+        let (theta_i, phi_i) = plan.grid.incidence_deg(incidence);
         let phi_sample = if plan.averages_azimuth {
             360.0 * turn
         } else {
@@ -63,7 +64,7 @@ impl BlockArms {
             mirror_deg: 2.0 * sphere::reduced_deg(phi_in_bins),
             facets_key: rng::key(StreamId {
                 purpose: Purpose::Facets,
-                ..starts_stream(campaign, plan, stop, realisation, block)
+                ..starts_stream(campaign, plan, incidence, realisation, block)
             }),
         }
     }
@@ -90,18 +91,18 @@ impl BlockArms {
 pub fn starts_stream(
     campaign: &Campaign,
     plan: &Plan,
-    stop: usize,
+    incidence: usize,
     realisation: u64,
     block: u64,
 ) -> StreamId {
-    let (theta_i, phi_i) = plan.drawn_at.unwrap_or_else(|| plan.grid.stop_deg(stop));
+    let (theta_i, phi_i) = plan.drawn_at.unwrap_or_else(|| plan.grid.incidence_deg(incidence));
     let phi =
         if plan.averages_azimuth { 0.0 } else { sphere::reduced_deg(phi_i - campaign.surface.rotation_deg) };
     StreamId {
         seed: campaign.seed,
         purpose: Purpose::Starts,
         realisation,
-        stop: rng::incidence_key(theta_i, phi),
+        incidence: rng::incidence_key(theta_i, phi),
         block,
     }
 }

@@ -20,7 +20,7 @@ impl Context<'_> {
         let each = |block: &mut dyn FnMut(u64)| work.blocks.iter().for_each(|&number| block(number));
         match work.sampler {
             PatchSampler::Law(walk) => each(&mut |block| self.block_by_law(work, block, walk, tally)),
-            PatchSampler::Grains(grains) if grains.is_from_above(work.stop) => {
+            PatchSampler::Grains(grains) if grains.is_from_above(work.incidence) => {
                 each(&mut |block| self.block_from_above(work, block, grains, tally));
             }
             PatchSampler::Grains(grains) => {
@@ -120,14 +120,14 @@ impl Context<'_> {
     /// made.
     fn block_into_apertures(&self, work: &Work, block: u64, into: &IntoApertures, tally: &mut Tally) {
         let IntoApertures { heights, index, apertures, flux_fractions } = into;
-        let (plan, stop, fraction) = (self.plan, work.stop, flux_fractions[work.stop]);
+        let (plan, incidence, fraction) = (self.plan, work.incidence, flux_fractions[work.incidence]);
         let arms = self.arms(work, block);
         let sample = heights.sample(&arms);
         let light = sample.to_field(arms.wi);
         // Most apertures of a scan in the plane of incidence are their own mirror images.
         let mirrored = |axis: DVec3| {
             let image = arms.mirrored(axis);
-            (plan.folded[stop] && image.distance(axis) > f64::EPSILON).then_some(image)
+            (plan.folded[incidence] && image.distance(axis) > f64::EPSILON).then_some(image)
         };
         let axes = apertures.axes.iter().flat_map(|&axis| std::iter::once(axis).chain(mirrored(axis)));
         let axes = axes.map(|axis| arms.from_bins(axis));
@@ -146,11 +146,11 @@ impl Context<'_> {
     }
 
     fn arms(&self, work: &Work, block: u64) -> BlockArms {
-        BlockArms::new(self.campaign, self.plan, work.stop, work.realisation, block)
+        BlockArms::new(self.campaign, self.plan, work.incidence, work.realisation, block)
     }
 
     fn starts_stream(&self, work: &Work, block: u64) -> rng::StreamId {
-        starts_stream(self.campaign, self.plan, work.stop, work.realisation, block)
+        starts_stream(self.campaign, self.plan, work.incidence, work.realisation, block)
     }
 }
 

@@ -31,7 +31,7 @@ impl BlockTracer<'_> {
         let Some(wo) = reflected().filter(|wo| wo.z > 0.0) else { return true };
         let arms = &self.turn().arms;
         let (sensor, wo) = (&self.context.sensor, arms.in_bins(wo));
-        let folded = self.context.plan.folded[self.stop];
+        let folded = self.context.plan.folded[self.incidence];
         let seen = sensor.sees(wo) || (folded && sensor.sees(arms.mirrored(wo)));
         !seen
     }
@@ -138,7 +138,7 @@ impl BlockTracer<'_> {
             }
         };
         let wo = arms.in_bins(wo);
-        if context.plan.folded[self.stop] {
+        if context.plan.folded[self.incidence] {
             context.sensor.each_bin_of_both(wo, arms.mirrored(wo), arms.mirror_deg, into_bin);
         } else {
             let mut into_bin = into_bin;

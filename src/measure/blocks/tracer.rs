@@ -55,7 +55,7 @@ pub(in crate::measure) struct Work<'a> {
     pub sampler: &'a PatchSampler<'a>,
     /// How paths are followed from each surface sample.
     pub ways: &'a [FacetWay],
-    pub stop: usize,
+    pub incidence: usize,
     pub realisation: u64,
     pub blocks: &'a [u64],
 }
@@ -63,7 +63,7 @@ pub(in crate::measure) struct Work<'a> {
 /// What the paths of some blocks of an incidence add to.
 pub(super) struct BlockTracer<'a> {
     pub(super) context: &'a Context<'a>,
-    pub(super) stop: usize,
+    pub(super) incidence: usize,
     pub(super) ways: &'a [FacetWay],
     pub(super) tally: &'a mut Tally,
     pub(super) turns: Vec<Turn>,
@@ -85,8 +85,20 @@ impl<'a> BlockTracer<'a> {
         let (rays, weights) = (RayCounts::default(), PathWeights::default());
         let begin = Instant::now();
         let (turns, given_up) = (Vec::new(), false);
-        let Work { stop, ways, .. } = *work;
-        BlockTracer { context, stop, ways, tally, turns, at: 0, counted: 0, begin, given_up, rays, weights }
+        let Work { incidence, ways, .. } = *work;
+        BlockTracer {
+            context,
+            incidence,
+            ways,
+            tally,
+            turns,
+            at: 0,
+            counted: 0,
+            begin,
+            given_up,
+            rays,
+            weights,
+        }
     }
 
     /// One block whose paths carry `flux` each.
@@ -104,7 +116,7 @@ impl<'a> BlockTracer<'a> {
 
     /// One block more: its paths carry `flux` each.
     pub fn take(&mut self, arms: BlockArms, flux: f64) {
-        let part = if self.context.plan.folded[self.stop] { 0.5 * flux } else { flux };
+        let part = if self.context.plan.folded[self.incidence] { 0.5 * flux } else { flux };
         self.turns.push(Turn { arms, carried: Carried::new(flux, part), along: None, started: 0 });
     }
 

@@ -19,7 +19,7 @@ pub struct Merge {
     /// The plan of the whole campaign.
     whole: Plan,
     /// The incidences that are there, increasing.
-    stops: Vec<usize>,
+    incidences: Vec<usize>,
     /// The plan of these.
     plan: Plan,
 }
@@ -30,23 +30,28 @@ impl Merge {
     /// Errors: `Refused` where they do not hold a shard and one incidence.
     pub fn of_shards(shards: Shards, campaign: &Campaign, limit: u64) -> Result<Self> {
         let whole = plan::at_once(campaign);
-        let files = with_stops(shards.files(), &whole);
-        let mut stops: Vec<usize> = files.iter().flat_map(|(_, stops)| stops).copied().collect();
-        stops.sort_unstable();
+        let files = with_incidences(shards.files(), &whole);
+        let mut incidences: Vec<usize> =
+            files.iter().flat_map(|(_, incidences)| incidences).copied().collect();
+        incidences.sort_unstable();
         let mut largest = 0;
-        for (file, stops) in &files {
+        for (file, incidences) in &files {
             let bytes = file.path.metadata().map_err(|e| Error::io(&file.path, e))?.len();
-            largest = largest.max(u128::from(bytes) + sums_of(campaign, &whole) * stops.len() as u128);
+            largest = largest.max(u128::from(bytes) + sums_of(campaign, &whole) * incidences.len() as u128);
         }
-        let plan = if stops.len() == whole.stops { whole.clone() } else { whole.of_stops(&stops)? };
+        let plan = if incidences.len() == whole.incidences {
+            whole.clone()
+        } else {
+            whole.of_incidences(&incidences)?
+        };
         let plan = plan::merged(campaign, plan, largest, limit)?;
-        Ok(Merge { files, whole, stops, plan })
+        Ok(Merge { files, whole, incidences, plan })
     }
 
     /// The bands of a run under this plan, each of which has its file.
     pub(crate) fn of_bands(finished: FinishedBands, plan: &Plan) -> Self {
-        let files = with_stops(finished.into_values().collect(), plan);
-        Merge { files, whole: plan.clone(), stops: (0..plan.stops).collect(), plan: plan.clone() }
+        let files = with_incidences(finished.into_values().collect(), plan);
+        Merge { files, whole: plan.clone(), incidences: (0..plan.incidences).collect(), plan: plan.clone() }
     }
 
     /// The plan of the incidences that are there.
@@ -55,8 +60,8 @@ impl Merge {
     }
 
     /// The incidences that are there, by their numbers in the whole campaign.
-    pub fn stops(&self) -> &[usize] {
-        &self.stops
+    pub fn incidences(&self) -> &[usize] {
+        &self.incidences
     }
 
     /// The tables of a band of these incidences, and at the first of them what the parts have cost together. `campaign`
@@ -66,15 +71,15 @@ impl Merge {
     // Tested by `shards_merged_in_bands_have_the_bytes_of_one_run` (tests/process/shards.rs).
     pub fn tables(&self, campaign: &Campaign, band: Range<usize>) -> Result<(Vec<Measured>, Cost)> {
         let cost = if band.start == 0 { self.cost() } else { Cost::default() };
-        let part = if band.len() == self.plan.stops {
+        let part = if band.len() == self.plan.incidences {
             self.plan.clone()
         } else {
-            self.plan.of_stops(&band.clone().collect::<Vec<_>>())?
+            self.plan.of_incidences(&band.clone().collect::<Vec<_>>())?
         };
         let mut run_state = RunState::new(campaign, &part);
-        let wanted = &self.stops[band];
-        for (file, stops) in &self.files {
-            let place = |(here, stop)| Some((stops.binary_search(stop).ok()?, here));
+        let wanted = &self.incidences[band];
+        for (file, incidences) in &self.files {
+            let place = |(here, incidence)| Some((incidences.binary_search(incidence).ok()?, here));
             let places: Vec<(usize, usize)> = wanted.iter().enumerate().filter_map(place).collect();
             if !places.is_empty() {
                 let plan = self.whole.of_part(file.header.part)?;
@@ -93,9 +98,9 @@ impl Merge {
     }
 }
 
-fn with_stops(files: Vec<PartFile>, whole: &Plan) -> Vec<(PartFile, Vec<usize>)> {
-    let stops = files.iter().map(|file| file.header.part.stops(&whole.grid)).collect::<Vec<_>>();
-    files.into_iter().zip(stops).collect()
+fn with_incidences(files: Vec<PartFile>, whole: &Plan) -> Vec<(PartFile, Vec<usize>)> {
+    let incidences = files.iter().map(|file| file.header.part.incidences(&whole.grid)).collect::<Vec<_>>();
+    files.into_iter().zip(incidences).collect()
 }
 
 /// Bytes of the sums of one incidence in memory: counts and hits of a bin, fixed-point sums, and what it has besides.

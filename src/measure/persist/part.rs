@@ -35,13 +35,13 @@ pub enum Division {
 
 impl Part {
     /// All of so many incidences: the only band.
-    pub fn whole(stops: usize) -> Part {
-        Part { number: 1, of: 1, division: Division::Bands(stops as u64) }
+    pub fn whole(incidences: usize) -> Part {
+        Part { number: 1, of: 1, division: Division::Bands(incidences as u64) }
     }
 
-    /// The bands of `each` incidences of `stops`.
-    pub fn bands(stops: usize, each: usize) -> Vec<Part> {
-        let of = stops.div_ceil(each.max(1)) as u32;
+    /// The bands of `each` incidences of `incidences`.
+    pub fn bands(incidences: usize, each: usize) -> Vec<Part> {
+        let of = incidences.div_ceil(each.max(1)) as u32;
         (1..=of).map(|number| Part { number, of, division: Division::Bands(each as u64) }).collect()
     }
 
@@ -56,7 +56,7 @@ impl Part {
     }
 
     /// How many incidences each of several bands has, if it is one.
-    pub fn band_stops(self) -> Option<u64> {
+    pub fn band_incidences(self) -> Option<u64> {
         match self.division {
             Division::Bands(each) if self.of > 1 => Some(each),
             _ => None,
@@ -64,25 +64,25 @@ impl Part {
     }
 
     /// The incidences that it has, increasing; none where there are more shards than incidences.
-    pub fn stops(self, grid: &Grid) -> Vec<usize> {
+    pub fn incidences(self, grid: &Grid) -> Vec<usize> {
         match self.division {
             Division::Shards => self.dealt(grid),
-            Division::Bands(each) => neighbours(self.number, each, grid.stops()).collect(),
+            Division::Bands(each) => neighbours(self.number, each, grid.incidences()).collect(),
         }
     }
 
     // Tested by `every_incidence_is_dealt_once`.
     fn dealt(self, grid: &Grid) -> Vec<usize> {
-        let azimuth = |stop: usize| grid.stop_deg(stop).1;
-        let mut order: Vec<usize> = (0..grid.stops()).collect();
+        let azimuth = |incidence: usize| grid.incidence_deg(incidence).1;
+        let mut order: Vec<usize> = (0..grid.incidences()).collect();
         order.sort_by(|&a, &b| azimuth(a).total_cmp(&azimuth(b)).then(a.cmp(&b)));
         let whole_azimuths = grid.azimuths() >= self.of as usize;
         let (mut dealt, mut azimuths) = (Vec::new(), 0);
-        for (place, &stop) in order.iter().enumerate() {
-            azimuths += usize::from(place > 0 && azimuth(stop) != azimuth(order[place - 1]));
+        for (place, &incidence) in order.iter().enumerate() {
+            azimuths += usize::from(place > 0 && azimuth(incidence) != azimuth(order[place - 1]));
             let hand = if whole_azimuths { azimuths } else { place };
             if hand % self.of as usize == self.number as usize - 1 {
-                dealt.push(stop);
+                dealt.push(incidence);
             }
         }
         dealt.sort_unstable();
@@ -106,8 +106,8 @@ impl Part {
     }
 }
 
-fn neighbours(number: u32, each: u64, stops: usize) -> Range<usize> {
-    let edge = |number: u32| (u64::from(number).saturating_mul(each)).min(stops as u64) as usize;
+fn neighbours(number: u32, each: u64, incidences: usize) -> Range<usize> {
+    let edge = |number: u32| (u64::from(number).saturating_mul(each)).min(incidences as u64) as usize;
     edge(number - 1)..edge(number)
 }
 
@@ -157,9 +157,12 @@ mod tests {
             [(6, 1, 1), (6, 1, 4), (6, 1, 6), (5, 7, 3), (5, 7, 7), (5, 7, 8), (1, 4, 3)]
         {
             let grid = grid(thetas, azimuths);
-            let shards: Vec<Vec<usize>> = (1..=of).map(|number| shard(number, of).stops(&grid)).collect();
-            let bands: Vec<Vec<usize>> =
-                Part::bands(grid.stops(), of as usize).iter().map(|band| band.stops(&grid)).collect();
+            let shards: Vec<Vec<usize>> =
+                (1..=of).map(|number| shard(number, of).incidences(&grid)).collect();
+            let bands: Vec<Vec<usize>> = Part::bands(grid.incidences(), of as usize)
+                .iter()
+                .map(|band| band.incidences(&grid))
+                .collect();
             let mut dealt = shards.concat();
             dealt.sort_unstable();
             let all: Vec<usize> = (0..thetas * azimuths).collect();
@@ -169,9 +172,9 @@ mod tests {
             assert!(sizes.clone().max().expect("some") - sizes.min().expect("some") <= whole, "{shards:?}");
         }
         // Whole azimuths: incidence = 7 theta + azimuth.
-        assert_eq!(shard(2, 7).stops(&grid(3, 7)), [1, 8, 15]);
-        assert!(shard(4, 4).stops(&grid(3, 1)).is_empty());
-        assert_eq!(Part::whole(21).stops(&grid(3, 7)).len(), 21);
+        assert_eq!(shard(2, 7).incidences(&grid(3, 7)), [1, 8, 15]);
+        assert!(shard(4, 4).incidences(&grid(3, 1)).is_empty());
+        assert_eq!(Part::whole(21).incidences(&grid(3, 7)).len(), 21);
     }
 
     #[test]

@@ -142,9 +142,9 @@ impl ResumableRun {
     }
 
     /// How many incidences it measured at a time, where that was not all.
-    pub fn band_stops(&self) -> Option<u64> {
+    pub fn band_incidences(&self) -> Option<u64> {
         let (_, header) = self.headers().next()?;
-        header.part.band_stops()
+        header.part.band_incidences()
     }
 
     /// Refuses what cannot be resumed, by the key of the campaign's `file` that differs.

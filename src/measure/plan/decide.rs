@@ -7,7 +7,7 @@ use super::start_sampler::StartSampler;
 use crate::campaign::{Azimuth, Campaign, SurfaceKind};
 use crate::error::{Error, Result};
 use crate::files::memory::memory_limit;
-use crate::instrument::{Grid, GridKind, folded_stops, grid_of};
+use crate::instrument::{Grid, GridKind, folded_incidences, grid_of};
 use crate::measure::accumulate::fresnel_sums::FresnelSums;
 use crate::measure::persist::part::Part;
 use crate::sphere;
@@ -29,7 +29,7 @@ pub(crate) const KEPT_FRACTION: u64 = 4;
 /// let text = "name = \"a\"\n[surface.ggx]\nalpha = 0.3\n[light]\ntheta_i_deg = [0, 45]\n[sensor.hemisphere]\n\
 ///             theta_r_bins = 9\nphi_r_bins = 18\n[stop]\nsamples = 65_536\n";
 /// let plan = measure::plan(&campaign::parse(text, "a.toml", ".".as_ref())?.campaign)?;
-/// assert_eq!((plan.stops, plan.samples), (2, 65_536));
+/// assert_eq!((plan.incidences, plan.samples), (2, 65_536));
 /// # Ok::<(), gonio::error::Error>(())
 /// ```
 pub fn plan(campaign: &Campaign) -> Result<Plan> {
@@ -50,9 +50,9 @@ pub fn plan_of(campaign: &Campaign, shard: Option<Part>, limit: u64) -> Result<P
         plan = plan.of_part(shard)?;
         estimate(campaign, &mut plan);
     } else if plan.memory_bytes > limit
-        && let Some(stops) = stops_within(campaign, &plan, &memory, limit)
+        && let Some(incidences) = incidences_within(campaign, &plan, &memory, limit)
     {
-        in_bands(&mut plan, &memory, stops);
+        in_bands(&mut plan, &memory, incidences);
     }
     checked(campaign, plan, limit)
 }
@@ -78,18 +78,19 @@ pub fn plan_at(
 /// The plan of a run that began with so many incidences at a time, or with all.
 ///
 /// Errors: `Refused` where these do not fit `limit` bytes; as [`plan`].
-pub fn resumed(campaign: &Campaign, band_stops: Option<u64>, limit: u64) -> Result<Plan> {
+pub fn resumed(campaign: &Campaign, band_incidences: Option<u64>, limit: u64) -> Result<Plan> {
     let (mut plan, memory) = decided(campaign);
-    let stops = band_stops.map_or(Some(plan.stops), |stops| usize::try_from(stops).ok());
-    let Some(stops) = stops.filter(|stops| (1..=plan.stops).contains(stops)) else {
+    let incidences =
+        band_incidences.map_or(Some(plan.incidences), |incidences| usize::try_from(incidences).ok());
+    let Some(incidences) = incidences.filter(|incidences| (1..=plan.incidences).contains(incidences)) else {
         return Err(Error::Refused(format!("{}: bands of other lengths than a run has", campaign.name)));
     };
-    if stops < plan.stops {
-        in_bands(&mut plan, &memory, stops);
+    if incidences < plan.incidences {
+        in_bands(&mut plan, &memory, incidences);
     }
     if plan.memory_bytes > limit {
-        let at_a_time = if stops < plan.stops {
-            format!("bands of {stops} incidences")
+        let at_a_time = if incidences < plan.incidences {
+            format!("bands of {incidences} incidences")
         } else {
             "all incidences at once".into()
         };
@@ -113,8 +114,8 @@ pub(crate) fn at_once(campaign: &Campaign) -> Plan {
 /// `largest` file of a shard, bytes.
 pub(crate) fn merged(campaign: &Campaign, mut plan: Plan, largest: u128, limit: u64) -> Result<Plan> {
     let memory = memory(campaign, &plan);
-    let takes = |stops: usize| memory.banded(stops).saturating_add(largest);
-    if takes(1) > u128::from(limit) || plan.stops == 0 {
+    let takes = |incidences: usize| memory.banded(incidences).saturating_add(largest);
+    if takes(1) > u128::from(limit) || plan.incidences == 0 {
         return Err(Error::Refused(format!(
             "{}: one stop and the largest shard need about {} MiB of memory, {} MiB may be used; --memory-mb allows \
              more, shards of fewer incidences need less",
@@ -124,26 +125,27 @@ pub(crate) fn merged(campaign: &Campaign, mut plan: Plan, largest: u128, limit: 
         )));
     }
     // But for the first incidence.
-    plan.band_stops = memory.stops_in(left_by_bands(limit).saturating_sub(takes(0))).clamp(1, plan.stops);
-    plan.memory_bytes = saturated(takes(plan.band_stops));
+    plan.band_incidences =
+        memory.incidences_in(left_by_bands(limit).saturating_sub(takes(0))).clamp(1, plan.incidences);
+    plan.memory_bytes = saturated(takes(plan.band_incidences));
     Ok(plan)
 }
 
 /// How many incidences fit `limit` bytes at a time; `None` where not one does, or where bands make no sense: a budget of
 /// time would hold for each of them.
-fn stops_within(campaign: &Campaign, plan: &Plan, memory: &Memory, limit: u64) -> Option<usize> {
-    let possible = campaign.stop.seconds.is_none() && plan.grid.of_stops([]).is_some();
-    let stops = memory.stops_in(left_by_bands(limit).checked_sub(memory.shared)?);
-    (possible && stops > 0).then_some(stops.min(plan.stops))
+fn incidences_within(campaign: &Campaign, plan: &Plan, memory: &Memory, limit: u64) -> Option<usize> {
+    let possible = campaign.stop.seconds.is_none() && plan.grid.of_incidences([]).is_some();
+    let incidences = memory.incidences_in(left_by_bands(limit).checked_sub(memory.shared)?);
+    (possible && incidences > 0).then_some(incidences.min(plan.incidences))
 }
 
 fn left_by_bands(limit: u64) -> u128 {
     u128::from(limit - limit / KEPT_FRACTION)
 }
 
-fn in_bands(plan: &mut Plan, memory: &Memory, stops: usize) {
-    plan.band_stops = stops;
-    plan.memory_bytes = saturated(memory.banded(stops));
+fn in_bands(plan: &mut Plan, memory: &Memory, incidences: usize) {
+    plan.band_incidences = incidences;
+    plan.memory_bytes = saturated(memory.banded(incidences));
 }
 
 /// The plan with all incidences at once, and what it takes.
@@ -159,18 +161,19 @@ fn decided_on(campaign: &Campaign, grid: Grid, (cells, relief): (f64, f64)) -> (
     let roughnesses = campaign.alphas().len();
     let random = campaign.surface.kind.has_random_patches();
     let images = if random && campaign.surface.mirror_images && !averages_azimuth { 8 } else { 1 };
-    let folded = folded_stops(campaign, &grid);
+    let folded = folded_incidences(campaign, &grid);
     let realisations = campaign.surface.realisations;
     // The statistical surface does not know where a path goes before it has left, and facets must leave no choice.
     let explicit = !matches!(campaign.surface.kind, SurfaceKind::Smith(_));
     let known = explicit && campaign.optics.mirrors();
     let cones = matches!(grid.kind, GridKind::Arm | GridKind::Points);
     let apertures_only = cones && campaign.trace.bounces == 1 && known;
-    let total = [grid.stops() as u128, u128::from(realisations), u128::from(samples), roughnesses as u128];
+    let total =
+        [grid.incidences() as u128, u128::from(realisations), u128::from(samples), roughnesses as u128];
     let start_sampler = StartSampler::decided(campaign, &grid, &folded, (samples, apertures_only));
     let mut plan = Plan {
-        stops: grid.stops(),
-        part: Part::whole(grid.stops()),
+        incidences: grid.incidences(),
+        part: Part::whole(grid.incidences()),
         cells,
         relief,
         bins: grid.bins(),
@@ -189,7 +192,7 @@ fn decided_on(campaign: &Campaign, grid: Grid, (cells, relief): (f64, f64)) -> (
         sums: FresnelSums::of(campaign),
         drawn_at: None,
         skipped: Vec::new(),
-        band_stops: grid.stops(),
+        band_incidences: grid.incidences(),
         memory_bytes: 0,
         estimated_s: 0.0,
         grid,
@@ -281,8 +284,8 @@ fn flux_fits(campaign: &Campaign, plan: &Plan) -> Result<()> {
 }
 
 /// How many incidences a campaign has.
-pub fn stops(campaign: &Campaign) -> usize {
-    grid_of(campaign).stops()
+pub fn incidences(campaign: &Campaign) -> usize {
+    grid_of(campaign).incidences()
 }
 
 /// Refuses a shard that no campaign of these incidences has.
@@ -291,8 +294,8 @@ fn may_be_dealt(campaign: &Campaign, grid: &Grid, shard: Part) -> Result<()> {
         let why = "no budget of time with --shard: each shard would end somewhere else";
         return Err(Error::Usage(format!("{}: stop.seconds = {seconds}: {why}", campaign.name)));
     }
-    if shard.of as usize > grid.stops() {
-        let most = grid.stops();
+    if shard.of as usize > grid.incidences() {
+        let most = grid.incidences();
         return Err(Error::Usage(format!(
             "--shard {shard}: {} has {most} incidences, and no more shards",
             campaign.name

@@ -29,7 +29,8 @@ pub struct Plan {
     #[serde(skip)]
     pub grid: Grid,
     /// incidences.
-    pub stops: usize,
+    #[serde(rename = "stops")]
+    pub incidences: usize,
     /// The part of the campaign that they are.
     #[serde(skip)]
     pub part: Part,
@@ -39,7 +40,7 @@ pub struct Plan {
     /// Length in cells of the shadow of a measured map's whole relief at 45 degrees.
     #[serde(skip)]
     pub relief: f64,
-    /// Sensor bins at each stop.
+    /// Sensor bins at each incidence.
     pub bins: usize,
     /// Tables (one for each roughness and material).
     pub tables: usize,
@@ -77,7 +78,8 @@ pub struct Plan {
     /// What is left out, and why.
     pub skipped: Vec<Saving>,
     /// Incidences that are measured and written at a time: all, or as many as fit the memory.
-    pub band_stops: usize,
+    #[serde(rename = "band_stops")]
+    pub band_incidences: usize,
     /// Estimated peak memory.
     pub memory_bytes: u64,
     /// Estimated time on two cores.
@@ -92,12 +94,16 @@ impl Plan {
 
     /// The bands of incidences whose tables are written one after the other; one where all fit the memory.
     pub fn bands(&self) -> Vec<Range<usize>> {
-        rows::bands(self.stops, 1, self.band_stops as u64, 1)
+        rows::bands(self.incidences, 1, self.band_incidences as u64, 1)
     }
 
     /// The parts that are measured one after the other: bands, or the one part that this plan is of.
     pub fn parts(&self) -> Vec<Part> {
-        if self.band_stops < self.stops { Part::bands(self.stops, self.band_stops) } else { vec![self.part] }
+        if self.band_incidences < self.incidences {
+            Part::bands(self.incidences, self.band_incidences)
+        } else {
+            vec![self.part]
+        }
     }
 
     /// The plan of one of the parts of what this is the plan of.
@@ -105,24 +111,26 @@ impl Plan {
         if part == self.part {
             return Ok(self.clone());
         }
-        Ok(Plan { part, ..self.of_stops(&part.stops(&self.grid))? })
+        Ok(Plan { part, ..self.of_incidences(&part.incidences(&self.grid))? })
     }
 
     /// The plan of some of the incidences: their figures are those that they have among all.
     ///
     /// Errors: `Internal` for half vectors, which no campaign has.
     // Tested by `a_campaign_measured_in_bands_gives_the_same_bytes` (tests/it/table/large_tables.rs).
-    pub(crate) fn of_stops(&self, stops: &[usize]) -> Result<Plan> {
-        let grid = self.grid.of_stops(stops.iter().copied());
-        let share = |total: u64| (u128::from(total) * stops.len() as u128 / self.stops.max(1) as u128) as u64;
+    pub(crate) fn of_incidences(&self, incidences: &[usize]) -> Result<Plan> {
+        let grid = self.grid.of_incidences(incidences.iter().copied());
+        let share = |total: u64| {
+            (u128::from(total) * incidences.len() as u128 / self.incidences.max(1) as u128) as u64
+        };
         Ok(Plan {
             grid: grid.ok_or_else(|| Error::Internal("half vectors in a campaign".into()))?,
-            stops: stops.len(),
-            part: Part::whole(stops.len()),
-            band_stops: stops.len(),
-            start_sampler: self.start_sampler.of_stops(stops),
+            incidences: incidences.len(),
+            part: Part::whole(incidences.len()),
+            band_incidences: incidences.len(),
+            start_sampler: self.start_sampler.of_incidences(incidences),
             total_samples: share(self.total_samples),
-            folded: stops.iter().map(|&stop| self.folded[stop]).collect(),
+            folded: incidences.iter().map(|&incidence| self.folded[incidence]).collect(),
             ..self.clone()
         })
     }

@@ -49,14 +49,14 @@ impl Disk {
         let tally =
             copies * (plan.bins as u128 * (2 * BYTES_PER_COUNT + BYTES_PER_SUM * sums) + BYTES_PER_TALLY);
         let tallies = u128::from(plan.realisations) * campaign.alphas().len() as u128;
-        let stop = tally.saturating_mul(tallies);
+        let incidence = tally.saturating_mul(tallies);
         let header = BYTES_PER_HEADING + BYTES_PER_DIGEST * u128::from(plan.realisations);
-        let file = |stops: usize| stop.saturating_mul(stops as u128).saturating_add(header);
+        let file = |incidences: usize| incidence.saturating_mul(incidences as u128).saturating_add(header);
         let bands = plan.bands();
         let in_bands = bands.len() > 1;
-        let finished = bands.iter().map(|stops| file(stops.len())).filter(|_| in_bands);
+        let finished = bands.iter().map(|incidences| file(incidences.len())).filter(|_| in_bands);
         let finished = finished.fold(0, u128::saturating_add);
-        let at_a_time = file(plan.band_stops);
+        let at_a_time = file(plan.band_incidences);
         let results = if plan.part.is_shard() { at_a_time } else { tables(campaign, plan, limit) };
         let until_then = at_a_time.saturating_mul(CHECKPOINTS).saturating_add(finished);
         let materials = if plan.part.is_shard() { 0 } else { campaign.optics.each().len() };
@@ -93,8 +93,8 @@ fn realisations_of(plan: &Plan, material: usize, limit: u64) -> u64 {
 fn tables(campaign: &Campaign, plan: &Plan, limit: u64) -> u128 {
     let sums = &plan.sums;
     let schlick = schlick_channels(plan);
-    let (stops, bins) = (plan.stops as u128, plan.bins as u128);
-    let values = stops.saturating_mul(bins);
+    let (incidences, bins) = (plan.incidences as u128, plan.bins as u128);
+    let values = incidences.saturating_mul(bins);
     let of_material = |material: usize| {
         let colours = sums.colours(material).len();
         let orders = if sums.by_order() { sums.groups() } else { 0 };
@@ -104,7 +104,7 @@ fn tables(campaign: &Campaign, plan: &Plan, limit: u64) -> u128 {
         let shown = values.saturating_mul(BYTES_PER_SHOWN_VALUE * colours as u128);
         let page = shown.saturating_add(BYTES_PER_PAGE).min(LARGEST_PAGE);
         let table = values.saturating_mul(4 * channels);
-        table.saturating_add(u128::from(parts)).saturating_add(page + stops * BYTES_PER_STOP)
+        table.saturating_add(u128::from(parts)).saturating_add(page + incidences * BYTES_PER_STOP)
     };
     let materials = (0..campaign.optics.each().len()).map(of_material).fold(0, u128::saturating_add);
     materials.saturating_mul(campaign.alphas().len() as u128)

@@ -62,8 +62,8 @@ const STARTS: u128 = BatchedStarts::BYTES as u128 / CELLS_PER_START as u128;
 pub(crate) struct Memory {
     /// Patches in flight or kept, what is made of them, tallies.
     pub shared: u128,
-    /// Records and tables of each stop.
-    pub stop: u128,
+    /// Records and tables of each incidence.
+    pub incidence: u128,
     /// What is made of each incidence when the table is written: directions and predictions.
     pub written: u128,
 }
@@ -71,17 +71,17 @@ pub(crate) struct Memory {
 impl Memory {
     /// All incidences at once.
     pub fn whole(&self, plan: &Plan) -> u128 {
-        self.shared.saturating_add(self.stop.saturating_mul(plan.stops as u128))
+        self.shared.saturating_add(self.incidence.saturating_mul(plan.incidences as u128))
     }
 
     /// How many incidences of a band fit so many bytes.
-    pub fn stops_in(&self, room: u128) -> usize {
-        usize::try_from(room / (self.stop + self.written).max(1)).unwrap_or(usize::MAX)
+    pub fn incidences_in(&self, room: u128) -> usize {
+        usize::try_from(room / (self.incidence + self.written).max(1)).unwrap_or(usize::MAX)
     }
 
     /// A band of incidences at a time.
-    pub fn banded(&self, stops: usize) -> u128 {
-        self.shared.saturating_add((self.stop + self.written).saturating_mul(stops as u128))
+    pub fn banded(&self, incidences: usize) -> u128 {
+        self.shared.saturating_add((self.incidence + self.written).saturating_mul(incidences as u128))
     }
 }
 
@@ -121,7 +121,7 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     let files = bins * 4 * ((2 * colours + kept) * realisations + 8 * colours + kept);
     // Projected solid angles; means of each colour with three maskings; the same as bands are examined one by one.
     let written = bins * 8 * (1 + 3 * colours);
-    Memory { shared: cells * surface + tallies, stop: records + files, written }
+    Memory { shared: cells * surface + tallies, incidence: records + files, written }
 }
 
 /// Cells of a patch, and how many cells long the shadow of a map's whole relief is at 45 degrees; 0 of a map that cannot
@@ -167,7 +167,7 @@ pub(crate) fn seconds(campaign: &Campaign, plan: &Plan) -> f64 {
 
 /// What is made of a table once it is measured, ns: theory's means over its bins, verdict, files and page.
 fn written(campaign: &Campaign, plan: &Plan) -> f64 {
-    let bins = (plan.stops * plan.bins * plan.colours) as f64;
+    let bins = (plan.incidences * plan.bins * plan.colours) as f64;
     if campaign.surface.kind.alphas().is_none() {
         return bins * NS_PER_WRITTEN_BIN;
     }
@@ -175,7 +175,7 @@ fn written(campaign: &Campaign, plan: &Plan) -> f64 {
     let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
     let turns = if averaged { 36.0 } else { 1.0 };
     let nodes = if campaign.light.aperture_deg > 0.0 { 78.0 } else { 1.0 };
-    let predicted = 0.5 * (plan.stops * plan.bins) as f64 * turns * nodes;
+    let predicted = 0.5 * (plan.incidences * plan.bins) as f64 * turns * nodes;
     predicted * NS_PER_PREDICTED_BIN + bins * NS_PER_WRITTEN_BIN
 }
 
@@ -202,14 +202,14 @@ fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
     let coverage = alpha.and_then(|alpha| alpha.coverage);
     let alpha = alpha.map_or(glam::DVec2::splat(0.3), |alpha| glam::DVec2::new(alpha.x, alpha.y));
     let explicit = campaign.surface.kind.explicit_grains().is_some();
-    let block = |stop: usize| match coverage.filter(|_| explicit) {
-        Some(coverage) => block_on_grains(campaign, plan, stop, (alpha, coverage)),
-        None => block(campaign, plan, stop, alpha),
+    let block = |incidence: usize| match coverage.filter(|_| explicit) {
+        Some(coverage) => block_on_grains(campaign, plan, incidence, (alpha, coverage)),
+        None => block(campaign, plan, incidence, alpha),
     };
     let ways = plan.sums.paths_of_a_start() as f64;
     // Both parts of split light share the light's ray.
     let ways = if campaign.trace.bounces == 1 && ways > 1.0 { 0.75 * ways } else { ways };
-    ways * plan.blocks as f64 * (0..plan.stops).map(block).sum::<f64>()
+    ways * plan.blocks as f64 * (0..plan.incidences).map(block).sum::<f64>()
 }
 
 /// One block of an incidence on grains, ns: two rays of each start at order 1, from cell to cell as far as they rise to the
@@ -217,10 +217,10 @@ fn table(campaign: &Campaign, plan: &Plan, alpha: Option<Alpha>) -> f64 {
 fn block_on_grains(
     campaign: &Campaign,
     plan: &Plan,
-    stop: usize,
+    incidence: usize,
     (alpha, coverage): (glam::DVec2, f64),
 ) -> f64 {
-    let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
+    let (sin, cos) = sphere::sin_cos_deg(plan.grid.incidence_deg(incidence).0);
     let (density, side) = (density(coverage), cell_side(density(coverage)));
     let near = density * (side + 2.0).powi(2);
     // A level ray meets a grain after 1/density radii or so.
@@ -232,14 +232,14 @@ fn block_on_grains(
 }
 
 /// One block of an incidence, ns.
-fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2) -> f64 {
+fn block(campaign: &Campaign, plan: &Plan, incidence: usize, alpha: glam::DVec2) -> f64 {
     let (cells, starts) = (plan.cells, BLOCK as f64);
     let further = 0.4 * f64::from(campaign.trace.bounces - 1).min(3.0);
     if matches!(campaign.surface.kind, SurfaceKind::Smith(_)) {
         return starts * NS_PER_WALK * (1.0 + further);
     }
     let (low, high) = heights(campaign);
-    let (sin, cos) = sphere::sin_cos_deg(plan.grid.stop_deg(stop).0);
+    let (sin, cos) = sphere::sin_cos_deg(plan.grid.incidence_deg(incidence).0);
     let run_in = (high - low) * alpha.max_element() * sin / cos;
     let visible = if campaign.trace.visibility { 1.0 } else { 0.0 };
     let ray = |crossed: f64| {
@@ -258,7 +258,7 @@ fn block(campaign: &Campaign, plan: &Plan, stop: usize, alpha: glam::DVec2) -> f
         (ray(run_in), ray(1.5 * (high - low) * alpha.max_element()))
     };
     let asked_for =
-        if plan.apertures_only { aperture_fraction(&plan.grid.regions(stop)).min(1.0) } else { 1.0 };
+        if plan.apertures_only { aperture_fraction(&plan.grid.regions(incidence)).min(1.0) } else { 1.0 };
     if matches!(plan.start_sampler, StartSampler::IntoApertures(_)) {
         // Light falls into the apertures more often than their solid angle says.
         return starts * (4.0 * asked_for).min(1.0) * NS_PER_WANTED_START;

@@ -115,11 +115,11 @@ fn of_samples(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str
             format!("{} of {roughnesses} patches", roughnesses - 1),
         );
     }
-    if plan.stops > 1 && campaign.surface.kind.has_random_patches() {
+    if plan.incidences > 1 && campaign.surface.kind.has_random_patches() {
         skip(
             "synthesis for further incidences",
             "all incidences see the same patches",
-            format!("{} of {} patches", plan.stops - 1, plan.stops),
+            format!("{} of {} patches", plan.incidences - 1, plan.incidences),
         );
     }
     if plan.averages_azimuth {
@@ -134,7 +134,7 @@ fn of_samples(campaign: &Campaign, plan: &Plan, skip: &mut impl FnMut(&str, &str
         skip(
             "half of the directions",
             "the law is its own mirror image: each arrival counts on both sides",
-            format!("half of the samples at {folded} of {} incidences", plan.stops),
+            format!("half of the samples at {folded} of {} incidences", plan.incidences),
         );
     }
     if plan.images > 1 {

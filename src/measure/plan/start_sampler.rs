@@ -58,8 +58,10 @@ impl StartSampler {
         if campaign.surface.kind.explicit_grains().is_some() {
             let may = campaign.trace.visibility && !apertures_only;
             let of_table = |alpha: Option<Alpha>| {
-                let pays = |stop| alpha.is_some_and(|alpha| pays_from_above(campaign, alpha, grid.wi(stop)));
-                (0..grid.stops()).map(|stop| may && pays(stop)).collect()
+                let pays = |incidence| {
+                    alpha.is_some_and(|alpha| pays_from_above(campaign, alpha, grid.wi(incidence)))
+                };
+                (0..grid.incidences()).map(|incidence| may && pays(incidence)).collect()
             };
             let from_above = campaign.alphas().into_iter().map(of_table).collect();
             return StartSampler::Grains { from_above };
@@ -82,9 +84,9 @@ impl StartSampler {
     }
 
     /// The same for some of the incidences.
-    pub(crate) fn of_stops(&self, stops: &[usize]) -> Self {
+    pub(crate) fn of_incidences(&self, incidences: &[usize]) -> Self {
         let StartSampler::Grains { from_above } = self else { return self.clone() };
-        let some = |table: &Vec<bool>| stops.iter().map(|&stop| table[stop]).collect();
+        let some = |table: &Vec<bool>| incidences.iter().map(|&incidence| table[incidence]).collect();
         StartSampler::Grains { from_above: from_above.iter().map(some).collect() }
     }
 
@@ -132,8 +134,8 @@ impl Apertures {
 /// Estimated break-even: see `MOST_OF_HEMISPHERE` (`cargo bench -p gonio-benches --bench index`).
 // Tested by `the_facet_index_changes_nothing_but_noise`.
 fn are_few(grid: &Grid, folded: &[bool]) -> bool {
-    folded.iter().enumerate().all(|(stop, &folded)| {
-        let fraction = aperture_fraction(&grid.regions(stop));
+    folded.iter().enumerate().all(|(incidence, &folded)| {
+        let fraction = aperture_fraction(&grid.regions(incidence));
         fraction * if folded { 2.0 } else { 1.0 } <= MOST_OF_HEMISPHERE
     })
 }

@@ -5,19 +5,19 @@ use crate::instrument::angle_decimals;
 use crate::measure::Cost;
 use crate::report::plot::escaped;
 use crate::report::plot::plots::spread;
-use crate::report::summary::{StopSummary, Summary};
+use crate::report::summary::{IncidenceSummary, Summary};
 use crate::validate::compare::{Comparison, Figures};
 
-/// Rows of the tables of stops before the middle is left out.
+/// Rows of the tables of incidences before the middle is left out.
 const MOST_ROWS: usize = 48;
 
 /// A column of albedos: its key, its heading, and its value.
-type AlbedoColumn = (&'static str, &'static str, fn(&StopSummary) -> Option<f64>);
+type AlbedoColumn = (&'static str, &'static str, fn(&IncidenceSummary) -> Option<f64>);
 const ALBEDOS: [AlbedoColumn; 4] = [
-    ("albedo_single", "one bounce", |stop| stop.albedo_single),
-    ("albedo_single_se", "±", |stop| stop.albedo_single_se),
-    ("albedo_total", "all", |stop| stop.albedo_total),
-    ("albedo_total_se", "±", |stop| stop.albedo_total_se),
+    ("albedo_single", "one bounce", |incidence| incidence.albedo_single),
+    ("albedo_single_se", "±", |incidence| incidence.albedo_single_se),
+    ("albedo_total", "all", |incidence| incidence.albedo_total),
+    ("albedo_total_se", "±", |incidence| incidence.albedo_total_se),
 ];
 
 /// The comparisons, the albedos, the cost.
@@ -36,12 +36,12 @@ fn cell(key: &str, value: Option<f64>, decimals: usize) -> String {
     format!("<td data-key=\"{key}\">{text}</td>")
 }
 
-/// The light's angles (theta, phi) at each stop; the azimuth where there are several.
+/// The light's angles (theta, phi) at each incidence; the azimuth where there are several.
 fn angle_cells(page: &Page, angles: Vec<(f64, f64)>) -> impl Fn(usize) -> String + use<> {
     let of_theta = angle_decimals(1, angles.iter().map(|angle| angle.0));
     let of_phi = page.scene.has_azimuths().then(|| angle_decimals(1, angles.iter().map(|angle| angle.1)));
-    move |stop| {
-        let (theta, phi) = angles[stop];
+    move |incidence| {
+        let (theta, phi) = angles[incidence];
         let azimuth = of_phi.map(|decimals| cell("phi_i_deg", Some(phi), decimals));
         cell("theta_i_deg", Some(theta), of_theta) + &azimuth.unwrap_or_default()
     }
@@ -59,13 +59,19 @@ fn comparisons(page: &Page, mark: &str) -> String {
     };
     let heads: String =
         all.iter().map(|c| format!("<th>{}</th>", escaped(&c.masking.replace('_', "-")))).collect();
-    let angles = angle_cells(page, first.stops.iter().map(|s| (s.theta_i_deg, s.phi_i_deg)).collect());
-    let row = |stop: usize| {
-        let here = |c: &Comparison| c.stops.get(stop).map(|stop| stop.figures).unwrap_or_default();
+    let angles = angle_cells(page, first.incidences.iter().map(|s| (s.theta_i_deg, s.phi_i_deg)).collect());
+    let row = |incidence: usize| {
+        let here = |c: &Comparison| {
+            c.incidences.get(incidence).map(|incidence| incidence.figures).unwrap_or_default()
+        };
         let cells: String = all.iter().map(|c| distance(&here(c))).collect();
-        format!("<tr>{}{}{cells}</tr>", angles(stop), cell("l1_noise", first.stops[stop].figures.l1_noise, 4))
+        format!(
+            "<tr>{}{}{cells}</tr>",
+            angles(incidence),
+            cell("l1_noise", first.incidences[incidence].figures.l1_noise, 4)
+        )
     };
-    let rows: String = spread(first.stops.len(), MOST_ROWS).into_iter().map(row).collect();
+    let rows: String = spread(first.incidences.len(), MOST_ROWS).into_iter().map(row).collect();
     let mean: String = all.iter().map(|c| distance(&c.figures)).collect();
     let [head, foot] = if page.scene.has_azimuths() { ["<th>phi_i</th>", "<td></td>"] } else { ["", ""] };
     format!(
@@ -74,24 +80,24 @@ fn comparisons(page: &Page, mark: &str) -> String {
          <th>theta_i</th>{head}<th>noise</th>{heads}</tr></thead>\n<tbody>{rows}</tbody>\n<tfoot><tr><td>mean</td>{foot}{}{mean}\
          </tr></tfoot></table></div>\n",
         escaped(&first.model.replace('_', " ")),
-        left_out(first.stops.len()),
+        left_out(first.incidences.len()),
         cell("l1_noise", first.figures.l1_noise, 4)
     )
 }
 
-fn left_out(stops: usize) -> String {
-    if stops > MOST_ROWS {
-        format!(" {MOST_ROWS} of {stops} light directions are listed.")
+fn left_out(incidences: usize) -> String {
+    if incidences > MOST_ROWS {
+        format!(" {MOST_ROWS} of {incidences} light directions are listed.")
     } else {
         String::new()
     }
 }
 
 fn albedos(page: &Page, mark: &str) -> String {
-    let stops = &page.summary.stops;
+    let incidences = &page.summary.incidences;
     // Another program's table does not know how often its light has bounced.
     let columns = if page.campaign.is_some() { &ALBEDOS[..] } else { &ALBEDOS[2..] };
-    let is_known = |column: &&AlbedoColumn| stops.iter().any(|stop| column.2(stop).is_some());
+    let is_known = |column: &&AlbedoColumn| incidences.iter().any(|incidence| column.2(incidence).is_some());
     let shown: Vec<&AlbedoColumn> = columns.iter().filter(is_known).collect();
     let Some((first, ..)) = shown.first() else { return String::new() };
     let alone = *first == "albedo_total";
@@ -99,12 +105,16 @@ fn albedos(page: &Page, mark: &str) -> String {
         format!("<th>{}</th>", if alone && key == "albedo_total" { "albedo" } else { head })
     };
     let heads: String = shown.iter().map(head).collect();
-    let angles = angle_cells(page, stops.iter().map(|stop| (stop.theta_i_deg, stop.phi_i_deg)).collect());
+    let angles = angle_cells(
+        page,
+        incidences.iter().map(|incidence| (incidence.theta_i_deg, incidence.phi_i_deg)).collect(),
+    );
     let row = |index: usize| {
-        let cells: String = shown.iter().map(|(key, _, pick)| cell(key, pick(&stops[index]), 5)).collect();
+        let cells: String =
+            shown.iter().map(|(key, _, pick)| cell(key, pick(&incidences[index]), 5)).collect();
         format!("<tr>{}{cells}</tr>", angles(index))
     };
-    let rows: String = spread(stops.len(), MOST_ROWS).into_iter().map(row).collect();
+    let rows: String = spread(incidences.len(), MOST_ROWS).into_iter().map(row).collect();
     let azimuth = if page.scene.has_azimuths() { "<th>phi_i</th>" } else { "" };
     let what = if page.campaign.is_some() {
         " after one bounce, and after all that were followed; ±: standard error over patches."
@@ -114,7 +124,7 @@ fn albedos(page: &Page, mark: &str) -> String {
     format!(
         "<h2>Albedo</h2>\n<p>Share of the light that leaves{what}{}</p>\n<div class=\"scroll\"><table id=\"albedos{mark}\">\
          <thead><tr><th>theta_i</th>{azimuth}{heads}</tr></thead><tbody>{rows}</tbody></table></div>\n",
-        left_out(stops.len())
+        left_out(incidences.len())
     )
 }
 

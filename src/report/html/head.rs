@@ -44,7 +44,7 @@ fn measured(page: &Page) -> String {
         count => format!("{count} angles from {} to {}", angles[0], angles[count - 1]),
     };
     let azimuths = match grid.phi_i_deg.len() {
-        0 => format!(" in {} directions", grid.stops()),
+        0 => format!(" in {} directions", grid.incidences()),
         1 if grid.phi_r_relative => " (azimuth relative)".into(),
         1 => format!(", phi_i {}°", grid.phi_i_deg[0]),
         count => format!(", {count} azimuths from {}° to {}°", grid.phi_i_deg[0], grid.phi_i_deg[count - 1]),

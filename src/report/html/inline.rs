@@ -1,7 +1,7 @@
 //! The table as the page's pictures and its viewer take it: half floats in base64, reduced where it is large.
 //!
 //! Input: a scene. Output: JSON with the axes of what is drawn and one block of halfs for each layer,
-//! \[colour\]\[stop\]\[theta_r\]\[phi_r\] or \[colour\]\[stop\]\[direction\], values over `scale`; below 0: nothing was measured.
+//! \[colour\]\[incidence\]\[theta_r\]\[phi_r\] or \[colour\]\[incidence\]\[direction\], values over `scale`; below 0: nothing was measured.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -18,7 +18,7 @@ use crate::table::BrdfTable;
 
 /// Bytes of all layers in base64 that a page holds at most: its rest is below 1 MB.
 pub const LARGEST: usize = 4_500_000;
-/// Bins are merged down to about so many rows and columns before stops are left out.
+/// Bins are merged down to about so many rows and columns before incidences are left out.
 const FEWEST: [usize; 2] = [24, 48];
 /// Light angles and azimuths that the viewer interpolates between.
 const MOST_STOPS: usize = 64;
@@ -55,7 +55,8 @@ struct Reduction {
 /// model only, it is that of the page's masking.
 pub fn inline(page: &Page, largest: usize) -> Option<Inline> {
     let (scene, campaign, masking) = (&page.scene, page.campaign, page.masking_index());
-    let shown = shown(&scene.table.grid, scene.table.gaps() > 0).filter(|shown| !shown.stops.is_empty())?;
+    let shown =
+        shown(&scene.table.grid, scene.table.gaps() > 0).filter(|shown| !shown.incidences.is_empty())?;
     let (plan, notes) = reduction(page, &shown, largest);
     let notes = [shown.notes.clone(), notes].concat();
     let layers = layers(page, &shown, &plan);
@@ -108,7 +109,7 @@ fn shown_names(table: &BrdfTable, colours: &[usize]) -> Vec<String> {
     }
 }
 
-/// Merges bins, leaves out stops, until the layers fit.
+/// Merges bins, leaves out incidences, until the layers fit.
 fn reduction(page: &Page, shown: &DrawnHemisphere, largest: usize) -> (Reduction, Vec<String>) {
     let (scene, masking) = (&page.scene, page.masking_index());
     let [rows, columns] = match &shown.sensor {
@@ -153,8 +154,8 @@ fn reduction(page: &Page, shown: &DrawnHemisphere, largest: usize) -> (Reduction
         notes.push(format!("{} x {} bins merged into one", plan.merge[0], plan.merge[1]));
     }
     let kept = plan.theta.len() * plan.phi.len();
-    if kept < shown.stops.len() {
-        notes.push(format!("{kept} of {} light directions", shown.stops.len()));
+    if kept < shown.incidences.len() {
+        notes.push(format!("{kept} of {} light directions", shown.incidences.len()));
     }
     (plan, notes)
 }
@@ -193,7 +194,7 @@ fn layers(page: &Page, shown: &DrawnHemisphere, plan: &Reduction) -> Vec<Layer> 
         let value = |colour: usize, entry: usize| {
             if table.is_gap(entry) { ABSENT } else { f64::from(pick(colour, entry)) }
         };
-        reduced(shown, plan, &|colour, stop, bin| value(colour, stop * bins + bin))
+        reduced(shown, plan, &|colour, incidence, bin| value(colour, incidence * bins + bin))
     };
     let single = stored(&|colour, at| table.colours[colour].single[at]);
     let mut layers = vec![Layer { name: "measured".into(), kind: "measured", values: single }];
@@ -204,14 +205,15 @@ fn layers(page: &Page, shown: &DrawnHemisphere, plan: &Reduction) -> Vec<Layer> 
     }
     if let Some(prediction) = scene.prediction {
         for &index in &plan.maskings {
-            let value =
-                |colour: usize, stop: usize, bin: usize| prediction.means[stop].values[index][colour][bin];
+            let value = |colour: usize, incidence: usize, bin: usize| {
+                prediction.means[incidence].values[index][colour][bin]
+            };
             let name = model_name(&scene.maskings()[index]);
             layers.push(Layer { name, kind: "model", values: reduced(shown, plan, &value) });
         }
     }
     if let Some(best) = &page.best {
-        let value = |colour: usize, stop: usize, bin: usize| best.means[colour][stop * bins + bin];
+        let value = |colour: usize, incidence: usize, bin: usize| best.means[colour][incidence * bins + bin];
         let name = format!("best fit, {}", best.name);
         layers.push(Layer { name, kind: "fit", values: reduced(shown, plan, &value) });
     }
@@ -225,12 +227,12 @@ fn reduced(
     value: &dyn Fn(usize, usize, usize) -> f64,
 ) -> Vec<f64> {
     let columns = shown.phi_i_deg.len();
-    let stops = plan.theta.iter().flat_map(|t| plan.phi.iter().map(move |p| t * columns + p));
-    let stops: Vec<usize> = stops.map(|place| shown.stops[place]).collect();
+    let incidences = plan.theta.iter().flat_map(|t| plan.phi.iter().map(move |p| t * columns + p));
+    let incidences: Vec<usize> = incidences.map(|place| shown.incidences[place]).collect();
     let mut values = Vec::new();
     for &colour in &plan.colours {
-        for &stop in &stops {
-            let here = |bin: usize| value(colour, stop, bin);
+        for &incidence in &incidences {
+            let here = |bin: usize| value(colour, incidence, bin);
             match &shown.sensor {
                 Places::Bins(raster) => values.extend(merged(raster, plan.merge, &here)),
                 Places::Spots { directions_deg, .. } => values.extend((0..directions_deg.len()).map(here)),

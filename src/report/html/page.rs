@@ -68,7 +68,8 @@ impl<'a> Page<'a> {
 
 /// The law nearest to order 1 of a table, of those that `gonio fit` knows.
 fn best_fit(table: &BrdfTable, campaign: Option<&Campaign>) -> Option<NearestLaw> {
-    let values = table.grid.stops().saturating_mul(table.grid.bins()).saturating_mul(table.colours.len());
+    let values =
+        table.grid.incidences().saturating_mul(table.grid.bins()).saturating_mul(table.colours.len());
     if values > MOST_FITTED || table.grid.kind == GridKind::HalfDifference {
         return None;
     }

@@ -64,7 +64,7 @@ pub fn page(page: &Page) -> String {
         let bins = table.grid.half(below)?;
         let best = page.best.as_ref().map(|best| NearestLaw {
             name: best.name.clone(),
-            means: best.means.iter().map(|colour| bins.of(colour, table.grid.stops())).collect(),
+            means: best.means.iter().map(|colour| bins.of(colour, table.grid.incidences())).collect(),
         });
         Some((half, of_half, page.summary.half(below), best))
     });

@@ -8,7 +8,7 @@ use super::inline::Inline;
 use super::page::Page;
 use super::specimen::PatchPicture;
 use crate::campaign::SurfaceKind;
-use crate::report::plot::plots::{self, shown_stops, shown_sweeps};
+use crate::report::plot::plots::{self, shown_incidences, shown_sweeps};
 use crate::report::plot::polar::polar;
 use crate::report::plot::{Chart, escaped};
 use crate::report::plot::{convergence, ladders, masking};
@@ -45,7 +45,11 @@ pub fn proof(page: &Page) -> String {
 fn convergence_charts(page: &Page) -> Vec<Chart> {
     let several = (page.benches.len() > 1).then(|| ladders::together(page.benches)).flatten();
     let ladders = page.benches.iter().flat_map(ladders::charts);
-    several.into_iter().chain(ladders).chain(convergence::looks(&page.scene, &page.summary.stops)).collect()
+    several
+        .into_iter()
+        .chain(ladders)
+        .chain(convergence::looks(&page.scene, &page.summary.incidences))
+        .collect()
 }
 
 pub(crate) fn figures_of(pictures: impl IntoIterator<Item = String>) -> String {
@@ -105,26 +109,30 @@ pub fn specimen(page: &Page) -> String {
 }
 
 /// The lobes in the plane of incidence, and their ratio to the model's.
-pub(super) fn in_plane_plots(scene: &Scene, stops: &[usize]) -> Vec<String> {
-    let both = |&stop: &usize| [plots::lobe(scene, stop), plots::ratio(scene, stop)];
-    stops.iter().flat_map(both).flatten().map(|chart| chart.svg()).collect()
+pub(super) fn in_plane_plots(scene: &Scene, incidences: &[usize]) -> Vec<String> {
+    let both = |&incidence: &usize| [plots::lobe(scene, incidence), plots::ratio(scene, incidence)];
+    incidences.iter().flat_map(both).flatten().map(|chart| chart.svg()).collect()
 }
 
 /// All plots after the `first`, and what cannot be plotted.
 pub fn plots(page: &Page, first: Vec<String>) -> String {
     let scene = &page.scene;
     let mut absent = Vec::new();
-    let stops = shown_stops(scene);
-    let lobes = in_plane_plots(scene, &stops);
+    let incidences = shown_incidences(scene);
+    let lobes = in_plane_plots(scene, &incidences);
     if lobes.is_empty() {
         absent.push("No light in the plane of incidence, or no bins there: no in-plane lobes.".into());
-    } else if stops.len() < scene.table.grid.stops() {
-        absent.push(format!("{} of {} light directions have plots.", stops.len(), scene.table.grid.stops()));
+    } else if incidences.len() < scene.table.grid.incidences() {
+        absent.push(format!(
+            "{} of {} light directions have plots.",
+            incidences.len(),
+            scene.table.grid.incidences()
+        ));
     }
     let mut shown = [first, lobes].concat();
     for sweep in shown_sweeps(scene) {
-        shown.extend(polar(scene, &sweep.stops, page.masking_index()));
-        shown.extend(plots::albedo(scene, &page.summary.stops, &sweep).map(|chart| chart.svg()));
+        shown.extend(polar(scene, &sweep.incidences, page.masking_index()));
+        shown.extend(plots::albedo(scene, &page.summary.incidences, &sweep).map(|chart| chart.svg()));
     }
     match plots::anisotropy(scene) {
         Some(chart) => shown.push(chart.svg()),
@@ -142,7 +150,7 @@ pub fn plots(page: &Page, first: Vec<String>) -> String {
         });
     }
     let scaled = page.campaign.is_some_and(|campaign| campaign.surface.kind.alphas().is_some());
-    match masking::chart(scene, &page.summary.stops, scaled) {
+    match masking::chart(scene, &page.summary.incidences, scaled) {
         Some(chart) => shown.push(chart.svg()),
         None => absent.push(no_masking(page).into()),
     }

@@ -26,8 +26,8 @@ pub struct DrawnHemisphere {
     pub theta_i_deg: Vec<f64>,
     /// Azimuths of the light.
     pub phi_i_deg: Vec<f64>,
-    /// The table's stop for each pair of them, azimuths fastest.
-    pub stops: Vec<usize>,
+    /// The table's incidence for each pair of them, azimuths fastest.
+    pub incidences: Vec<usize>,
     /// Where the sensor's values are drawn.
     pub sensor: Places,
     /// What is left out or moved, in words.
@@ -72,7 +72,7 @@ pub fn shown(grid: &Grid, has_gaps: bool) -> Option<DrawnHemisphere> {
         return None;
     }
     let mut notes = Vec::new();
-    let (theta_i_deg, phi_i_deg, stops) = light(grid, &mut notes);
+    let (theta_i_deg, phi_i_deg, incidences) = light(grid, &mut notes);
     let sensor = if grid.kind == GridKind::Hemisphere {
         Places::Bins(Raster {
             theta_deg: grid.theta_r_edges_deg.clone(),
@@ -85,35 +85,37 @@ pub fn shown(grid: &Grid, has_gaps: bool) -> Option<DrawnHemisphere> {
     } else {
         directions(grid, has_gaps, &mut notes)
     };
-    Some(DrawnHemisphere { theta_i_deg, phi_i_deg, stops, sensor, notes })
+    Some(DrawnHemisphere { theta_i_deg, phi_i_deg, incidences, sensor, notes })
 }
 
 /// The light's directions as a product. Of a list only the azimuths stay that most polar angles share.
 fn light(grid: &Grid, notes: &mut Vec<String>) -> (Vec<f64>, Vec<f64>, Vec<usize>) {
-    let all: Vec<(f64, f64)> = (0..grid.stops()).map(|stop| grid.stop_deg(stop)).collect();
+    let all: Vec<(f64, f64)> =
+        (0..grid.incidences()).map(|incidence| grid.incidence_deg(incidence)).collect();
     let distinct = |values: &mut dyn Iterator<Item = f64>| {
         let mut values: Vec<f64> = values.collect();
         values.sort_by(f64::total_cmp);
         values.dedup();
         values
     };
-    let mut theta = distinct(&mut all.iter().map(|stop| stop.0));
+    let mut theta = distinct(&mut all.iter().map(|incidence| incidence.0));
     let find = |theta: f64, phi: f64| {
         // Light along the normal has no azimuth.
-        let same = |stop: &(f64, f64)| stop.0 == theta && (stop.1 == phi || theta == 0.0);
-        all.iter().position(|stop| *stop == (theta, phi)).or_else(|| all.iter().position(same))
+        let same = |incidence: &(f64, f64)| incidence.0 == theta && (incidence.1 == phi || theta == 0.0);
+        all.iter().position(|incidence| *incidence == (theta, phi)).or_else(|| all.iter().position(same))
     };
-    let azimuths = distinct(&mut all.iter().map(|stop| stop.1));
+    let azimuths = distinct(&mut all.iter().map(|incidence| incidence.1));
     let angles_at = |phi: f64| theta.iter().filter(|&&theta| find(theta, phi).is_some()).count();
     let most = azimuths.iter().map(|&phi| angles_at(phi)).max().unwrap_or(0);
     let phi: Vec<f64> = azimuths.iter().copied().filter(|&phi| angles_at(phi) == most).collect();
     theta.retain(|&theta| phi.iter().all(|&phi| find(theta, phi).is_some()));
-    let stops: Vec<usize> = theta.iter().flat_map(|&t| phi.iter().filter_map(move |&p| find(t, p))).collect();
-    if grid.stops() > stops.len() {
-        let (kept, all) = (stops.len(), grid.stops());
+    let incidences: Vec<usize> =
+        theta.iter().flat_map(|&t| phi.iter().filter_map(move |&p| find(t, p))).collect();
+    if grid.incidences() > incidences.len() {
+        let (kept, all) = (incidences.len(), grid.incidences());
         notes.push(format!("the {kept} of {all} light directions whose azimuths all polar angles share"));
     }
-    (theta, phi, stops)
+    (theta, phi, incidences)
 }
 
 /// Patches between the edges that they have; where these are too many, columns of two degrees.
@@ -240,7 +242,7 @@ mod tests {
         let ring = |k: f64| [30.0, 90.0, 90.0 * k - 45.0, 90.0 * k + 45.0];
         let grid = Grid {
             kind: GridKind::Patches,
-            stops_deg: vec![[0.0, 0.0], [60.0, 0.0], [60.0, 90.0], [60.0, 180.0], [60.0, 270.0]],
+            incidences_deg: vec![[0.0, 0.0], [60.0, 0.0], [60.0, 90.0], [60.0, 180.0], [60.0, 270.0]],
             patches_deg: [vec![[0.0, 30.0, -180.0, 180.0]], (0..4).map(|k| ring(f64::from(k))).collect()]
                 .concat(),
             ..Grid::default()
@@ -250,7 +252,7 @@ mod tests {
             (&shown.theta_i_deg[..], &shown.phi_i_deg[..]),
             (&[0.0, 60.0][..], &[0.0, 90.0, 180.0, 270.0][..])
         );
-        assert_eq!(shown.stops, [0, 0, 0, 0, 1, 2, 3, 4]);
+        assert_eq!(shown.incidences, [0, 0, 0, 0, 1, 2, 3, 4]);
         let Places::Bins(raster) = shown.sensor else { panic!("patches fill the hemisphere") };
         assert_eq!(raster.theta_deg, [0.0, 30.0, 90.0]);
         assert_eq!(raster.phi_deg, [45.0, 135.0, 180.0, 225.0, 315.0, 405.0]);

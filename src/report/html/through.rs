@@ -8,7 +8,7 @@ use super::figures::of_light;
 use super::page::Page;
 use super::sections::{figures_of, in_plane_plots};
 use crate::campaign::{Dielectric, LightSide, Optics};
-use crate::report::plot::plots::{self, shown_stops, shown_sweeps};
+use crate::report::plot::plots::{self, shown_incidences, shown_sweeps};
 use crate::report::plot::polar::polar;
 
 /// The view through the surface.
@@ -28,10 +28,10 @@ pub const ALONE: &str = "<p id=\"through\">All figures and plots are of light th
 /// Light that has gone through, next to light that comes back: figures and plots.
 pub fn section(page: &Page) -> String {
     let scene = &page.scene;
-    let shown = in_plane_plots(scene, &shown_stops(scene));
+    let shown = in_plane_plots(scene, &shown_incidences(scene));
     let around = shown_sweeps(scene).into_iter().flat_map(|sweep| {
-        let albedo = plots::albedo(scene, &page.summary.stops, &sweep).map(|chart| chart.svg());
-        polar(scene, &sweep.stops, page.masking_index()).into_iter().chain(albedo).collect::<Vec<_>>()
+        let albedo = plots::albedo(scene, &page.summary.incidences, &sweep).map(|chart| chart.svg());
+        polar(scene, &sweep.incidences, page.masking_index()).into_iter().chain(albedo).collect::<Vec<_>>()
     });
     format!(
         "<section id=\"through\" aria-label=\"Light that has gone through\">\n<h2>Light that has gone through</h2>\n\
@@ -45,7 +45,8 @@ pub fn section(page: &Page) -> String {
 /// The shares of the light that come back and go through, a chart for each azimuth of the light.
 pub fn shares(back: &Page, through: &Page) -> Vec<String> {
     let masking = back.masking_index();
-    let chart = |sweep| plots::shares([&back.scene, &through.scene], &back.summary.stops, sweep, masking);
+    let chart =
+        |sweep| plots::shares([&back.scene, &through.scene], &back.summary.incidences, sweep, masking);
     shown_sweeps(&back.scene).iter().filter_map(chart).map(|chart| chart.svg()).collect()
 }
 

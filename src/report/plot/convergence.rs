@@ -1,37 +1,37 @@
 //! Error against samples, from what a run saw on its own way.
 
 use super::chart::{curve, ends};
-use super::plots::{spread, stop_name};
+use super::plots::{incidence_name, spread};
 use crate::report::plot::{Chart, ChartAxis, Series, SeriesStyle, model_style, series_style};
 use crate::report::slices::Scene;
-use crate::report::summary::{ErrorLook, StopSummary};
+use crate::report::summary::{ErrorLook, IncidenceSummary};
 
 /// Light angles that are drawn at most.
 const MOST_ANGLES: usize = 4;
 
-/// The errors that a run looked at on its way, from the stops of its summary; `None` where it looked fewer than twice.
+/// The errors that a run looked at on its way, from the incidences of its summary; `None` where it looked fewer than twice.
 ///
 /// The lines are least squares of err^2 = a/N + p^2 with relative weights: p is the patches' own spread.
-pub fn looks(scene: &Scene, stops: &[StopSummary]) -> Option<Chart> {
+pub fn looks(scene: &Scene, incidences: &[IncidenceSummary]) -> Option<Chart> {
     // A summary is a file that anybody may have changed: what has no logarithm is no point.
     let point = |look: &ErrorLook| {
         let point = [look.samples as f64, look.relative_error];
         point.iter().all(|value| *value > 0.0 && value.is_finite()).then_some(point)
     };
-    let points = |stop: usize| -> Option<(usize, Vec<[f64; 2]>)> {
-        let points: Vec<_> = stops.get(stop)?.looks.iter().filter_map(point).collect();
-        (points.len() > 1).then_some((stop, points))
+    let points = |incidence: usize| -> Option<(usize, Vec<[f64; 2]>)> {
+        let points: Vec<_> = incidences.get(incidence)?.looks.iter().filter_map(point).collect();
+        (points.len() > 1).then_some((incidence, points))
     };
     let sweep = scene.sweeps().into_iter().next()?;
-    let looked: Vec<(usize, Vec<[f64; 2]>)> = sweep.stops.into_iter().filter_map(points).collect();
+    let looked: Vec<(usize, Vec<[f64; 2]>)> = sweep.incidences.into_iter().filter_map(points).collect();
     let mut series = Vec::new();
     for (index, at) in spread(looked.len(), MOST_ANGLES).into_iter().enumerate() {
-        let (stop, points) = looked[at].clone();
+        let (incidence, points) = looked[at].clone();
         let style = SeriesStyle { line: false, ..series_style(index) };
         let dashed = SeriesStyle { colour: style.colour, ..model_style(index) };
         let [a, b2] = fitted(&points);
         let (first, last) = (points[0][0], points[points.len() - 1][0]);
-        series.push(Series::new(stop_name(scene, stop), points, style));
+        series.push(Series::new(incidence_name(scene, incidence), points, style));
         let label = if index == 0 { "√(a/N + p²)" } else { "" };
         series.push(Series::new(label, curve(first, last, |n| (a / n + b2).sqrt()), dashed));
     }

@@ -4,7 +4,7 @@ use super::plots::spread;
 use crate::measure::accumulate::slopes::SlopeClass;
 use crate::report::plot::{Chart, ChartAxis, Series, SeriesStyle, model_style, series_style};
 use crate::report::slices::Scene;
-use crate::report::summary::StopSummary;
+use crate::report::summary::IncidenceSummary;
 use crate::stats;
 
 /// Light angles that are drawn at most.
@@ -14,21 +14,22 @@ const STEEPEST: f64 = 4.0;
 /// Surface samples below which a class says nothing.
 const FEWEST_SAMPLES: u64 = 400;
 
-/// The chart from the summary's stops at the first azimuth of the light; `None` where nothing was counted. Slopes are
+/// The chart from the summary's incidences at the first azimuth of the light; `None` where nothing was counted. Slopes are
 /// `scaled` by alpha where the surface has one.
-pub fn chart(scene: &Scene, stops: &[StopSummary], scaled: bool) -> Option<Chart> {
+pub fn chart(scene: &Scene, incidences: &[IncidenceSummary], scaled: bool) -> Option<Chart> {
     let sweep = scene.sweeps().into_iter().next()?;
-    let counted = |&stop: &usize| Some((stop, stops.get(stop)?.seen_by_slope.as_deref()?));
-    let known: Vec<(usize, &[SlopeClass])> = sweep.stops.iter().filter_map(counted).collect();
+    let counted =
+        |&incidence: &usize| Some((incidence, incidences.get(incidence)?.seen_by_slope.as_deref()?));
+    let known: Vec<(usize, &[SlopeClass])> = sweep.incidences.iter().filter_map(counted).collect();
     let mut series = Vec::new();
     for (index, at) in spread(known.len(), MOST_ANGLES).into_iter().enumerate() {
-        let (stop, classes) = known[at];
-        let theta = scene.table.grid.stop_deg(stop).0;
+        let (incidence, classes) = known[at];
+        let theta = scene.table.grid.incidence_deg(incidence).0;
         let (points, error) = points(classes, scene.realisations);
         let style = SeriesStyle { line: false, ..series_style(index) };
         series.push(Series { label: format!("theta_i {theta}°"), points, error, style });
         let averaged = scene.table.grid.phi_r_relative;
-        let smith = scene.prediction.and_then(|p| p.model.smith(scene.table.grid.wi(stop), averaged));
+        let smith = scene.prediction.and_then(|p| p.model.smith(scene.table.grid.wi(incidence), averaged));
         if let Some([g1, steepest]) = smith {
             let label = if index == 0 { "Smith's G1".into() } else { String::new() };
             let points = vec![[-STEEPEST, g1], [steepest.min(STEEPEST), g1]];

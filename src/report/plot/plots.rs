@@ -5,7 +5,7 @@ use crate::report::plot::{
     Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style, ratio_style, series_style,
 };
 use crate::report::slices::{Scene, Sweep, mirror_bin};
-use crate::report::summary::StopSummary;
+use crate::report::summary::IncidenceSummary;
 
 /// Light angles and azimuths that get plots of their own at most.
 const MOST_ANGLES: usize = 8;
@@ -22,24 +22,25 @@ pub fn spread(count: usize, most: usize) -> Vec<usize> {
     (0..most).map(|k| k * (count - 1) / (most - 1)).collect()
 }
 
-/// The stops that get plots: some azimuths, some angles of each.
-pub fn shown_stops(scene: &Scene) -> Vec<usize> {
-    shown_sweeps(scene).into_iter().flat_map(|sweep| sweep.stops).collect()
+/// The incidences that get plots: some azimuths, some angles of each.
+pub fn shown_incidences(scene: &Scene) -> Vec<usize> {
+    shown_sweeps(scene).into_iter().flat_map(|sweep| sweep.incidences).collect()
 }
 
 /// The same by azimuth.
 pub fn shown_sweeps(scene: &Scene) -> Vec<Sweep> {
     let sweeps = scene.sweeps();
     let some = |sweep: &Sweep| {
-        let stops = spread(sweep.stops.len(), MOST_ANGLES).into_iter().map(|k| sweep.stops[k]).collect();
-        Sweep { stops, ..*sweep }
+        let incidences =
+            spread(sweep.incidences.len(), MOST_ANGLES).into_iter().map(|k| sweep.incidences[k]).collect();
+        Sweep { incidences, ..*sweep }
     };
     spread(sweeps.len(), MOST_AZIMUTHS).into_iter().map(|k| some(&sweeps[k])).collect()
 }
 
 /// A light direction in words.
-pub fn stop_name(scene: &Scene, stop: usize) -> String {
-    let (theta, phi) = scene.table.grid.stop_deg(stop);
+pub fn incidence_name(scene: &Scene, incidence: usize) -> String {
+    let (theta, phi) = scene.table.grid.incidence_deg(incidence);
     if scene.has_azimuths() {
         format!("theta_i {theta}°, phi_i {phi}°")
     } else {
@@ -49,19 +50,19 @@ pub fn stop_name(scene: &Scene, stop: usize) -> String {
 
 /// The lobe in the plane of incidence: order 1 with its 95 % band, all orders, and every model; `None` without light
 /// in the plane.
-pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
-    let cuts = scene.in_plane(stop);
+pub fn lobe(scene: &Scene, incidence: usize) -> Option<Chart> {
+    let cuts = scene.in_plane(incidence);
     if cuts.len() < 2 {
         return None;
     }
     let curve =
         |value: &dyn Fn(usize) -> f64| cuts.iter().map(|c| [c.theta_deg, value(c.bin)]).collect::<Vec<_>>();
     let mut series = Vec::new();
-    let error: Option<Vec<f64>> = cuts.iter().map(|cut| scene.half_width(stop, cut.bin)).collect();
-    let measured = curve(&|bin| scene.single(stop, bin));
+    let error: Option<Vec<f64>> = cuts.iter().map(|cut| scene.half_width(incidence, cut.bin)).collect();
+    let measured = curve(&|bin| scene.single(incidence, bin));
     let bars = error.iter().flatten().chain(std::iter::repeat(&0.0));
     let mut highest = measured.iter().zip(bars).map(|(point, bar)| point[1] + bar).fold(0.0, f64::max);
-    if cuts.iter().all(|cut| scene.total(stop, cut.bin) <= 0.0) {
+    if cuts.iter().all(|cut| scene.total(incidence, cut.bin) <= 0.0) {
         return None;
     }
     series.push(Series {
@@ -72,18 +73,18 @@ pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
     });
     if scene.has_multiple() {
         let style = SeriesStyle { colour: "#777", dashes: "2 2", marker: Marker::Ring, line: true };
-        let points = curve(&|bin| scene.total(stop, bin));
+        let points = curve(&|bin| scene.total(incidence, bin));
         highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
         series.push(Series::new("all orders", points, style));
     }
     for (index, label) in scene.maskings().into_iter().enumerate() {
-        let points = curve(&|bin| scene.model(index, stop, bin).unwrap_or(0.0));
+        let points = curve(&|bin| scene.model(index, incidence, bin).unwrap_or(0.0));
         highest = points.iter().map(|point| point[1]).fold(highest, f64::max);
         series.push(Series::new(label, points, model_style(index)));
     }
     let top = 1.08 * highest;
     Some(Chart {
-        title: format!("In-plane lobe, {}", stop_name(scene, stop)),
+        title: format!("In-plane lobe, {}", incidence_name(scene, incidence)),
         x: ChartAxis::degrees(SENSOR, [-90.0, 90.0]),
         y: ChartAxis::linear(&format!("BRDF{}, 1/sr", scene.colour_note()), [0.0, top]),
         series,
@@ -93,14 +94,14 @@ pub fn lobe(scene: &Scene, stop: usize) -> Option<Chart> {
 /// Measured over model in the plane of incidence, for every masking; the error bars stand on the first.
 ///
 /// Bins whose 95 % interval is wider than +-`WIDEST` of the model say nothing of it and are left out.
-pub fn ratio(scene: &Scene, stop: usize) -> Option<Chart> {
-    let cuts = scene.in_plane(stop);
+pub fn ratio(scene: &Scene, incidence: usize) -> Option<Chart> {
+    let cuts = scene.in_plane(incidence);
     let mut series = vec![line_at_one()];
     for (index, label) in scene.maskings().into_iter().enumerate() {
         let (mut points, mut error) = (Vec::new(), Vec::new());
         for cut in &cuts {
-            let (value, model) = (scene.single(stop, cut.bin), scene.model(index, stop, cut.bin)?);
-            let half = scene.half_width(stop, cut.bin).unwrap_or(0.0);
+            let (value, model) = (scene.single(incidence, cut.bin), scene.model(index, incidence, cut.bin)?);
+            let half = scene.half_width(incidence, cut.bin).unwrap_or(0.0);
             if value > 0.0 && half <= WIDEST * model {
                 points.push([cut.theta_deg, value / model]);
                 error.push(half / model);
@@ -112,7 +113,7 @@ pub fn ratio(scene: &Scene, stop: usize) -> Option<Chart> {
         series.push(Series { label, points, error, style: ratio_style(index) });
     }
     (series.iter().any(|series| series.points.len() > 2)).then(|| Chart {
-        title: format!("Measured / model, {}", stop_name(scene, stop)),
+        title: format!("Measured / model, {}", incidence_name(scene, incidence)),
         x: ChartAxis::degrees(SENSOR, [-90.0, 90.0]),
         y: ChartAxis::linear(&format!("ratio{}", scene.colour_note()), [0.5, 1.5]),
         series,
@@ -124,19 +125,23 @@ fn line_at_one() -> Series {
     Series::new("", vec![[-90.0, 1.0], [90.0, 1.0]], style)
 }
 
-/// Albedo by order against theta_i at one azimuth of the light, from the summary's stops; models of order 1. `None`
+/// Albedo by order against theta_i at one azimuth of the light, from the summary's incidences; models of order 1. `None`
 /// where it is not known, or at one angle only.
-pub fn albedo(scene: &Scene, stops: &[StopSummary], sweep: &Sweep) -> Option<Chart> {
-    let theta = |stop: usize| scene.table.grid.stop_deg(stop).0;
-    let shown: Vec<&StopSummary> = sweep.stops.iter().filter_map(|&stop| stops.get(stop)).collect();
-    if shown.len() < 2 || shown.iter().all(|stop| stop.albedo_single.is_none()) {
+pub fn albedo(scene: &Scene, incidences: &[IncidenceSummary], sweep: &Sweep) -> Option<Chart> {
+    let theta = |incidence: usize| scene.table.grid.incidence_deg(incidence).0;
+    let shown: Vec<&IncidenceSummary> =
+        sweep.incidences.iter().filter_map(|&incidence| incidences.get(incidence)).collect();
+    if shown.len() < 2 || shown.iter().all(|incidence| incidence.albedo_single.is_none()) {
         return None;
     }
-    let column = |pick: &dyn Fn(&StopSummary) -> Option<f64>| {
-        shown.iter().filter_map(|stop| Some([stop.theta_i_deg, pick(stop)?])).collect::<Vec<_>>()
+    let column = |pick: &dyn Fn(&IncidenceSummary) -> Option<f64>| {
+        shown
+            .iter()
+            .filter_map(|incidence| Some([incidence.theta_i_deg, pick(incidence)?]))
+            .collect::<Vec<_>>()
     };
-    let errors = |pick: fn(&StopSummary) -> Option<f64>| {
-        shown.iter().filter_map(|stop| scene.interval(pick(stop)?)).collect()
+    let errors = |pick: fn(&IncidenceSummary) -> Option<f64>| {
+        shown.iter().filter_map(|incidence| scene.interval(pick(incidence)?)).collect()
     };
     let mut series = Vec::new();
     let mut add = |label: String, points: Vec<[f64; 2]>, error: Vec<f64>, style: SeriesStyle| {
@@ -147,20 +152,26 @@ pub fn albedo(scene: &Scene, stops: &[StopSummary], sweep: &Sweep) -> Option<Cha
     };
     // Another program's table does not know how often its light has bounced.
     let first = if scene.table.campaign.is_empty() { "measured" } else { "order 1" };
-    add(first.into(), column(&|stop| stop.albedo_single), errors(|stop| stop.albedo_single_se), MEASURED);
-    let orders = shown.iter().filter_map(|stop| stop.albedo_by_order.as_ref()).map(Vec::len).max();
+    add(
+        first.into(),
+        column(&|incidence| incidence.albedo_single),
+        errors(|incidence| incidence.albedo_single_se),
+        MEASURED,
+    );
+    let orders = shown.iter().filter_map(|incidence| incidence.albedo_by_order.as_ref()).map(Vec::len).max();
     for order in 1..orders.unwrap_or(1).min(5) {
-        let points = column(&|stop| stop.albedo_by_order.as_ref()?.get(order).copied());
+        let points = column(&|incidence| incidence.albedo_by_order.as_ref()?.get(order).copied());
         add(format!("order {}", order + 1), points, vec![], series_style(order));
     }
     if scene.has_multiple() {
-        let points = column(&|stop| stop.albedo_total);
-        add("all orders".into(), points, errors(|stop| stop.albedo_total_se), series_style(5));
+        let points = column(&|incidence| incidence.albedo_total);
+        add("all orders".into(), points, errors(|incidence| incidence.albedo_total_se), series_style(5));
     }
     for (index, label) in scene.maskings().into_iter().enumerate() {
-        let stops = sweep.stops.iter();
-        let points =
-            stops.filter_map(|&stop| Some([theta(stop), scene.model_albedo(index, stop)?])).collect();
+        let incidences = sweep.incidences.iter();
+        let points = incidences
+            .filter_map(|&incidence| Some([theta(incidence), scene.model_albedo(index, incidence)?]))
+            .collect();
         add(label, points, vec![], model_style(index));
     }
     let highest = series.iter().flat_map(|s| &s.points).map(|p| p[1]).fold(0.0, f64::max);
@@ -183,16 +194,22 @@ type PartOfBoth = fn([f64; 2]) -> f64;
 /// Input: the scenes of both halves. R and T of a realisation do not vary independently, so the bars of R + T are the sum of
 /// both, which is the most that they can be: sd(R + T) <= sd(R) + sd(T).
 // Tested by `shares_of_the_light_add_up` (tests/it/report.rs).
-pub fn shares(halves: [&Scene; 2], stops: &[StopSummary], sweep: &Sweep, masking: usize) -> Option<Chart> {
+pub fn shares(
+    halves: [&Scene; 2],
+    incidences: &[IncidenceSummary],
+    sweep: &Sweep,
+    masking: usize,
+) -> Option<Chart> {
     let [back, _] = halves;
-    let shown: Vec<&StopSummary> = sweep.stops.iter().filter_map(|&stop| stops.get(stop)).collect();
+    let shown: Vec<&IncidenceSummary> =
+        sweep.incidences.iter().filter_map(|&incidence| incidences.get(incidence)).collect();
     if shown.len() < 2 {
         return None;
     }
-    let known = |stop: &&StopSummary| {
-        let errors = stop.albedo_total_se.zip(stop.transmittance_total_se);
+    let known = |incidence: &&IncidenceSummary| {
+        let errors = incidence.albedo_total_se.zip(incidence.transmittance_total_se);
         let errors = errors.and_then(|(r, t)| Some([back.interval(r)?, back.interval(t)?]));
-        Some((stop.theta_i_deg, [stop.albedo_total?, stop.transmittance_total?], errors))
+        Some((incidence.theta_i_deg, [incidence.albedo_total?, incidence.transmittance_total?], errors))
     };
     let known: Vec<_> = shown.iter().map(known).collect::<Option<_>>()?;
     let mut series = vec![line_at_one()];
@@ -208,11 +225,12 @@ pub fn shares(halves: [&Scene; 2], stops: &[StopSummary], sweep: &Sweep, masking
         });
     }
     for (index, (label, part)) in parts.into_iter().enumerate() {
-        let model = |stop: usize| {
-            let [r, t] = halves.map(|half| half.model_albedo(masking, stop));
-            Some([back.table.grid.stop_deg(stop).0, part([r?, t?])])
+        let model = |incidence: usize| {
+            let [r, t] = halves.map(|half| half.model_albedo(masking, incidence));
+            Some([back.table.grid.incidence_deg(incidence).0, part([r?, t?])])
         };
-        let points: Vec<[f64; 2]> = sweep.stops.iter().filter_map(|&stop| model(stop)).collect();
+        let points: Vec<[f64; 2]> =
+            sweep.incidences.iter().filter_map(|&incidence| model(incidence)).collect();
         if !points.is_empty() {
             series.push(Series::new(format!("{label}, model, order 1"), points, model_style(index)));
         }
@@ -230,21 +248,21 @@ pub fn shares(halves: [&Scene; 2], stops: &[StopSummary], sweep: &Sweep, masking
 pub fn anisotropy(scene: &Scene) -> Option<Chart> {
     let grid = &scene.table.grid;
     let mut rounds = scene.rounds();
-    rounds.retain(|round| round.stops.len() > 1);
+    rounds.retain(|round| round.incidences.len() > 1);
     let mut series = Vec::new();
     let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
     for (index, row) in spread(rounds.len(), 4).into_iter().enumerate() {
         let (mut points, mut error, mut models) = (Vec::new(), Vec::new(), Vec::new());
-        for &stop in &rounds[row].stops {
-            let phi = grid.stop_deg(stop).1;
-            let bin = mirror_bin(grid, stop)?;
-            if scene.table.is_gap(stop * grid.bins() + bin) {
+        for &incidence in &rounds[row].incidences {
+            let phi = grid.incidence_deg(incidence).1;
+            let bin = mirror_bin(grid, incidence)?;
+            if scene.table.is_gap(incidence * grid.bins() + bin) {
                 continue;
             }
             (first, last) = (phi.min(first), phi.max(last));
-            points.push([phi, scene.single(stop, bin)]);
-            error.push(scene.half_width(stop, bin).unwrap_or(0.0));
-            models.extend(scene.model(0, stop, bin).map(|value| [phi, value]));
+            points.push([phi, scene.single(incidence, bin)]);
+            error.push(scene.half_width(incidence, bin).unwrap_or(0.0));
+            models.extend(scene.model(0, incidence, bin).map(|value| [phi, value]));
         }
         let label = format!("theta_i {}°", rounds[row].angle_deg);
         let style = SeriesStyle { line: false, ..series_style(index) };

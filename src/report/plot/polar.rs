@@ -9,14 +9,14 @@ const CENTRE: [f64; 2] = [240.0, 262.0];
 const HEIGHT: f64 = 330.0;
 
 /// The picture; `None` where fewer than two bins lie in the plane. The model is the one with the masking `masking`.
-pub fn polar(scene: &Scene, stops: &[usize], masking: usize) -> Option<String> {
+pub fn polar(scene: &Scene, incidences: &[usize], masking: usize) -> Option<String> {
     let lobes: Vec<PolarLobe> =
-        stops.iter().filter_map(|&stop| PolarLobe::of(scene, stop, masking)).collect();
-    let first = *stops.first()?;
+        incidences.iter().filter_map(|&incidence| PolarLobe::of(scene, incidence, masking)).collect();
+    let first = *incidences.first()?;
     if lobes.is_empty() {
         return None;
     }
-    let (_, phi) = scene.table.grid.stop_deg(first);
+    let (_, phi) = scene.table.grid.incidence_deg(first);
     let azimuth = if scene.has_azimuths() { format!(", phi_i {phi}°") } else { String::new() };
     let title = format!("Polar plot in the plane of incidence{azimuth}");
     let mut out = Drawing::default();
@@ -65,11 +65,12 @@ struct PolarLobe {
 }
 
 impl PolarLobe {
-    fn of(scene: &Scene, stop: usize, masking: usize) -> Option<PolarLobe> {
-        let cuts = scene.in_plane(stop);
-        let peak =
-            cuts.iter().max_by(|a, b| scene.single(stop, a.bin).total_cmp(&scene.single(stop, b.bin)))?;
-        let highest = scene.single(stop, peak.bin);
+    fn of(scene: &Scene, incidence: usize, masking: usize) -> Option<PolarLobe> {
+        let cuts = scene.in_plane(incidence);
+        let peak = cuts
+            .iter()
+            .max_by(|a, b| scene.single(incidence, a.bin).total_cmp(&scene.single(incidence, b.bin)))?;
+        let highest = scene.single(incidence, peak.bin);
         if cuts.len() < 2 || highest <= 0.0 {
             return None;
         }
@@ -77,9 +78,9 @@ impl PolarLobe {
             cuts.iter().filter_map(|cut| Some([cut.theta_deg, value(cut.bin)? / highest])).collect::<Vec<_>>()
         };
         Some(PolarLobe {
-            theta_i_deg: scene.table.grid.stop_deg(stop).0,
-            measured: curve(&|bin| Some(scene.single(stop, bin))),
-            model: curve(&|bin| scene.model(masking, stop, bin)),
+            theta_i_deg: scene.table.grid.incidence_deg(incidence).0,
+            measured: curve(&|bin| Some(scene.single(incidence, bin))),
+            model: curve(&|bin| scene.model(masking, incidence, bin)),
             peak_deg: peak.theta_deg,
         })
     }

@@ -1,11 +1,11 @@
 //! The summary of a measurement: what `measure` writes next to a table as JSON, and what page and card say of it.
 
-mod stop;
+mod incidence;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use stop::{ErrorLook, StopSummary};
+pub use incidence::{ErrorLook, IncidenceSummary};
 
 use crate::campaign::Surface;
 use crate::error::{Error, Result};
@@ -39,8 +39,9 @@ pub struct Summary {
     pub stopped_by: Option<StoppedBy>,
     /// Time and memory; null where the table is all there is.
     pub cost: Option<Cost>,
-    /// Each stop of the table.
-    pub stops: Vec<StopSummary>,
+    /// Each incidence of the table.
+    #[serde(rename = "stops")]
+    pub incidences: Vec<IncidenceSummary>,
     /// The table against each named model.
     #[serde(default)]
     pub comparisons: Vec<Comparison>,
@@ -71,7 +72,7 @@ pub struct Summary {
     pub fresnel: Option<SchlickError>,
     /// SHA-256 of the table.
     pub table_digest: Option<String>,
-    /// Of how many stops the lists have which part, where the table is larger than a page.
+    /// Of how many incidences the lists have which part, where the table is larger than a page.
     #[serde(skip)]
     pub thinned: Option<[usize; 2]>,
 }
@@ -79,7 +80,7 @@ pub struct Summary {
 /// What is read again of a plan.
 #[derive(Deserialize)]
 pub struct PlannedSamples {
-    /// Surface samples per stop and realisation.
+    /// Surface samples per incidence and realisation.
     pub samples: u64,
     /// Realisations.
     pub realisations: u64,
@@ -94,12 +95,13 @@ impl Summary {
         fresnel: Option<SchlickError>,
         table_digest: String,
     ) -> Result<Self> {
-        let Measured { campaign, table, stops, .. } = measured;
-        let of_stop = |(stop, result)| StopSummary::of_result(result, table.grid.stop_deg(stop));
-        let listed = stops.iter().enumerate().map(of_stop).collect();
+        let Measured { campaign, table, incidences, .. } = measured;
+        let of_incidence =
+            |(incidence, result)| IncidenceSummary::of_result(result, table.grid.incidence_deg(incidence));
+        let listed = incidences.iter().enumerate().map(of_incidence).collect();
         Ok(Summary {
             plan: Some(as_json(plan)?),
-            stopped_by: Some(stopping::of_run(stops.iter().map(|stop| stop.stopped_by))),
+            stopped_by: Some(stopping::of_run(incidences.iter().map(|incidence| incidence.stopped_by))),
             cost: Some(cost.clone()),
             fresnel,
             table_digest: Some(table_digest),
@@ -107,13 +109,13 @@ impl Summary {
         })
     }
 
-    /// What is known of a table without the document: from its header, its verdict and what its `stops` say.
+    /// What is known of a table without the document: from its header, its verdict and what its `incidences` say.
     pub fn of_table(
         name: &str,
         header: &BrdfTable,
         surface: Option<&Surface>,
         verdict: Option<&Verdict>,
-        stops: Vec<StopSummary>,
+        incidences: Vec<IncidenceSummary>,
     ) -> Result<Self> {
         let judged = verdict.is_some();
         let verdict = verdict.cloned().unwrap_or_default();
@@ -126,7 +128,7 @@ impl Summary {
             plan: None,
             stopped_by: None,
             cost: None,
-            stops,
+            incidences,
             comparisons: verdict.comparisons,
             energy: judged.then_some(verdict.energy),
             reciprocity: verdict.reciprocity,
@@ -159,19 +161,25 @@ impl Summary {
     pub fn half(&self, below: bool) -> Self {
         let scope = SCOPES[usize::from(below)];
         let comparisons = self.comparisons.iter().filter(|c| c.scope == scope).cloned().collect();
-        let stops = self.stops.iter().map(|stop| if below { stop.through() } else { stop.clone() });
-        Summary { comparisons, stops: stops.collect(), ..self.clone() }
+        let incidences = self
+            .incidences
+            .iter()
+            .map(|incidence| if below { incidence.through() } else { incidence.clone() });
+        Summary { comparisons, incidences: incidences.collect(), ..self.clone() }
     }
 
-    /// The same with some of the stops alone.
-    pub fn thinned(mut self, stops: &[usize]) -> Self {
-        let all = self.stops.len();
-        if all > stops.len() {
-            self.thinned = Some([stops.len(), all]);
-            self.stops = stops.iter().map(|&stop| self.stops[stop].clone()).collect();
+    /// The same with some of the incidences alone.
+    pub fn thinned(mut self, incidences: &[usize]) -> Self {
+        let all = self.incidences.len();
+        if all > incidences.len() {
+            self.thinned = Some([incidences.len(), all]);
+            self.incidences =
+                incidences.iter().map(|&incidence| self.incidences[incidence].clone()).collect();
             for comparison in &mut self.comparisons {
-                comparison.stops =
-                    stops.iter().filter_map(|&stop| comparison.stops.get(stop).cloned()).collect();
+                comparison.incidences = incidences
+                    .iter()
+                    .filter_map(|&incidence| comparison.incidences.get(incidence).cloned())
+                    .collect();
             }
         }
         self

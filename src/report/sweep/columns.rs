@@ -2,7 +2,7 @@
 
 use super::{ParameterSweep, SweptTable};
 use crate::fit::Fit;
-use crate::report::StopSummary;
+use crate::report::IncidenceSummary;
 use crate::validate::compare::{Comparison, Figures};
 
 /// A column.
@@ -25,22 +25,28 @@ pub enum ColumnValues {
     Texts(Vec<String>),
 }
 
-/// A quantity: its name, what it is, and its value of a stop or comparison.
+/// A quantity: its name, what it is, and its value of an incidence or comparison.
 type Quantity<T> = (&'static str, &'static str, fn(&T) -> Option<f64>);
 
-const ALBEDOS: [Quantity<StopSummary>; 8] = [
-    ("albedo_single", "share of the light that comes back after one bounce", |stop| stop.albedo_single),
-    ("albedo_single_se", "standard error of albedo_single", |stop| stop.albedo_single_se),
-    ("albedo_total", "share of the light that comes back", |stop| stop.albedo_total),
-    ("albedo_total_se", "standard error of albedo_total", |stop| stop.albedo_total_se),
-    ("transmittance_single", "share of the light that goes through one facet", |stop| {
-        stop.transmittance_single
+const ALBEDOS: [Quantity<IncidenceSummary>; 8] = [
+    ("albedo_single", "share of the light that comes back after one bounce", |incidence| {
+        incidence.albedo_single
     }),
-    ("transmittance_single_se", "standard error of transmittance_single", |stop| {
-        stop.transmittance_single_se
+    ("albedo_single_se", "standard error of albedo_single", |incidence| incidence.albedo_single_se),
+    ("albedo_total", "share of the light that comes back", |incidence| incidence.albedo_total),
+    ("albedo_total_se", "standard error of albedo_total", |incidence| incidence.albedo_total_se),
+    ("transmittance_single", "share of the light that goes through one facet", |incidence| {
+        incidence.transmittance_single
     }),
-    ("transmittance_total", "share of the light that goes through", |stop| stop.transmittance_total),
-    ("transmittance_total_se", "standard error of transmittance_total", |stop| stop.transmittance_total_se),
+    ("transmittance_single_se", "standard error of transmittance_single", |incidence| {
+        incidence.transmittance_single_se
+    }),
+    ("transmittance_total", "share of the light that goes through", |incidence| {
+        incidence.transmittance_total
+    }),
+    ("transmittance_total_se", "standard error of transmittance_total", |incidence| {
+        incidence.transmittance_total_se
+    }),
 ];
 const FIGURES: [Quantity<Figures>; 5] = [
     ("l1_noise", "what noise alone shows of the distance", |figures| figures.l1_noise),
@@ -51,7 +57,7 @@ const FIGURES: [Quantity<Figures>; 5] = [
 ];
 
 /// A row: a table and one of its incidences.
-type Row<'a> = (&'a SweptTable, usize, &'a StopSummary);
+type Row<'a> = (&'a SweptTable, usize, &'a IncidenceSummary);
 
 impl ParameterSweep {
     /// All columns. Distances stand once for each model, masking and scope that any table was compared with; parameters of
@@ -61,7 +67,9 @@ impl ParameterSweep {
         let rows: Vec<Row<'_>> = self
             .tables
             .iter()
-            .flat_map(|table| table.summary.stops.iter().enumerate().map(move |(at, stop)| (table, at, stop)))
+            .flat_map(|table| {
+                table.summary.incidences.iter().enumerate().map(move |(at, incidence)| (table, at, incidence))
+            })
             .collect();
         let mut found = identity(&rows);
         found.extend(ALBEDOS.map(|(name, what, value)| number(&rows, name, ("1", what), |row| value(row.2))));
@@ -147,7 +155,7 @@ fn key(comparison: &Comparison) -> String {
 
 fn figures((table, at, _): &Row<'_>, model: &str) -> Option<Figures> {
     let found = table.summary.comparisons.iter().find(|comparison| key(comparison) == *model)?;
-    found.stops.get(*at).map(|stop| stop.figures)
+    found.incidences.get(*at).map(|incidence| incidence.figures)
 }
 
 /// Each once, in the order of their first.

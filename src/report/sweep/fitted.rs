@@ -16,7 +16,8 @@ impl SweptTable {
     /// Whether a fit of a table of so many values is cheap next to its measuring; not where this is not known.
     pub fn fit_is_cheap(&self, values: usize) -> bool {
         self.summary.planned().is_some_and(|plan| {
-            let samples = plan.samples as f64 * plan.realisations as f64 * self.summary.stops.len() as f64;
+            let samples =
+                plan.samples as f64 * plan.realisations as f64 * self.summary.incidences.len() as f64;
             samples >= SAMPLES_PER_VALUE * values as f64
         })
     }

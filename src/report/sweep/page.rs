@@ -2,7 +2,7 @@
 
 use super::{ParameterSweep, SweptTable};
 use crate::fit::Fit;
-use crate::report::StopSummary;
+use crate::report::IncidenceSummary;
 use crate::report::html::render::plain_page;
 use crate::report::html::sections::figures_of;
 use crate::report::plot::plots::spread;
@@ -12,7 +12,7 @@ use crate::validate::compare::{Comparison, Figures};
 /// Curves of one chart at most: more cannot be told apart.
 const MOST_CURVES: usize = 8;
 
-/// A value of a stop, and half of its 95 % interval.
+/// A value of an incidence, and half of its 95 % interval.
 type Value<'a> = &'a dyn Fn(&SweptTable, usize) -> Option<(f64, Option<f64>)>;
 
 impl ParameterSweep {
@@ -32,16 +32,16 @@ impl ParameterSweep {
     }
 
     fn charts(&self) -> Vec<Chart> {
-        let albedo = |table: &SweptTable, stop: usize| {
-            let stop = table.summary.stops.get(stop)?;
-            Some((stop.albedo_total?, half_of(table, stop.albedo_total_se)))
+        let albedo = |table: &SweptTable, incidence: usize| {
+            let incidence = table.summary.incidences.get(incidence)?;
+            Some((incidence.albedo_total?, half_of(table, incidence.albedo_total_se)))
         };
-        let through = |table: &SweptTable, stop: usize| {
-            let stop = table.summary.stops.get(stop)?;
-            Some((stop.transmittance_total?, half_of(table, stop.transmittance_total_se)))
+        let through = |table: &SweptTable, incidence: usize| {
+            let incidence = table.summary.incidences.get(incidence)?;
+            Some((incidence.transmittance_total?, half_of(table, incidence.transmittance_total_se)))
         };
-        let distance = |table: &SweptTable, stop: usize| {
-            let figures = compared(table)?.stops.get(stop)?.figures;
+        let distance = |table: &SweptTable, incidence: usize| {
+            let figures = compared(table)?.incidences.get(incidence)?.figures;
             Some((100.0 * figures.l1_model?, half_of(table, figures.l1_model_se).map(|half| 100.0 * half)))
         };
         let masking =
@@ -62,11 +62,15 @@ impl ParameterSweep {
     fn against_swept(&self, (title, label): (&str, &str), value: Value) -> Option<Chart> {
         let (name, axis, values) = self.swept()?;
         let first = self.tables.first()?;
-        let stops = spread(first.summary.stops.len(), MOST_CURVES);
-        let curves = stops.iter().enumerate().map(|(k, &stop)| {
+        let incidences = spread(first.summary.incidences.len(), MOST_CURVES);
+        let curves = incidences.iter().enumerate().map(|(k, &incidence)| {
             let points = self.tables.iter().zip(&values);
-            let points = points.filter_map(|(table, &x)| Some((x, value(table, stop)?)));
-            curve(angles(&first.summary.stops[stop], &first.summary.stops), points.collect(), k)
+            let points = points.filter_map(|(table, &x)| Some((x, value(table, incidence)?)));
+            curve(
+                angles(&first.summary.incidences[incidence], &first.summary.incidences),
+                points.collect(),
+                k,
+            )
         });
         let range = [values[0], values[values.len() - 1]];
         let axis = ChartAxis::linear(axis, range);
@@ -98,12 +102,14 @@ impl ParameterSweep {
         let shown = spread(self.tables.len(), MOST_CURVES);
         let curves = shown.iter().enumerate().map(|(k, &at)| {
             let table = &self.tables[at];
-            let stops = &table.summary.stops;
-            let along = (0..stops.len()).filter(|&stop| stops[stop].phi_i_deg == stops[0].phi_i_deg);
-            let points = along.filter_map(|stop| Some((stops[stop].theta_i_deg, value(table, stop)?)));
+            let incidences = &table.summary.incidences;
+            let along = (0..incidences.len())
+                .filter(|&incidence| incidences[incidence].phi_i_deg == incidences[0].phi_i_deg);
+            let points = along
+                .filter_map(|incidence| Some((incidences[incidence].theta_i_deg, value(table, incidence)?)));
             curve(self.short(&table.stem), points.collect(), k)
         });
-        let several = self.tables.iter().any(|table| table.summary.stops.len() > 1);
+        let several = self.tables.iter().any(|table| table.summary.incidences.len() > 1);
         let axis = ChartAxis::degrees("light theta_i, degrees", [0.0, 90.0]);
         if several {
             chart_of(format!("{title} against the light's angle"), axis, label, curves.collect())
@@ -127,7 +133,7 @@ impl ParameterSweep {
             };
             let figures = compared(table).map_or(Figures::default(), |comparison| comparison.figures);
             let fit = table.fit.as_ref().map_or("–".to_string(), fit_text);
-            let albedo = table.summary.stops.first().and_then(|stop| stop.albedo_total);
+            let albedo = table.summary.incidences.first().and_then(|incidence| incidence.albedo_total);
             format!(
                 "<tr><th>{name}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
                 number(albedo, 5),
@@ -165,10 +171,10 @@ fn compared(table: &SweptTable) -> Option<&Comparison> {
 }
 
 /// The light's angles; the azimuth where there are several.
-fn angles(stop: &StopSummary, all: &[StopSummary]) -> String {
-    let theta = format!("theta_i {}°", stop.theta_i_deg);
+fn angles(incidence: &IncidenceSummary, all: &[IncidenceSummary]) -> String {
+    let theta = format!("theta_i {}°", incidence.theta_i_deg);
     let several = all.iter().any(|other| other.phi_i_deg != all[0].phi_i_deg);
-    if several { format!("{theta}, phi_i {}°", stop.phi_i_deg) } else { theta }
+    if several { format!("{theta}, phi_i {}°", incidence.phi_i_deg) } else { theta }
 }
 
 fn curve(label: String, points: Vec<(f64, (f64, Option<f64>))>, index: usize) -> Series {

@@ -207,7 +207,7 @@ mod tests {
     use super::*;
     use crate::rng::{Purpose, StreamId};
 
-    const ID: StreamId = StreamId { seed: 1, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 };
+    const ID: StreamId = StreamId { seed: 1, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 };
 
     #[test]
     fn every_kernel_makes_the_same_patch() {

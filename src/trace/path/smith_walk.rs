@@ -186,7 +186,7 @@ mod tests {
                     seed: 5,
                     purpose: Purpose::Test,
                     realisation: theta as u64,
-                    stop: 0,
+                    incidence: 0,
                     block: 0,
                 });
                 let draw = |rng: &mut Pcg64Dxsm| match law {

@@ -252,8 +252,13 @@ mod tests {
         let index = SlopeIndex::new(&field).expect("periodic");
         let lights = [10.0, 130.0, 250.0].map(|phi| sphere::direction_deg(50.0, phi));
         let stream = |block: usize| {
-            let id =
-                StreamId { seed: 7, purpose: Purpose::Test, realisation: 0, stop: 0, block: block as u64 };
+            let id = StreamId {
+                seed: 7,
+                purpose: Purpose::Test,
+                realisation: 0,
+                incidence: 0,
+                block: block as u64,
+            };
             rng::stream(id)
         };
         let starts_of = |blocks: &[usize]| {

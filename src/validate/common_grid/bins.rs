@@ -14,9 +14,9 @@ pub fn in_common(grids: [&Grid; 2], shared: &[SharedIncidence]) -> Option<Common
     if grids.iter().any(|grid| matches!(grid.kind, GridKind::Arm | GridKind::Points)) {
         return positions::in_common(grids, shared);
     }
-    let with_stops = |grid: &Grid| at_incidences(grid, grids, shared);
+    let with_incidences = |grid: &Grid| at_incidences(grid, grids, shared);
     candidates(grids).iter().find_map(|target| {
-        let grid = with_stops(target);
+        let grid = with_incidences(target);
         let of = |source: &Grid| by_incidence(source, &grid, shared);
         let bins = [of(grids[0])?, of(grids[1])?];
         let steps =

@@ -19,7 +19,7 @@ pub struct CommonBins {
 /// The sensor of one grid at the shared incidences; these have the azimuths of the grid where they differ.
 pub fn at_incidences(sensor: &Grid, grids: [&Grid; 2], shared: &[SharedIncidence]) -> Grid {
     let own = if grids[1].is_isotropic() && !grids[0].is_isotropic() { 0 } else { 1 };
-    let stops: Vec<usize> = shared.iter().map(|shared| shared.stops[own]).collect();
-    let Grid { theta_i_deg, phi_i_deg, stops_deg, .. } = some_of(grids[own], &stops);
-    Grid { theta_i_deg, phi_i_deg, stops_deg, ..sensor.clone() }
+    let incidences: Vec<usize> = shared.iter().map(|shared| shared.incidences[own]).collect();
+    let Grid { theta_i_deg, phi_i_deg, incidences_deg, .. } = some_of(grids[own], &incidences);
+    Grid { theta_i_deg, phi_i_deg, incidences_deg, ..sensor.clone() }
 }

@@ -11,7 +11,7 @@ pub const SAME_DEG: f64 = 1e-9;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SharedIncidence {
     /// Its place in A and in B.
-    pub stops: [usize; 2],
+    pub incidences: [usize; 2],
     /// The light's azimuth, degrees: that of the grid where azimuths differ.
     pub phi_i_deg: f64,
 }
@@ -30,26 +30,29 @@ pub fn in_common(grids: [&Grid; 2]) -> Vec<SharedIncidence> {
     let outer = usize::from(!isotropic[1] || isotropic[0]);
     let (over, other) = if outer == 1 { (b, a) } else { (a, b) };
     let alike = isotropic[1 - outer];
-    let found = |stop: usize| {
-        let (theta, phi) = over.stop_deg(stop);
+    let found = |incidence: usize| {
+        let (theta, phi) = over.incidence_deg(incidence);
         let same = |place: &usize| {
-            let (there, azimuth) = other.stop_deg(*place);
+            let (there, azimuth) = other.incidence_deg(*place);
             (theta - there).abs() <= SAME_DEG && (alike || same_azimuth(phi, azimuth))
         };
-        let place = (0..other.stops()).find(same)?;
-        let stops = if outer == 1 { [place, stop] } else { [stop, place] };
-        Some(SharedIncidence { stops, phi_i_deg: phi })
+        let place = (0..other.incidences()).find(same)?;
+        let incidences = if outer == 1 { [place, incidence] } else { [incidence, place] };
+        Some(SharedIncidence { incidences, phi_i_deg: phi })
     };
-    (0..over.stops()).filter_map(found).collect()
+    (0..over.incidences()).filter_map(found).collect()
 }
 
 /// The incidences of `to` between those of `from`.
 pub fn within(from: &Grid, to: &Grid) -> Checked<Vec<usize>> {
-    let theta = |grid: &Grid| (0..grid.stops()).map(|stop| grid.stop_deg(stop).0).collect::<Vec<f64>>();
+    let theta = |grid: &Grid| {
+        (0..grid.incidences()).map(|incidence| grid.incidence_deg(incidence).0).collect::<Vec<f64>>()
+    };
     let (known, wanted) = (theta(from), theta(to));
     let low = known.iter().copied().fold(f64::INFINITY, f64::min) - SAME_DEG;
     let high = known.iter().copied().fold(0.0, f64::max) + SAME_DEG;
-    let found: Vec<usize> = (0..wanted.len()).filter(|&stop| (low..=high).contains(&wanted[stop])).collect();
+    let found: Vec<usize> =
+        (0..wanted.len()).filter(|&incidence| (low..=high).contains(&wanted[incidence])).collect();
     if found.is_empty() {
         let ends = |theta: &[f64]| {
             let low = theta.iter().copied().fold(f64::INFINITY, f64::min);
@@ -65,9 +68,9 @@ pub fn within(from: &Grid, to: &Grid) -> Checked<Vec<usize>> {
 }
 
 /// A grid at some of its incidences; as it is at all of them.
-pub fn some_of(grid: &Grid, stops: &[usize]) -> Grid {
-    if stops.iter().copied().eq(0..grid.stops()) {
+pub fn some_of(grid: &Grid, incidences: &[usize]) -> Grid {
+    if incidences.iter().copied().eq(0..grid.incidences()) {
         return grid.clone();
     }
-    grid.of_stops(stops.iter().copied()).unwrap_or_else(|| grid.clone())
+    grid.of_incidences(incidences.iter().copied()).unwrap_or_else(|| grid.clone())
 }

@@ -53,8 +53,9 @@ pub fn on_common_grid<'a>(a: &ComparedTable<'a>, b: &ComparedTable<'a>) -> Check
         if let Some(common) = bins::in_common([&grids[0], &grids[1]], &shared) {
             steps.extend(common.steps);
             let mean = |k: usize| {
-                let stops = shared.iter().map(|shared| shared.stops[k]).zip(common.bins[k].iter().cloned());
-                WeightedMeans::of_bins(&tables[k].table, stops.collect()).of(&tables[k], &common.grid)
+                let incidences =
+                    shared.iter().map(|shared| shared.incidences[k]).zip(common.bins[k].iter().cloned());
+                WeightedMeans::of_bins(&tables[k].table, incidences.collect()).of(&tables[k], &common.grid)
             };
             let tables = [mean(0), mean(1)];
             steps.extend([0, 1].into_iter().filter_map(|k| words::errors(k, &tables[k])));
@@ -102,19 +103,19 @@ fn interpolated_from<'a>(
     let grids = tables.each_ref().map(|side| &side.table.grid);
     let to = 1 - from;
     let mut steps = Vec::new();
-    let stops: Vec<usize> = if shared.is_empty() {
+    let incidences: Vec<usize> = if shared.is_empty() {
         let within = incidences::within(grids[from], grids[to])?;
         steps.push(words::between_incidences(from, grids[to], &within));
         within
     } else {
-        shared.iter().map(|shared| shared.stops[to]).collect()
+        shared.iter().map(|shared| shared.incidences[to]).collect()
     };
-    let grid: Grid = incidences::some_of(grids[to], &stops);
+    let grid: Grid = incidences::some_of(grids[to], &incidences);
     steps.push(words::interpolated(from, grids, !shared.is_empty()));
     let found = interpolation::on(&tables[from], &grid)
         .map_err(|why| why.at(format_args!("{} cannot be interpolated", words::NAMES[from])))?;
     let same = Arc::new((0..grid.bins()).map(|bin| vec![(bin, 1.0)]).collect::<Vec<_>>());
-    let chosen = stops.iter().map(|&stop| (stop, same.clone())).collect();
+    let chosen = incidences.iter().map(|&incidence| (incidence, same.clone())).collect();
     let kept = WeightedMeans::of_bins(&tables[to].table, chosen).of(&tables[to], &grid);
     steps.push(words::interpolation_error(from, &found));
     Ok((if from == 0 { [found, kept] } else { [kept, found] }, steps))

@@ -29,7 +29,7 @@ pub struct WeightedMeans {
     /// For each colour, those of the table.
     colours: Vec<Sources>,
     /// For each incidence the table's, and for each bin the table's.
-    stops: Vec<(usize, Arc<Vec<Sources>>)>,
+    incidences: Vec<(usize, Arc<Vec<Sources>>)>,
     /// Bins of the table.
     bins: usize,
 }
@@ -49,17 +49,17 @@ impl<'a> Totals<'a> {
 
 impl WeightedMeans {
     /// Means over bins, of the table's own colours.
-    pub fn of_bins(table: &BrdfTable, stops: Vec<(usize, Arc<Vec<Sources>>)>) -> Self {
+    pub fn of_bins(table: &BrdfTable, incidences: Vec<(usize, Arc<Vec<Sources>>)>) -> Self {
         let colours = (0..table.colours.len()).map(|colour| vec![(colour, 1.0)]).collect();
-        WeightedMeans { colours, stops, bins: table.grid.bins() }
+        WeightedMeans { colours, incidences, bins: table.grid.bins() }
     }
 
     /// Means over colours, of all incidences and bins.
     pub fn of_colours(table: &BrdfTable, colours: Vec<Sources>) -> Self {
         let bins = table.grid.bins();
         let same = Arc::new((0..bins).map(|bin| vec![(bin, 1.0)]).collect::<Vec<_>>());
-        let stops = (0..table.grid.stops()).map(|stop| (stop, same.clone())).collect();
-        WeightedMeans { colours, stops, bins }
+        let incidences = (0..table.grid.incidences()).map(|incidence| (incidence, same.clone())).collect();
+        WeightedMeans { colours, incidences, bins }
     }
 
     /// The means, on their grid.
@@ -81,14 +81,15 @@ impl WeightedMeans {
         });
         let gaps: Vec<bool> = self
             .entries()
-            .map(|(stop, bin)| {
-                bin.is_empty() || bin.iter().any(|&(bin, _)| table.is_gap(stop * self.bins + bin))
+            .map(|(incidence, bin)| {
+                bin.is_empty() || bin.iter().any(|&(bin, _)| table.is_gap(incidence * self.bins + bin))
             })
             .collect();
         let hits: Vec<u32> = self
             .entries()
-            .map(|(stop, bin)| {
-                bin.iter().fold(0u32, |sum, &(bin, _)| sum.saturating_add(table.hits[stop * self.bins + bin]))
+            .map(|(incidence, bin)| {
+                bin.iter()
+                    .fold(0u32, |sum, &(bin, _)| sum.saturating_add(table.hits[incidence * self.bins + bin]))
             })
             .collect();
         let known = parts.as_ref().filter(|parts| parts.parts.len() > 1);
@@ -101,7 +102,7 @@ impl WeightedMeans {
             });
         let mixed = |sources: &Sources| sources.len() > 1;
         let averaged =
-            self.colours.iter().any(mixed) || self.stops.iter().any(|(_, bins)| bins.iter().any(mixed));
+            self.colours.iter().any(mixed) || self.incidences.iter().any(|(_, bins)| bins.iter().any(mixed));
         let mut found = BrdfTable { colours: colours.collect(), hits, ..table.header(grid) };
         // Channels that are not there cannot be zeroed: a gap is what its error says.
         for entry in (0..gaps.len()).filter(|&entry| gaps[entry]) {
@@ -116,13 +117,14 @@ impl WeightedMeans {
 
     /// The sources of every value, by incidence and bin.
     fn entries(&self) -> impl Iterator<Item = (usize, &Sources)> {
-        self.stops.iter().flat_map(|(stop, bins)| bins.iter().map(move |bin| (*stop, bin)))
+        self.incidences.iter().flat_map(|(incidence, bins)| bins.iter().map(move |bin| (*incidence, bin)))
     }
 
     fn totals(&self, colours: &[&[f32]], sources: &Sources) -> Vec<f32> {
-        let value = |(stop, bin): (usize, &Sources)| -> f64 {
+        let value = |(incidence, bin): (usize, &Sources)| -> f64 {
             let of_colour = |&(colour, weight): &(usize, f64)| {
-                let at = |&(bin, w): &(usize, f64)| w * f64::from(colours[colour][stop * self.bins + bin]);
+                let at =
+                    |&(bin, w): &(usize, f64)| w * f64::from(colours[colour][incidence * self.bins + bin]);
                 weight * bin.iter().map(at).sum::<f64>()
             };
             sources.iter().map(of_colour).sum()
@@ -141,9 +143,9 @@ impl WeightedMeans {
         total: &[f32],
         parts: Option<(&Realisations, usize)>,
     ) -> Vec<f32> {
-        let error = |(at, (stop, bin)): (usize, (usize, &Sources))| -> f32 {
+        let error = |(at, (incidence, bin)): (usize, (usize, &Sources))| -> f32 {
             let of_bin = |&(bin, w): &(usize, f64)| {
-                let entry = stop * self.bins + bin;
+                let entry = incidence * self.bins + bin;
                 let errors =
                     sources.iter().map(|&(colour, weight)| (weight, table.colours[colour].stderr[entry]));
                 errors

@@ -11,7 +11,7 @@ pub const NAMES: [&str; 2] = ["A", "B"];
 
 /// Of incidences that only one table has; `None` where both have the same.
 pub fn incidences(grids: [&Grid; 2], shared: &[SharedIncidence]) -> Option<String> {
-    let [a, b] = grids.map(Grid::stops);
+    let [a, b] = grids.map(Grid::incidences);
     let isotropic = grids.map(Grid::is_isotropic);
     let one = |k: usize| format!("{} takes every azimuth of the light to be alike", NAMES[k]);
     let alike = match isotropic {
@@ -79,7 +79,7 @@ pub fn between_incidences(from: usize, to: &Grid, within: &[usize]) -> String {
         NAMES[from],
         NAMES[1 - from],
         within.len(),
-        to.stops()
+        to.incidences()
     )
 }
 

@@ -15,7 +15,7 @@ use crate::validate::two_tables::{ComparedTable, paired};
 
 /// Nodes along the radius of the light's cone.
 const ORDER: usize = 6;
-/// Stops that are looked at, evenly over theta_i.
+/// Incidences that are looked at, evenly over theta_i.
 const MOST_STOPS: usize = 12;
 
 /// Half-angles of both cones, rad; 0: parallel light, a point.
@@ -68,14 +68,15 @@ pub struct ApertureBias {
     pub bias_of_half: f64,
     /// What (4 f(h/2) - f(h))/3 leaves of it.
     pub bias_extrapolated: f64,
-    /// Stops that were looked at.
-    pub stops: usize,
+    /// Incidences that were looked at.
+    #[serde(rename = "stops")]
+    pub incidences: usize,
 }
 
 /// The largest bias that a campaign's apertures give a lobe's top, by the model at the smallest roughness; `None` where
 /// there is no aperture, or no model that has a value at a direction.
 ///
-/// At each stop (of the first azimuth, twelve at most) the sensor's position is the one with the largest value; for
+/// At each incidence (of the first azimuth, twelve at most) the sensor's position is the one with the largest value; for
 /// bins over the hemisphere it is the mirror direction under the light's cone alone.
 // Tested by `check_says_what_the_apertures_do` (tests/it/measure/instruments.rs).
 pub fn worst(campaign: &Campaign) -> Option<ApertureBias> {
@@ -91,42 +92,42 @@ pub fn worst(campaign: &Campaign) -> Option<ApertureBias> {
     // Of three maskings the height-correlated one; without shadowing there is one.
     let masking = maskings[maskings.len() / 2];
     let grid = grid_of(campaign);
-    let stops = shown(&grid);
-    let at = |&stop: &usize| {
-        let wi = grid.wi(stop);
-        let wo = top(&surface, masking, &grid, stop)?;
+    let incidences = shown(&grid);
+    let at = |&incidence: &usize| {
+        let wi = grid.wi(incidence);
+        let wo = top(&surface, masking, &grid, incidence)?;
         let cones = Cones { light, sensor };
         let of = |cones| bias(&surface, masking, [wi, wo], cones);
         let (whole, half) = (of(cones), of(cones.halved()));
-        let turn = crate::sphere::phi(wo).to_degrees() - grid.stop_deg(stop).1;
+        let turn = crate::sphere::phi(wo).to_degrees() - grid.incidence_deg(incidence).1;
         Some(ApertureBias {
-            theta_i_deg: grid.stop_deg(stop).0,
+            theta_i_deg: grid.incidence_deg(incidence).0,
             theta_r_deg: crate::sphere::theta(wo).to_degrees(),
             phi_r_deg: crate::sphere::reduced_deg(turn),
             bias: whole,
             bias_of_half: half,
             bias_extrapolated: richardson(half, whole),
-            stops: stops.len(),
+            incidences: incidences.len(),
         })
     };
-    stops.iter().filter_map(at).max_by(|a, b| a.bias.abs().total_cmp(&b.bias.abs()))
+    incidences.iter().filter_map(at).max_by(|a, b| a.bias.abs().total_cmp(&b.bias.abs()))
 }
 
-/// Some stops of the first azimuth.
+/// Some incidences of the first azimuth.
 fn shown(grid: &Grid) -> Vec<usize> {
-    let first: Vec<usize> = (0..grid.stops()).step_by(grid.phi_i_deg.len().max(1)).collect();
+    let first: Vec<usize> = (0..grid.incidences()).step_by(grid.phi_i_deg.len().max(1)).collect();
     let step = first.len().div_ceil(MOST_STOPS).max(1);
     first.into_iter().step_by(step).collect()
 }
 
 /// The sensor's position above the horizon with the largest value, or the mirror direction.
-fn top(model: &Microfacet, masking: Masking, grid: &Grid, stop: usize) -> Option<DVec3> {
-    let wi = grid.wi(stop);
+fn top(model: &Microfacet, masking: Masking, grid: &Grid, incidence: usize) -> Option<DVec3> {
+    let wi = grid.wi(incidence);
     if grid.kind != GridKind::Arm {
         return Some(DVec3::new(-wi.x, -wi.y, wi.z));
     }
     let value = |wo: &DVec3| model.brdf(wi, *wo, masking, &Fresnel::Perfect);
-    let axes = grid.regions(stop).into_iter().filter_map(|region| match region {
+    let axes = grid.regions(incidence).into_iter().filter_map(|region| match region {
         Region::Cap { axis, .. } if axis.z > 0.0 => Some(axis),
         Region::Cap { .. } | Region::Rectangle { .. } => None,
     });
@@ -166,8 +167,8 @@ pub fn extrapolate(wide: ComparedTable, narrow: ComparedTable) -> Result<Vec<Ext
     let (grid, both) = (&wide.table.grid, paired(&wide, &narrow));
     let (bins, columns) = (grid.bins(), grid.phi_r_deg.len());
     let mut rows = Vec::new();
-    for at in 0..grid.stops() * bins {
-        let (theta_i_deg, phi_i_deg) = grid.stop_deg(at / bins);
+    for at in 0..grid.incidences() * bins {
+        let (theta_i_deg, phi_i_deg) = grid.incidence_deg(at / bins);
         for colour in 0..wide.table.colours.len() {
             let value = |side: &ComparedTable| f64::from(side.table.colours[colour].total[at]);
             let error = |side: &ComparedTable| f64::from(side.table.colours[colour].stderr[at]);

@@ -51,7 +51,7 @@ pub struct BinMeans {
     /// two Lambdas, the azimuth's absolute value), as those of grains have (facets that nothing hides), and keep to ten
     /// times as much.
     pub relative: f64,
-    /// Share of the stop's incident flux below which an error in one bin does not matter.
+    /// Share of the incidence's incident flux below which an error in one bin does not matter.
     pub absolute: f64,
     /// What the second mean is weighed by; `None`: (1 - c)^5.
     pub reflectance: Option<Reflectance>,
@@ -65,7 +65,7 @@ pub(super) const MAX_RECTANGLES: usize = 200_000;
 
 impl BinMeans {
     /// The given maskings at the default precision: the two orders agree to 1e-6 of the bin (1e-5 for the
-    /// direction-correlated masking) or to 1e-9 of the stop's flux. The integrals themselves are far closer.
+    /// direction-correlated masking) or to 1e-9 of the incidence's flux. The integrals themselves are far closer.
     pub fn new(maskings: Vec<Masking>) -> Self {
         assert!(maskings.len() <= MASKINGS, "at most {MASKINGS} maskings at once");
         BinMeans { maskings, relative: 1e-6, absolute: 1e-9, reflectance: None }

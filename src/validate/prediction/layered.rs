@@ -39,15 +39,15 @@ pub(super) fn add_mirrored(
 // Tested by `a_flat_layered_surface_meets_its_closed_form` (tests/it/facets/layered.rs).
 pub(super) fn flat_means(
     grid: &Grid,
-    stop: usize,
+    incidence: usize,
     source: &[(DVec3, f64)],
     colours: &[Reflectance],
     interface: Interface,
 ) -> Vec<Vec<f64>> {
     let lobe = |wi| reflected(wi, [(mirrored(wi), 1.0)], mirror_of(interface));
-    let mirror = lobe_means(lobe, grid, stop, source);
+    let mirror = lobe_means(lobe, grid, incidence, source);
     let base: Vec<f64> =
-        grid.regions(stop).iter().map(|region| base_mean(region, source, interface)).collect();
+        grid.regions(incidence).iter().map(|region| base_mean(region, source, interface)).collect();
     let of = |colour: &Reflectance| {
         mirror.iter().zip(&base).map(|(mirror, base)| mirror + albedo_of(colour) * base).collect()
     };

@@ -49,12 +49,12 @@ pub(super) fn bare_flux(surface: &Microfacet, masking: Masking, wi: DVec3) -> f6
 pub(super) fn lobe_means(
     lobes: impl Fn(DVec3) -> Vec<Lobe>,
     grid: &Grid,
-    stop: usize,
+    incidence: usize,
     source: &[(DVec3, f64)],
 ) -> Vec<f64> {
     let sensor = Sensor::new(grid);
-    let regions = grid.regions(stop);
-    let turn_back = if grid.phi_r_relative { -grid.stop_deg(stop).1 } else { 0.0 };
+    let regions = grid.regions(incidence);
+    let turn_back = if grid.phi_r_relative { -grid.incidence_deg(incidence).1 } else { 0.0 };
     let mut means = vec![0.0; regions.len()];
     for &(wi, weight) in source {
         for (wo, flux) in lobes(wi) {

@@ -21,8 +21,9 @@ const STEPS: u32 = 360;
 pub struct SchlickError {
     /// Each colour by itself.
     pub colours: Vec<ColourError>,
-    /// Each stop of a table of order 1 that was measured with Fresnel's equations; empty for others.
-    pub stops: Vec<StopError>,
+    /// Each incidence of a table of order 1 that was measured with Fresnel's equations; empty for others.
+    #[serde(rename = "stops")]
+    pub incidences: Vec<IncidenceError>,
 }
 
 /// One colour over the angle at a facet.
@@ -40,12 +41,12 @@ pub struct ColourError {
     pub hemispherical: f64,
 }
 
-/// One stop, means of the colours.
+/// One incidence, means of the colours.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct StopError {
-    /// The stop.
+pub struct IncidenceError {
+    /// The incidence.
     pub theta_i_deg: f64,
-    /// The stop.
+    /// The incidence.
     pub phi_i_deg: f64,
     /// Whether the bins fill the hemisphere, so that their flux is the albedo; an arm's apertures gather a part of it.
     pub whole: bool,
@@ -64,14 +65,14 @@ impl SchlickError {
         let media = index_of(&campaign.optics)?;
         let names = table.colour_names();
         let colours = media.iter().zip(names).map(|(&exact, name)| of_colour(exact, name)).collect();
-        Some(SchlickError { colours, stops: of_stops(campaign, table, &media) })
+        Some(SchlickError { colours, incidences: of_incidences(campaign, table, &media) })
     }
 }
 
 impl SchlickError {
-    /// Takes the stops of the next band of a table.
+    /// Takes the incidences of the next band of a table.
     pub fn join(&mut self, next: SchlickError) {
-        self.stops.extend(next.stops);
+        self.incidences.extend(next.incidences);
     }
 }
 
@@ -109,21 +110,21 @@ fn of_colour(exact: Fresnel, colour: String) -> ColourError {
 }
 
 /// The same paths with both, where the table holds both.
-fn of_stops(campaign: &Campaign, table: &BrdfTable, media: &[Fresnel]) -> Vec<StopError> {
+fn of_incidences(campaign: &Campaign, table: &BrdfTable, media: &[Fresnel]) -> Vec<IncidenceError> {
     let exact = matches!(&campaign.optics, Optics::Index(RefractiveIndex { law: FresnelLaw::Exact, .. }));
     let Some(sums) = table.schlick.as_ref().filter(|_| exact) else { return vec![] };
     debug_assert_eq!(reflectances_of(&campaign.optics).len(), media.len());
     let bins = table.grid.bins();
-    let stop = |stop: usize| {
-        let (theta_i_deg, phi_i_deg) = table.grid.stop_deg(stop);
-        let regions = table.grid.regions(stop);
+    let incidence = |incidence: usize| {
+        let (theta_i_deg, phi_i_deg) = table.grid.incidence_deg(incidence);
+        let regions = table.grid.regions(incidence);
         let count = media.len() as f64;
         let (mut albedo_exact, mut albedo_schlick, mut l1) = (0.0, 0.0, 0.0);
         for (medium, colour) in media.iter().zip(&table.colours) {
             let f0 = medium.f0();
             let (mut of_exact, mut of_schlick, mut distance) = (0.0, 0.0, 0.0);
             for (bin, region) in regions.iter().enumerate() {
-                let (at, size) = (stop * bins + bin, region.projected_solid_angle());
+                let (at, size) = (incidence * bins + bin, region.projected_solid_angle());
                 let exact = f64::from(colour.single[at]);
                 let schlick = f0 * f64::from(sums.unit[at]) + (1.0 - f0) * f64::from(sums.first[at]);
                 of_exact += exact * size;
@@ -135,7 +136,7 @@ fn of_stops(campaign: &Campaign, table: &BrdfTable, media: &[Fresnel]) -> Vec<St
             l1 += if of_exact > 0.0 { distance / of_exact / count } else { 0.0 };
         }
         let whole = table.grid.kind != GridKind::Arm;
-        StopError { theta_i_deg, phi_i_deg, whole, albedo_exact, albedo_schlick, l1 }
+        IncidenceError { theta_i_deg, phi_i_deg, whole, albedo_exact, albedo_schlick, l1 }
     };
-    (0..table.grid.stops()).map(stop).collect()
+    (0..table.grid.incidences()).map(incidence).collect()
 }

@@ -4,7 +4,7 @@ use super::compared_table::{ComparedTable, paired};
 use super::differences::{BinDifferences, ValueIndex};
 use super::figures::DifferenceFigures;
 use crate::instrument::Region;
-use crate::instrument::folded_stops;
+use crate::instrument::folded_incidences;
 use crate::stats;
 use crate::table::Realisations;
 use crate::validate::counted_bins::counted_bins;
@@ -17,8 +17,8 @@ const MANY: usize = 1000;
 pub(super) struct ComparedPair<'a> {
     a: ComparedTable<'a>,
     b: ComparedTable<'a>,
-    /// Which stop of the realisations is the tables' first.
-    first_stop: usize,
+    /// Which incidence of the realisations is the tables' first.
+    first_incidence: usize,
     /// The realisations of both, where they can be paired.
     pub paired: Option<(&'a Realisations, &'a Realisations)>,
     /// The differences by realisation, paired or not.
@@ -30,7 +30,7 @@ pub(super) struct ComparedPair<'a> {
 }
 
 impl<'a> ComparedPair<'a> {
-    pub fn new(a: ComparedTable<'a>, b: ComparedTable<'a>, first_stop: usize) -> Self {
+    pub fn new(a: ComparedTable<'a>, b: ComparedTable<'a>, first_incidence: usize) -> Self {
         let paired = paired(&a, &b);
         let count = |side: &ComparedTable| {
             side.campaign.map_or(MANY, |campaign| campaign.surface.realisations as usize).min(MANY)
@@ -41,28 +41,34 @@ impl<'a> ComparedPair<'a> {
             None => (realisations[0] + realisations[1]).saturating_sub(2),
         };
         let limits = (1..=most).map(|dof| (stats::student_limit(0.05, dof), stats::c4(dof + 1))).collect();
-        let folds =
-            |side: &ComparedTable| side.campaign.map(|campaign| folded_stops(campaign, &side.table.grid));
-        let none = || vec![false; a.table.grid.stops()];
+        let folds = |side: &ComparedTable| {
+            side.campaign.map(|campaign| folded_incidences(campaign, &side.table.grid))
+        };
+        let none = || vec![false; a.table.grid.incidences()];
         let (in_a, in_b) = (folds(&a).unwrap_or_else(none), folds(&b).unwrap_or_else(none));
         let folded = in_a.iter().zip(in_b).map(|(&a, b)| a && b).collect();
         let by_part = BinDifferences::new(a, b);
-        ComparedPair { a, b, first_stop, paired, by_part, realisations, limits, folded }
+        ComparedPair { a, b, first_incidence, paired, by_part, realisations, limits, folded }
     }
 
     pub fn most_dof(&self) -> usize {
         self.limits.len().max(1)
     }
 
-    pub fn stop(&self, stop: usize) -> DifferenceSums {
+    pub fn incidence(&self, incidence: usize) -> DifferenceSums {
         let grid = &self.a.table.grid;
         let bins = grid.bins();
-        let counted = counted_bins(grid, stop, self.folded[stop]);
+        let counted = counted_bins(grid, incidence, self.folded[incidence]);
         let parts = self.by_part.as_ref().map_or(0, BinDifferences::count);
         let mut sums = DifferenceSums { parts: vec![0.0; parts], ..DifferenceSums::default() };
-        for (bin, region) in grid.regions(stop).iter().enumerate() {
+        for (bin, region) in grid.regions(incidence).iter().enumerate() {
             for colour in 0..self.a.table.colours.len() {
-                self.entry(TableEntry { at: stop * bins + bin, colour }, region, counted[bin], &mut sums);
+                self.entry(
+                    TableEntry { at: incidence * bins + bin, colour },
+                    region,
+                    counted[bin],
+                    &mut sums,
+                );
             }
         }
         sums
@@ -82,7 +88,7 @@ impl<'a> ComparedPair<'a> {
         sums.distance += (a - b).abs() * w;
         sums.flux += b * w;
         if let Some(by_part) = &self.by_part {
-            let stored = self.first_stop * self.a.table.grid.bins() + at;
+            let stored = self.first_incidence * self.a.table.grid.bins() + at;
             match by_part.at(ValueIndex { here: at, stored, colour }) {
                 Some(x) => model_distance::add_products(&x, w, &mut sums.parts),
                 None => sums.without_error = true,
@@ -120,7 +126,7 @@ impl<'a> ComparedPair<'a> {
     /// table has there, whatever its 1.5 hits allow for.
     fn error(&self, TableEntry { at, colour }: TableEntry, hit: bool, larger: f64) -> Option<(f64, usize)> {
         if let Some((a, b)) = self.paired {
-            let at = self.first_stop * self.a.table.grid.bins() + at;
+            let at = self.first_incidence * self.a.table.grid.bins() + at;
             let value = |parts: &Realisations, k: usize| f64::from(parts.parts[k].total[colour][at]);
             let (_, se) = stats::mean_and_se((0..a.parts.len()).map(|k| value(a, k) - value(b, k)));
             return se.map(|se| (se, a.parts.len() - 1));

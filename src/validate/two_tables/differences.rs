@@ -11,7 +11,7 @@ use crate::rng::{self, Purpose, StreamId};
 use crate::table::Realisations;
 use crate::validate::model_distance::FEWEST;
 
-/// The place of a bin: in the tables at hand, and in the realisations, which have all stops.
+/// The place of a bin: in the tables at hand, and in the realisations, which have all incidences.
 #[derive(Debug, Clone, Copy)]
 pub struct ValueIndex {
     pub here: usize,
@@ -69,7 +69,8 @@ fn split(value: f64, se: f64, count: usize, [side, stored, colour]: [u64; 3]) ->
     if se == 0.0 {
         return vec![value; count];
     }
-    let id = StreamId { seed: colour, purpose: Purpose::Split, realisation: side, stop: 0, block: stored };
+    let id =
+        StreamId { seed: colour, purpose: Purpose::Split, realisation: side, incidence: 0, block: stored };
     let mut rng = rng::stream(id);
     let z: Vec<f64> = (0..count).map(|_| rng::normal(&mut rng)).collect();
     let (mean, scale) = (crate::stats::mean(&z), se * (count as f64).sqrt());

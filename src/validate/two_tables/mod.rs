@@ -32,7 +32,7 @@ const LEVEL: f64 = 0.01;
 pub struct TableDifference {
     /// `total`: all orders.
     pub scope: &'static str,
-    /// Bins, of all stops and colours, that t was computed for; of two that mirror each other, one.
+    /// Bins, of all incidences and colours, that t was computed for; of two that mirror each other, one.
     pub bins: usize,
     /// Whether the errors are those of differences by realisation: both were measured on the same patches.
     pub paired: bool,
@@ -42,13 +42,14 @@ pub struct TableDifference {
     pub interpolated: bool,
     /// Whether errors of one table are upper bounds, and its t's lower ones.
     pub errors_are_bounds: bool,
-    /// The measures over all stops and colours.
+    /// The measures over all incidences and colours.
     #[serde(flatten)]
     pub figures: DifferenceFigures,
     /// The |t| that the largest of `bins` exceeds with probability 1 % where only noise differs.
     pub t_limit: Option<f64>,
-    /// Each stop.
-    pub stops: Vec<StopDifference>,
+    /// Each incidence.
+    #[serde(rename = "stops")]
+    pub incidences: Vec<IncidenceDifference>,
 }
 
 impl TableDifference {
@@ -71,9 +72,9 @@ impl TableDifference {
     }
 }
 
-/// One stop of a comparison.
+/// One incidence of a comparison.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct StopDifference {
+pub struct IncidenceDifference {
     /// Polar angle of the light.
     pub theta_i_deg: f64,
     /// Azimuth of the light.
@@ -97,7 +98,7 @@ pub fn difference(a: ComparedTable, b: ComparedTable) -> Result<TableDifference,
     Ok(TableDifference { errors_are_bounds, ..found.finish() })
 }
 
-/// The same of two stored tables, a band of stops after the other: both bands together hold `bytes` at most.
+/// The same of two stored tables, a band of incidences after the other: both bands together hold `bytes` at most.
 ///
 /// The sides give campaigns and realisations; their tables are not looked at.
 // Tested by `tables_compared_by_rows_differ_as_whole_ones` (tests/it/table/large_tables.rs).
@@ -112,41 +113,44 @@ pub fn difference_of_rows(
     a.verify()?;
     b.verify()?;
     let mut found = DifferenceRun::default();
-    for stops in a.bands(bytes, a.row_bytes() + b.row_bytes()) {
-        let first_stop = stops.start;
-        let stops: Vec<usize> = stops.collect();
-        let tables = [a.take(&stops)?, b.take(&stops)?];
+    for incidences in a.bands(bytes, a.row_bytes() + b.row_bytes()) {
+        let first_incidence = incidences.start;
+        let incidences: Vec<usize> = incidences.collect();
+        let tables = [a.take(&incidences)?, b.take(&incidences)?];
         fits(&tables[0], &tables[1]).map_err(|why| wrong(b.path(), why))?;
         let [a, b] = [0, 1].map(|k| ComparedTable {
             campaign: campaigns[k],
             parts: parts[k],
             ..ComparedTable::of(&tables[k])
         });
-        found.add(a, b, first_stop);
+        found.add(a, b, first_incidence);
     }
     Ok(found.finish())
 }
 
-/// A comparison under way: the stops come in their order, in bands.
+/// A comparison under way: the incidences come in their order, in bands.
 #[derive(Default)]
 struct DifferenceRun {
-    stops: Vec<((f64, f64), DifferenceSums)>,
+    incidences: Vec<((f64, f64), DifferenceSums)>,
     paired: bool,
     most_dof: usize,
 }
 
 impl DifferenceRun {
-    fn add(&mut self, a: ComparedTable, b: ComparedTable, first_stop: usize) {
-        let pair = ComparedPair::new(a, b, first_stop);
+    fn add(&mut self, a: ComparedTable, b: ComparedTable, first_incidence: usize) {
+        let pair = ComparedPair::new(a, b, first_incidence);
         let grid = &a.table.grid;
-        self.stops.extend((0..grid.stops()).map(|stop| (grid.stop_deg(stop), pair.stop(stop))));
+        self.incidences.extend(
+            (0..grid.incidences())
+                .map(|incidence| (grid.incidence_deg(incidence), pair.incidence(incidence))),
+        );
         (self.paired, self.most_dof) = (pair.paired.is_some(), pair.most_dof());
     }
 
     fn finish(self) -> TableDifference {
-        let sums: Vec<&DifferenceSums> = self.stops.iter().map(|(_, sums)| sums).collect();
-        let whole = sums.iter().fold(DifferenceSums::default(), |all, stop| all.merged(stop));
-        let row = |((theta_i_deg, phi_i_deg), sums): &((f64, f64), DifferenceSums)| StopDifference {
+        let sums: Vec<&DifferenceSums> = self.incidences.iter().map(|(_, sums)| sums).collect();
+        let whole = sums.iter().fold(DifferenceSums::default(), |all, incidence| all.merged(incidence));
+        let row = |((theta_i_deg, phi_i_deg), sums): &((f64, f64), DifferenceSums)| IncidenceDifference {
             theta_i_deg: *theta_i_deg,
             phi_i_deg: *phi_i_deg,
             figures: sums.figures(),
@@ -160,26 +164,27 @@ impl DifferenceRun {
             interpolated: false,
             errors_are_bounds: false,
             t_limit: judged.map(|bins| stats::student_limit(stats::sidak(LEVEL, bins), self.most_dof)),
-            figures: mean_of_stops(whole.figures(), &sums),
-            stops: self.stops.iter().map(row).collect(),
+            figures: mean_of_incidences(whole.figures(), &sums),
+            incidences: self.incidences.iter().map(row).collect(),
         }
     }
 }
 
-/// l1, its noise and what realisations add as means over the stops that have light; t's over all bins.
-fn mean_of_stops(whole: DifferenceFigures, stops: &[&DifferenceSums]) -> DifferenceFigures {
+/// l1, its noise and what realisations add as means over the incidences that have light; t's over all bins.
+fn mean_of_incidences(whole: DifferenceFigures, incidences: &[&DifferenceSums]) -> DifferenceFigures {
     let mean = |pick: fn(&DifferenceFigures) -> Option<f64>| {
-        let values: Vec<f64> = stops.iter().filter_map(|stop| pick(&stop.figures())).collect();
+        let values: Vec<f64> = incidences.iter().filter_map(|incidence| pick(&incidence.figures())).collect();
         (!values.is_empty()).then(|| stats::mean(&values))
     };
-    let parts: Vec<Vec<f64>> = stops.iter().map(|stop| stop.by_part()).filter(|p| !p.is_empty()).collect();
+    let parts: Vec<Vec<f64>> =
+        incidences.iter().map(|incidence| incidence.by_part()).filter(|p| !p.is_empty()).collect();
     let of_part = |k: usize| parts.iter().map(|parts| parts[k]).sum::<f64>() / parts.len() as f64;
     let by_part: Vec<f64> = (0..parts.first().map_or(0, Vec::len)).map(of_part).collect();
     DifferenceFigures { l1: mean(|f| f.l1), l1_noise: mean(|f| f.l1_noise), ..whole }
         .with_difference(&by_part)
 }
 
-/// Whether the tables have the same stops, bins and colours.
+/// Whether the tables have the same incidences, bins and colours.
 fn fits(a: &BrdfTable, b: &BrdfTable) -> Result<(), String> {
     if a.colours.len() != b.colours.len() {
         let names = [a, b].map(|table| table.colour_names().join(" "));

@@ -56,11 +56,11 @@ fn about(theta_deg: f64, step_deg: f64, reach_deg: [f64; 2]) -> Grid {
 fn mirror(grid: Grid, share: impl Fn(f64) -> f64) -> BrdfTable {
     let sensor = Sensor::new(&grid);
     let mut made = table(&even(0.0), &grid);
-    for stop in 0..grid.stops() {
-        let sizes = grid.sizes(stop);
-        sensor.each_bin(direction_deg(grid.stop_deg(stop).0, 180.0), |bin| {
-            made.colours[0].total[stop * grid.bins() + bin] =
-                (share(grid.stop_deg(stop).0) / sizes[bin]) as f32;
+    for incidence in 0..grid.incidences() {
+        let sizes = grid.sizes(incidence);
+        sensor.each_bin(direction_deg(grid.incidence_deg(incidence).0, 180.0), |bin| {
+            made.colours[0].total[incidence * grid.bins() + bin] =
+                (share(grid.incidence_deg(incidence).0) / sizes[bin]) as f32;
         });
     }
     made

@@ -48,7 +48,7 @@ fn mean(campaign: &Campaign, wi: DVec3, wo: DVec3) -> f64 {
     let angles = |w: DVec3| [sphere::theta(w).to_degrees(), sphere::phi(w).to_degrees()];
     let grid = Grid {
         kind: GridKind::Points,
-        stops_deg: vec![angles(wi)],
+        incidences_deg: vec![angles(wi)],
         points_deg: vec![angles(wo)],
         aperture_deg: Some(APERTURE_DEG),
         ..Grid::default()

@@ -29,29 +29,33 @@ fn rough_glass_of_heights_loses_no_light() {
                 theta_r_bins = 6\nphi_r_bins = 8";
     for law in LAWS {
         let (once, all) = (glass(law, (1, REALISATIONS), arms), glass(law, (64, REALISATIONS), arms));
-        let stops = all[0].stops.len();
-        for stop in 0..stops {
+        let incidences = all[0].incidences.len();
+        for incidence in 0..incidences {
             // What comes out of both sides, half of the light from each, and what has not: the light that was seen.
             let leaves = |table: &Measured| {
                 let [reflected, transmitted] =
-                    [table.stops[stop].total(), table.stops[stop].total_transmittance()].map(|known| known.0);
+                    [table.incidences[incidence].total(), table.incidences[incidence].total_transmittance()]
+                        .map(|known| known.0);
                 reflected.expect("seen") + transmitted.expect("seen")
             };
             let found = 0.5 * all.iter().map(leaves).sum::<f64>();
-            let result = &all[0].stops[stop];
+            let result = &all[0].incidences[incidence];
             let seen = mean_and_se(result.closure.iter().copied()).0;
             // Flux of a path over the mean flux of those that are seen: below 2 on a torus of any patch.
             let cut = result.cut as f64 / (2 * REALISATIONS * SAMPLES - result.hidden) as f64;
-            assert!((seen - found).abs() <= 2.0 * cut + 1e-12, "{law}, stop {stop}: {found} of {seen}");
+            assert!(
+                (seen - found).abs() <= 2.0 * cut + 1e-12,
+                "{law}, incidence {incidence}: {found} of {seen}"
+            );
         }
         for (side, (once, all)) in once.iter().zip(&all).enumerate() {
-            for (stop, (once, all)) in once.stops.iter().zip(&all.stops).enumerate() {
-                let place = format!("{law}, side {side}, stop {stop}");
+            for (incidence, (once, all)) in once.incidences.iter().zip(&all.incidences).enumerate() {
+                let place = format!("{law}, side {side}, incidence {incidence}");
                 // Of each start one from either side, counted together.
                 let paths = 2 * REALISATIONS * SAMPLES;
                 // One fate each; at order 1 both parts of the light have theirs. A path that is lost ends the run.
-                let out = |stop: &gonio::measure::StopResult| -> u64 {
-                    stop.orders.iter().chain(&stop.through).sum()
+                let out = |incidence: &gonio::measure::IncidenceResult| -> u64 {
+                    incidence.orders.iter().chain(&incidence.through).sum()
                 };
                 assert_eq!(out(once) + once.cut + once.hidden, 2 * paths, "{place}");
                 assert_eq!(out(all) + all.cut + all.hidden, paths, "{place}");
@@ -82,7 +86,8 @@ fn light_through_heights_is_reciprocal() {
              theta_r_deg = {sensor}\nphi_r_deg = [0]\naperture_deg = 9"
         )
     };
-    let value = |part: &RealisationPart, [stop, bin]: [usize; 2]| f64::from(part.total[0][2 * stop + bin]);
+    let value =
+        |part: &RealisationPart, [incidence, bin]: [usize; 2]| f64::from(part.total[0][2 * incidence + bin]);
     let mut all = Vec::new();
     for law in LAWS {
         let table = |side: &str, light: &str, sensor: &str| {

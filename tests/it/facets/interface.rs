@@ -30,8 +30,8 @@ fn each_bin(tables: &[Measured], check: impl Fn(f64, f64, f64)) {
     for (measured, eta) in tables.iter().zip([ETA, 1.0 / ETA]) {
         let grid = &measured.table.grid;
         let sensor = Sensor::new(grid);
-        for stop in 0..grid.stops() {
-            let wi = grid.wi(stop);
+        for incidence in 0..grid.incidences() {
+            let wi = grid.wi(incidence);
             let angle = FacetAngle { cos: wi.z, sin2: 1.0 - wi.z * wi.z };
             let reflected = f_dielectric(angle, eta).mean();
             let bin_of = |wo: DVec3| {
@@ -48,14 +48,14 @@ fn each_bin(tables: &[Measured], check: impl Fn(f64, f64, f64)) {
             } else {
                 assert_eq!(reflected, 1.0);
             }
-            let sizes = grid.sizes(stop);
-            let values = &measured.table.colours[0].total[stop * grid.bins()..];
+            let sizes = grid.sizes(incidence);
+            let values = &measured.table.colours[0].total[incidence * grid.bins()..];
             for (bin, expected) in expected.into_iter().enumerate() {
                 if expected == 0.0 {
                     assert_eq!(
-                        (values[bin], hits_of(measured, stop)[bin]),
+                        (values[bin], hits_of(measured, incidence)[bin]),
                         (0.0, 0),
-                        "stop {stop}, bin {bin}"
+                        "incidence {incidence}, bin {bin}"
                     );
                 } else {
                     check(f64::from(values[bin]) * sizes[bin], expected, reflected);
@@ -103,14 +103,17 @@ fn light_goes_straight_through_what_hardly_refracts() {
             ));
             let table = &tables[0].table;
             let sensor = Sensor::new(&table.grid);
-            for (stop, result) in tables[0].stops.iter().enumerate() {
+            for (incidence, result) in tables[0].incidences.iter().enumerate() {
                 let mut behind = None;
-                sensor.each_bin(-table.grid.wi(stop), |bin| behind = Some(bin));
-                let values = &table.colours[0].total[stop * table.grid.bins()..];
-                for (bin, &hits) in hits_of(&tables[0], stop).iter().enumerate() {
+                sensor.each_bin(-table.grid.wi(incidence), |bin| behind = Some(bin));
+                let values = &table.colours[0].total[incidence * table.grid.bins()..];
+                for (bin, &hits) in hits_of(&tables[0], incidence).iter().enumerate() {
                     // At order 1 the reflected part is followed as well, with its share of 1e-30.
                     let dark = if bounces == 1 { values[bin] < 1e-20 } else { hits == 0 };
-                    assert!(dark || Some(bin) == behind, "{surface} {side} {stop}: bin {bin} has {hits}");
+                    assert!(
+                        dark || Some(bin) == behind,
+                        "{surface} {side} {incidence}: bin {bin} has {hits}"
+                    );
                 }
                 // The statistical surface leaves heights to chance after each facet: its light goes on for longer.
                 assert!(bounces == 1 || result.cut == 0 || surface == smith, "{surface}: {} cut", result.cut);
@@ -122,7 +125,7 @@ fn light_goes_straight_through_what_hardly_refracts() {
                 largest_se = largest_se.max(se);
                 assert!(
                     through > expected.start() - room && through < expected.end() + room,
-                    "{surface} {side} {stop}: {through} +- {se}"
+                    "{surface} {side} {incidence}: {through} +- {se}"
                 );
             }
         }
@@ -148,11 +151,14 @@ fn every_path_has_one_fate_for_any_threads() {
     assert_eq!(one.len(), 4, "a table for each material and side of the light");
     for (one, three) in one.iter().zip(&three) {
         assert!(one.table == three.table && one.realisations == three.realisations);
-        for stop in &one.stops {
-            let out: u64 = stop.orders.iter().chain(&stop.through).sum();
+        for incidence in &one.incidences {
+            let out: u64 = incidence.orders.iter().chain(&incidence.through).sum();
             // Three colours of two materials from two sides: twelve paths of each start.
-            assert_eq!(out + stop.hidden + stop.cut + stop.left_map + stop.absorbed, 2 * samples * 12);
-            for (colour, orders) in [(0, &stop.orders), (1, &stop.through)] {
+            assert_eq!(
+                out + incidence.hidden + incidence.cut + incidence.left_map + incidence.absorbed,
+                2 * samples * 12
+            );
+            for (colour, orders) in [(0, &incidence.orders), (1, &incidence.through)] {
                 assert!(orders.iter().all(|&count| count > 0), "{colour}: {orders:?}");
             }
         }

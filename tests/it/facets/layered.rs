@@ -28,12 +28,12 @@ fn layered(eta: f64, albedo: &str) -> String {
     format!("facet = \"layered\"\neta = {eta}\nalbedo = {albedo}")
 }
 
-/// Flux of order 1 into each bin, by stop and bin.
+/// Flux of order 1 into each bin, by incidence and bin.
 fn fluxes(measured: &Measured, colour: usize) -> Vec<Vec<f64>> {
     let grid = &measured.table.grid;
     let values = measured.table.colours[colour].single.chunks(grid.bins());
-    let of = |(stop, values): (usize, &[f32])| {
-        grid.sizes(stop).iter().zip(values).map(|(size, &value)| size * f64::from(value)).collect()
+    let of = |(incidence, values): (usize, &[f32])| {
+        grid.sizes(incidence).iter().zip(values).map(|(size, &value)| size * f64::from(value)).collect()
     };
     values.enumerate().map(of).collect()
 }
@@ -55,13 +55,13 @@ fn a_flat_layered_surface_meets_its_closed_form() {
         assert_eq!(prediction.model.name(), "layered");
         for (colour, albedo) in albedos.into_iter().enumerate() {
             let base = base_reflectance(albedo, eta);
-            for (stop, found) in fluxes(&measured, colour).iter().enumerate() {
-                let wi = grid.wi(stop);
+            for (incidence, found) in fluxes(&measured, colour).iter().enumerate() {
+                let wi = grid.wi(incidence);
                 let (through, mirror) = (transmittance(wi.z, eta), glam::DVec3::new(-wi.x, -wi.y, wi.z));
                 let interface = Interface::new(eta);
                 let mut mirrors_at = None;
                 Sensor::new(grid).each_bin(mirror, |bin| mirrors_at = Some(bin));
-                for (bin, (&found, region)) in found.iter().zip(grid.regions(stop)).enumerate() {
+                for (bin, (&found, region)) in found.iter().zip(grid.regions(incidence)).enumerate() {
                     let Region::Rectangle { theta, phi } = region else { panic!("a hemisphere") };
                     // Midpoints in the cosine: second order in 1/400 of a bin.
                     let (low, high) = (theta[1].cos(), theta[0].cos());
@@ -72,21 +72,21 @@ fn a_flat_layered_surface_meets_its_closed_form() {
                     let mirrors = mirrors_at == Some(bin);
                     let expected = base * share + if mirrors { 1.0 - through } else { 0.0 };
                     let theory =
-                        prediction.means[stop].values[0][colour][bin] * region.projected_solid_angle();
-                    assert!((theory - expected).abs() < 1e-6, "{eta} {stop} {bin}: {theory} {expected}");
+                        prediction.means[incidence].values[0][colour][bin] * region.projected_solid_angle();
+                    assert!((theory - expected).abs() < 1e-6, "{eta} {incidence} {bin}: {theory} {expected}");
                     // Binomial, and no more than the base's share where it weighs less; 5 standard errors, f32.
                     let q = if mirrors { 1.0 - through } else { share };
                     let se = (q.min(1.0 - q) / n).sqrt().max(1.0 / n);
                     assert!(
                         (found - expected).abs() < 5.0 * se + 1e-6,
-                        "{eta} {stop} {bin}: {found} {expected}"
+                        "{eta} {incidence} {bin}: {found} {expected}"
                     );
                 }
                 let total: f64 = found.iter().sum();
                 let expected = (1.0 - through) + base * through;
                 // Each path weighs 1 or `base`.
                 let se = (1.0 - base) * (through * (1.0 - through) / n).sqrt();
-                assert!((total - expected).abs() < 4.5 * se + 1e-6, "{eta} {stop}: {total} {expected}");
+                assert!((total - expected).abs() < 4.5 * se + 1e-6, "{eta} {incidence}: {total} {expected}");
             }
         }
     }
@@ -102,9 +102,9 @@ fn a_statistical_layered_surface_reflects_what_theory_says() {
         let at = prediction.model.masking_index(Some(masking));
         let n = paths(&measured);
         for colour in 0..3 {
-            for (stop, found) in fluxes(&measured, colour).iter().enumerate() {
-                let sizes = measured.table.grid.sizes(stop);
-                let theory = &prediction.means[stop].values[at][colour];
+            for (incidence, found) in fluxes(&measured, colour).iter().enumerate() {
+                let sizes = measured.table.grid.sizes(incidence);
+                let theory = &prediction.means[incidence].values[at][colour];
                 let (mut total, mut expected) = (0.0, 0.0);
                 for (bin, ((found, size), value)) in found.iter().zip(sizes).zip(theory).enumerate() {
                     let wanted = size * value;
@@ -112,14 +112,14 @@ fn a_statistical_layered_surface_reflects_what_theory_says() {
                     let room = 5.5 * (wanted / n).sqrt() + 2.0 / n;
                     assert!(
                         (found - wanted).abs() < room,
-                        "{heights} {colour} {stop} {bin}: {found} {wanted}"
+                        "{heights} {colour} {incidence} {bin}: {found} {wanted}"
                     );
                     (total, expected) = (total + found, expected + wanted);
                 }
                 // 4.5 standard errors of a share of weights up to 1.
                 assert!(
                     (total - expected).abs() < 4.5 * (0.25 / n).sqrt(),
-                    "{colour} {stop}: {total} {expected}"
+                    "{colour} {incidence}: {total} {expected}"
                 );
             }
         }
@@ -133,16 +133,16 @@ fn a_white_base_sends_all_light_back() {
     let pits = "[surface.grains]\ncoverage = 0.7\nalpha = 0.7\nbase = \"mirror\"\nshape = \"pits\"";
     for surface in [SMITH, ggx, pits, "[surface.v_groove]\nslope = 0.8"] {
         let measured = one(surface, &layered(1.5, "1.0"), "bounces = 200");
-        for (stop, result) in measured.stops.iter().enumerate() {
+        for (incidence, result) in measured.incidences.iter().enumerate() {
             let (mean, se) = mean_and_se(result.closure.iter().copied());
             let (total, total_se) = result.total();
             let (total, total_se) = (total.expect("seen"), total_se.expect("sixteen realisations"));
             // What a surface shows the light is its area up to noise; of 1e6 paths a few tens are still in pits of GGX heights.
             let cut = result.cut as f64 / paths(&measured);
-            assert!((mean - 1.0).abs() < 5.0 * se.expect("sixteen") + 1e-9, "{surface} {stop}: {mean}");
+            assert!((mean - 1.0).abs() < 5.0 * se.expect("sixteen") + 1e-9, "{surface} {incidence}: {mean}");
             assert!(
                 (total - 1.0).abs() < 3.5 * total_se + cut + 1e-7,
-                "{surface} {stop}: {total} +- {total_se}"
+                "{surface} {incidence}: {total} +- {total_se}"
             );
             assert!(cut < 1e-4, "{surface}: {cut} not out");
             // Every path has one fate.
@@ -157,18 +157,18 @@ fn a_white_base_sends_all_light_back() {
 fn a_black_base_leaves_the_mirror_and_no_interface_the_matt_facet() {
     let close = |a: &Measured, b: &Measured, what: &str| {
         let n = paths(a);
-        for (stop, (a, b)) in a.stops.iter().zip(&b.stops).enumerate() {
+        for (incidence, (a, b)) in a.incidences.iter().zip(&b.incidences).enumerate() {
             for (order, (a, b)) in a.albedo_by_order.iter().zip(&b.albedo_by_order).enumerate() {
                 let (a, b) = (mean_and_se(a.iter().copied()).0, mean_and_se(b.iter().copied()).0);
                 // Weights up to 1 on either side: 5 standard errors of a difference of two shares, and an arrival.
                 let room = 5.0 * (2.0 * b / n).sqrt() + 4.0 / n;
-                assert!((a - b).abs() < room, "{what} {stop} {order}: {a} {b}");
+                assert!((a - b).abs() < room, "{what} {incidence} {order}: {a} {b}");
             }
         }
-        for (stop, (a, b)) in fluxes(a, 0).iter().zip(fluxes(b, 0)).enumerate() {
+        for (incidence, (a, b)) in fluxes(a, 0).iter().zip(fluxes(b, 0)).enumerate() {
             for (bin, (a, b)) in a.iter().zip(b).enumerate() {
                 let room = 5.5 * (2.0 * a.max(b) / n).sqrt() + 4.0 / n;
-                assert!((a - b).abs() < room, "{what} {stop} {bin}: {a} {b}");
+                assert!((a - b).abs() < room, "{what} {incidence} {bin}: {a} {b}");
             }
         }
     };
@@ -198,8 +198,8 @@ fn layered_surfaces_are_reciprocal() {
     let mut all = Vec::new();
     for (i, o, k) in (0..128).map(|n| (n / 32, n / 8 % 4, n % 8)).filter(|&(i, o, _)| i != o) {
         let (there, again) = ((8 * i, 8 * o + k), (8 * o + k, 8 * i));
-        let value = |part: &gonio::table::RealisationPart, (stop, bin): (usize, usize)| {
-            f64::from(part.total[0][stop * bins + bin])
+        let value = |part: &gonio::table::RealisationPart, (incidence, bin): (usize, usize)| {
+            f64::from(part.total[0][incidence * bins + bin])
         };
         let parts = table.realisations.parts.iter();
         let (mean, se) = mean_and_se(parts.map(|part| value(part, there) - value(part, again)));

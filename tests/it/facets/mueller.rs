@@ -103,29 +103,29 @@ fn a_mirror_has_the_matrix_of_its_facet() {
         );
         let table = measured_one(&glass);
         let grid = &table.table.grid;
-        for stop in 0..grid.stops() {
-            let (sin, cos) = sin_cos_deg(grid.stop_deg(stop).0);
+        for incidence in 0..grid.incidences() {
+            let (sin, cos) = sin_cos_deg(grid.incidence_deg(incidence).0);
             let angle = FacetAngle { cos, sin2: sin * sin };
             let mut found = 0;
             for bin in 0..grid.bins() {
-                let (elements, value) = matrix(&table, 0, stop * grid.bins() + bin);
+                let (elements, value) = matrix(&table, 0, incidence * grid.bins() + bin);
                 if value == 0.0 {
                     assert_eq!(elements, [0.0; 16]);
                     continue;
                 }
-                let below = grid.regions(stop)[bin].is_below();
+                let below = grid.regions(incidence)[bin].is_below();
                 let PolarisedFacet { a, b, c } = polarised(angle, eta, 0.0, below);
                 let rows = [1.0, a, 0.0, 0.0, a, 1.0, 0.0, 0.0, 0.0, 0.0, b, -c, 0.0, 0.0, c, b];
                 for (found, expected) in elements.iter().zip(rows) {
                     // f32 values; a plane turned by 77 degrees and back rounds to 1e-16.
                     assert!(
                         (found / value - expected).abs() < 2e-7,
-                        "{side} {stop} {bin}: {elements:?} {value}"
+                        "{side} {incidence} {bin}: {elements:?} {value}"
                     );
                 }
                 found += 1;
             }
-            assert_eq!(found, 2, "{side} {stop}");
+            assert_eq!(found, 2, "{side} {incidence}");
         }
     }
 }

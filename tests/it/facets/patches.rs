@@ -18,12 +18,12 @@ fn text(surface: &str, thetas: &str, sensor: &str) -> String {
 /// Flux into the bins above, or below, at each incidence.
 fn fluxes(measured: &Measured, below: bool) -> Vec<f64> {
     let half = measured.table.half(below).expect("both sides");
-    let flux = |stop: usize| -> f64 {
-        let sizes = half.grid.sizes(stop);
-        let values = &half.colours[0].total[stop * sizes.len()..];
+    let flux = |incidence: usize| -> f64 {
+        let sizes = half.grid.sizes(incidence);
+        let values = &half.colours[0].total[incidence * sizes.len()..];
         sizes.iter().zip(values).map(|(size, &value)| size * f64::from(value)).sum()
     };
-    (0..half.grid.stops()).map(flux).collect()
+    (0..half.grid.incidences()).map(flux).collect()
 }
 
 #[test]
@@ -36,10 +36,13 @@ fn patches_collect_what_hemispheres_do() {
         for (patches, bins) in patches.iter().zip(&bins) {
             for below in [false, true] {
                 let pairs = fluxes(patches, below).into_iter().zip(fluxes(bins, below));
-                for (stop, (found, wanted)) in pairs.enumerate() {
+                for (incidence, (found, wanted)) in pairs.enumerate() {
                     // The same paths; values in f32, half an ulp of 1.2e-7 each.
                     let off = (found - wanted).abs();
-                    assert!(off <= 1e-6 * wanted.max(1e-6), "{surface} {stop} {below}: {found} {wanted}");
+                    assert!(
+                        off <= 1e-6 * wanted.max(1e-6),
+                        "{surface} {incidence} {below}: {found} {wanted}"
+                    );
                 }
             }
         }

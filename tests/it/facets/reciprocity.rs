@@ -99,9 +99,9 @@ fn orders_of_matt_facets_go_by_the_powers_of_their_albedo() {
         }
     }
     // Nothing is absorbed: what has not left after 16 facets is on its way.
-    for stop in &white.stops {
-        let (mean, se) = mean_and_se(stop.closure.iter().copied());
+    for incidence in &white.incidences {
+        let (mean, se) = mean_and_se(incidence.closure.iter().copied());
         assert!((mean - 1.0).abs() < 5.0 * se.expect("four realisations") + 1e-9, "{mean} +- {se:?}");
-        assert!(stop.orders[..6].iter().all(|&count| count > 0));
+        assert!(incidence.orders[..6].iter().all(|&count| count > 0));
     }
 }

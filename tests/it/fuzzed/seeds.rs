@@ -48,7 +48,7 @@ fn sound_seed(target: &str, name: &str, bytes: &[u8]) -> Answer {
     seed(target, name, bytes)
 }
 
-/// A few stops of a few bins, every value different.
+/// A few incidences of a few bins, every value different.
 fn table(colours: usize, azimuths: usize) -> interchange::Checked<BrdfTable> {
     let phi_i_deg: Vec<f64> = (0..azimuths).map(|k| 360.0 * k as f64 / azimuths as f64).collect();
     let grid = Grid {
@@ -60,7 +60,7 @@ fn table(colours: usize, azimuths: usize) -> interchange::Checked<BrdfTable> {
         phi_r_edges_deg: (0..=8).map(|k| 45.0 * f64::from(k)).collect(),
         ..Grid::default()
     };
-    let values = grid.stops() * grid.bins();
+    let values = grid.incidences() * grid.bins();
     let colour = |c: usize| (0..values).map(|k| 0.1 + 0.01 * (k % 7 + c) as f32).collect();
     foreign_table(grid, (0..colours).map(colour).collect())
 }

@@ -99,7 +99,7 @@ impl Brdf for Painted {
 }
 
 #[test]
-fn paint_stays_even_between_and_beyond_the_stops() {
+fn paint_stays_even_between_and_beyond_the_incidences() {
     let own = table(&Painted { paint: 0.3, lobe: None }, &hemisphere(steps(25.0, 4), None, 18, 36));
     let lookup = Lookup::new(&own).expect("a product");
     for theta_i in [10.0, 40.0, 60.0, 84.0] {
@@ -163,7 +163,7 @@ fn exports_say_their_albedo_beside_the_tables() {
     let curve = written.albedo.expect("light");
     assert!(curve.worst <= 0.01, "{}", curve.worst);
     let thetas: Vec<f64> = curve.by_theta().iter().map(|row| row[0]).collect();
-    // Stops, a place between two of them (0.381966 of the way), and the end of the hemisphere.
+    // Incidences, a place between two of them (0.381966 of the way), and the end of the hemisphere.
     assert!(thetas.contains(&15.0) && thetas.contains(&20.7295) && thetas.contains(&85.0), "{thetas:?}");
 }
 

@@ -42,15 +42,15 @@ fn bins(grid: &Grid) -> Vec<[f64; 2]> {
 fn by_angles(table: &BrdfTable) -> HashMap<[i64; 4], Vec<u32>> {
     let (grid, bins) = (&table.grid, bins(&table.grid));
     let mut all = HashMap::new();
-    for stop in 0..grid.stops() {
-        let (theta_i, phi_i) = grid.stop_deg(stop);
+    for incidence in 0..grid.incidences() {
+        let (theta_i, phi_i) = grid.incidence_deg(incidence);
         for (bin, &[theta, phi]) in bins.iter().enumerate() {
             let phi =
                 phi + if grid.phi_r_relative { phi_i } else { 0.0 } + if theta < 0.0 { 180.0 } else { 0.0 };
             let turned = |phi: f64| (phi * 1e6).round() as i64 % 360_000_000;
             let whole = |phi: f64| (turned(phi) + 360_000_000) % 360_000_000;
             let polar = |theta: f64| (theta.abs() * 1e6).round() as i64;
-            let at = stop * bins.len() + bin;
+            let at = incidence * bins.len() + bin;
             let values = table.colours.iter().map(|colour| colour.total[at].to_bits()).collect();
             assert!(all.insert([polar(theta_i), whole(phi_i), polar(theta), whole(phi)], values).is_none());
         }
@@ -201,7 +201,7 @@ fn one_direction_under_two_names_has_one_value() {
 fn an_equal_seam_is_dropped_and_an_unequal_one_refused() {
     let text = include_str!("../../data/ssdd_0_and_360.ssdd");
     let found = ssdd::read(text.as_bytes()).expect("an equal seam");
-    assert_eq!((found.grid.stops(), found.grid.bins()), (3, 9 * 36));
+    assert_eq!((found.grid.incidences(), found.grid.bins()), (3, 9 * 36));
     assert_eq!((found.grid.points_deg[35], found.grid.points_deg[36]), ([0.0, 350.0], [10.0, 0.0]));
     // The file's first line: theta_i 0, theta_r 0, phi_r 0.
     assert_eq!(found.colours[0].total[0], 0.884_194_14);

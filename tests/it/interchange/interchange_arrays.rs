@@ -40,7 +40,7 @@ fn npz_comes_back_bit_for_bit() {
         measured_looking(&Ggx::new(0.3, 0.3), &points(vec![10.0], vec![0.0], &[0.0, 30.0], &[0.0, 90.0]));
     let patches = Grid {
         kind: GridKind::Patches,
-        stops_deg: vec![[0.0, 0.0], [30.0, 10.0]],
+        incidences_deg: vec![[0.0, 0.0], [30.0, 10.0]],
         patches_deg: vec![[0.0, 45.0, 0.0, 360.0], [45.0, 90.0, -5.0, 355.0]],
         ..Grid::default()
     };
@@ -71,7 +71,7 @@ fn the_members_of_an_npz_are_stored_arrays_that_numpy_reads() {
         assert!(header.contains(word), "{header}");
     }
     assert_eq!(brdf.len(), 10 + length + 4 * 2 * 4 * 3 * 4 * 3);
-    // Stop 1 (theta_i 0, phi_i 90), bin (row 2, column 1), green.
+    // Incidence 1 (theta_i 0, phi_i 90), bin (row 2, column 1), green.
     let at = ((12 + 2 * 4 + 1) * 3 + 1) * 4 + 10 + length;
     let value = f32::from_le_bytes([brdf[at], brdf[at + 1], brdf[at + 2], brdf[at + 3]]);
     assert_eq!(value, table.colours[1].total[12 + 2 * 4 + 1]);
@@ -280,14 +280,14 @@ fn peak(mut child: std::process::Child) -> (u64, std::time::Duration) {
     }
 }
 
-/// The table of the issue: 144 stops of 90 x 360 bins, 112 MB of values, with noise of 1 % as measured ones have.
+/// The table of the issue: 144 incidences of 90 x 360 bins, 112 MB of values, with noise of 1 % as measured ones have.
 #[test]
 #[ignore = "takes minutes: cargo test --release --test it interchange_arrays -- --ignored --nocapture"]
 fn exports_of_a_large_table_stay_below_twice_its_memory() {
     let folder = tempfile::tempdir().expect("folder");
     let exr = folder.path().join("large.exr");
     let grid = hemisphere(steps(15.0, 6), Some(steps(15.0, 24)), 90, 360);
-    let values = (grid.stops() * grid.bins()) as u64;
+    let values = (grid.incidences() * grid.bins()) as u64;
     let mut large = table(&Ggx::new(0.3, 0.5), &grid);
     let mut bits = mutations::Bits(1);
     for colour in &mut large.colours {

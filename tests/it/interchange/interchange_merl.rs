@@ -14,7 +14,7 @@ use crate::support::analytic::{Ggx, hemisphere, l1, steps, table};
 use crate::support::mutations;
 use crate::support::program::{exits, gonio, json};
 
-/// alpha 0.1 under stops of 3 degrees, bins of 1 x 2 degrees; and its file.
+/// alpha 0.1 under incidences of 3 degrees, bins of 1 x 2 degrees; and its file.
 fn tenth() -> &'static (Lookup, Vec<u8>) {
     static TENTH: OnceLock<(Lookup, Vec<u8>)> = OnceLock::new();
     TENTH.get_or_init(|| {
@@ -53,7 +53,7 @@ fn every_cell_lies_where_the_layout_says() {
     assert_eq!(raw(bytes, 0, 64, 60, 0), -1.0);
 }
 
-/// L1 of a file of alpha 0.1 against the formula, light off the stops, sensor up to 80 degrees.
+/// L1 of a file of alpha 0.1 against the formula, light off the incidences, sensor up to 80 degrees.
 fn off_at_alpha_a_tenth(found: &dyn Brdf) -> f64 {
     let light: Vec<(f64, f64)> = [0.0, 14.0, 31.0, 44.0, 61.0, 73.0].map(|t| (t, 0.0)).to_vec();
     l1(found, &Ggx::new(0.1, 0.1), &light, 80.0)
@@ -124,7 +124,7 @@ fn the_cells_of_a_file_are_a_table() {
     std::fs::write(&file, &bytes).expect("written");
     let (table, _) = interchange::import(&file, Format::Merl, &Options::default(), None).expect("read");
     assert_eq!(
-        (table.grid.kind, table.grid.stops(), table.grid.bins()),
+        (table.grid.kind, table.grid.incidences(), table.grid.bins()),
         (GridKind::HalfDifference, 90, 16_200)
     );
     store::save(&exr, &table).expect("saved");
@@ -135,9 +135,9 @@ fn the_cells_of_a_file_are_a_table() {
     assert_eq!(export.read_back.expect("not zero").l1, 0.0);
     let back = merl::read(&std::fs::read(&again).expect("there"), Sampling::Node).expect("sound");
     assert!(back == table);
-    // As stops and bins it is the function that the file is.
+    // As incidences and bins it is the function that the file is.
     let arms = half_difference::as_arms(&stored, None).expect("a function").expect("not yet arms");
-    assert_eq!((arms.grid.kind, arms.grid.stops()), (GridKind::Hemisphere, 18));
+    assert_eq!((arms.grid.kind, arms.grid.incidences()), (GridKind::Hemisphere, 18));
     let (brdf, wi, region) =
         (HalfDifference::new(&stored).expect("cells"), arms.grid.wi(6), arms.grid.regions(6)[900]);
     let wanted = interchange::resample::mean(&brdf, wi, &region)[0];
@@ -163,7 +163,7 @@ fn half_difference_table() -> BrdfTable {
     let pair =
         |k: usize| Some(grid.arms_of_half(k / bins, k % bins)).filter(|(wi, wo)| wi.z > 0.0 && wo.z > 0.0);
     let values: Vec<Option<f32>> =
-        (0..grid.stops() * bins).map(|k| pair(k).map(|(wi, wo)| ggx.brdf(wi, wo)[0] as f32)).collect();
+        (0..grid.incidences() * bins).map(|k| pair(k).map(|(wi, wo)| ggx.brdf(wi, wo)[0] as f32)).collect();
     let total = values.iter().map(|value| value.unwrap_or(0.0)).collect();
     let hits = values.iter().map(|value| u32::from(value.is_some())).collect();
     BrdfTable { hits, ..interchange::foreign_table(grid, vec![total]).expect("sound") }
@@ -189,7 +189,7 @@ fn every_verb_takes_half_difference_angles() {
     let [half, again] =
         ["half.exr", "again.exr"].map(|name| store::load(&here.join(name)).expect("stored").table);
     assert!(half.colours == again.colours && half.grid == again.grid && half.hits == again.hits);
-    // Against a table of stops and bins it is seen at those.
+    // Against a table of incidences and bins it is seen at those.
     let arms = hemisphere(steps(20.0, 4), None, 30, 36);
     store::save(&here.join("arms.exr"), &table(&Ggx::new(0.4, 0.4), &arms)).expect("saved");
     let compared = gonio(&["compare", "half.exr", "arms.exr", "--json"]);

@@ -78,7 +78,7 @@ fn other_images_are_not_taken_for_utia() {
 
 #[test]
 fn other_tables_are_sampled_at_the_directions_of_utia() {
-    // Wide lobes, bins of 3 x 5 degrees, stops of the format's angles: the interpolant between bin means is all that
+    // Wide lobes, bins of 3 x 5 degrees, incidences of the format's angles: the interpolant between bin means is all that
     // differs, of fourth order in the step.
     let ggx = Ggx::new(0.5, 0.5);
     let grid = hemisphere(steps(15.0, 6), None, 30, 72);
@@ -136,9 +136,9 @@ fn exr_parts_come_back_bit_for_bit() {
         let bytes = exr_parts::write(&wanted).expect("written");
         assert!(exr_parts::read(&bytes).expect("readable") == wanted);
         let parts = image::decode(&bytes).expect("an EXR");
-        assert_eq!(parts.len(), wanted.grid.stops());
+        assert_eq!(parts.len(), wanted.grid.incidences());
         let last = parts.iter().max_by_key(|part| part.name.clone()).expect("parts");
-        let (theta_i, phi_i) = wanted.grid.stop_deg(wanted.grid.stops() - 1);
+        let (theta_i, phi_i) = wanted.grid.incidence_deg(wanted.grid.incidences() - 1);
         assert_eq!(
             (last.number("gonio.theta_i_deg"), last.number("gonio.phi_i_deg")),
             (Some(theta_i), Some(phi_i))

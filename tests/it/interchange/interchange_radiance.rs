@@ -23,13 +23,13 @@ fn klems_patches_come_back() {
     let text = klems::write(&own, &Options::default()).expect("written").0;
     assert!(text.contains("<WavelengthDataDirection>Reflection Back</WavelengthDataDirection>"));
     let back = klems::read(text.as_bytes()).expect("readable");
-    assert_eq!((back.grid.kind, back.grid.stops(), back.grid.bins()), (GridKind::Patches, 145, 145));
+    assert_eq!((back.grid.kind, back.grid.incidences(), back.grid.bins()), (GridKind::Patches, 145, 145));
     // Projected solid angles of the 145 patches add up to pi.
     let sizes: f64 = back.grid.regions(0).iter().map(|region| region.projected_solid_angle()).sum();
     assert!((sizes - std::f64::consts::PI).abs() < 1e-12);
     // Ring 3 begins behind 1 + 8 + 16 patches: light there travels to 30 degrees, azimuth 0, so it comes from 180.
-    let stop = 25;
-    assert_eq!(back.grid.stop_deg(stop), (30.0, 180.0));
+    let incidence = 25;
+    assert_eq!(back.grid.incidence_deg(incidence), (30.0, 180.0));
     // The mean over both patches by an independent rule: midpoints in (sin^2 theta, phi) of both, 12 x 12 each.
     let bin = 25;
     let midpoints = |turn: f64| -> Vec<glam::DVec3> {
@@ -50,8 +50,8 @@ fn klems_patches_come_back() {
         .flat_map(|&wi| sensor.iter().map(move |&wo| (wi, wo)))
         .map(|(wi, wo)| ggx.brdf(wi, wo)[0])
         .sum();
-    let (wanted, found) = (sum / 144.0 / 144.0, f64::from(back.colours[0].total[stop * 145 + bin]));
-    // Midpoints: (step/lobe)^2/24, 2e-4; the table between its stops of 5 degrees: 1e-3.
+    let (wanted, found) = (sum / 144.0 / 144.0, f64::from(back.colours[0].total[incidence * 145 + bin]));
+    // Midpoints: (step/lobe)^2/24, 2e-4; the table between its incidences of 5 degrees: 1e-3.
     assert!((found / wanted - 1.0).abs() < 2e-3, "{found} {wanted}");
     // The matrix itself, written and read again, to the seven digits of its text.
     let again = klems::read(klems::write(&back, &Options::default()).expect("written").0.as_bytes())
@@ -60,8 +60,8 @@ fn klems_patches_come_back() {
     assert!(pairs.clone().all(|(a, b)| (a - b).abs() <= 1e-7 * a), "{:?}", pairs.clone().next());
     // And as a function each patch has its value.
     let patchwise = Patchwise::new(back.clone()).expect("the full basis");
-    let wo = nodes(&back.grid.regions(stop)[bin])[5].0;
-    assert_eq!(patchwise.brdf(back.grid.wi(stop), wo)[0], found);
+    let wo = nodes(&back.grid.regions(incidence)[bin])[5].0;
+    assert_eq!(patchwise.brdf(back.grid.wi(incidence), wo)[0], found);
 }
 
 #[test]
@@ -184,7 +184,7 @@ fn half_and_quarter_bases_go_out_as_they_came() {
         let (text, notes) = klems::write(&own, &in_basis(basis)).expect("written");
         assert!(text.contains(basis.name()) && notes[0].contains("resampled"), "{notes:?}");
         let back = klems::read(text.as_bytes()).expect("readable");
-        assert_eq!((back.grid.stops(), back.grid.bins()), (count, count));
+        assert_eq!((back.grid.incidences(), back.grid.bins()), (count, count));
         let sizes: f64 = back.grid.regions(0).iter().map(|region| region.projected_solid_angle()).sum();
         assert!((sizes - PI).abs() < 1e-12);
         // No basis named: its own, and every value bit for bit.
@@ -213,7 +213,7 @@ fn half_and_quarter_bases_go_out_as_they_came() {
     let data =
         mixed.find("<ScatteringData>").expect("data") + 16..mixed.find("</ScatteringData>").expect("data");
     let mixed = klems::read(mixed.replace(&mixed[data], &numbers).as_bytes()).expect("readable");
-    assert_eq!((mixed.grid.stops(), mixed.grid.bins()), (light, 41));
+    assert_eq!((mixed.grid.incidences(), mixed.grid.bins()), (light, 41));
     let again = klems::read(klems::write(&mixed, &Options::default()).expect("written").0.as_bytes())
         .expect("readable");
     assert_eq!(again, mixed);
@@ -233,7 +233,7 @@ fn a_matrix_is_resampled_to_the_grid_of_another_table() {
     let (found, notes) = import(&path, Format::Klems, &Options::default(), Some(&like)).expect("resampled");
     assert!(found.grid == like && notes.iter().any(|note| note.contains("patches")), "{notes:?}");
     let (matrix, _) = import(&path, Format::Klems, &Options::default(), None).expect("read");
-    // Ring 2 (9 to 27) has 8 patches of 45 degrees, the first from -22.5 to 22.5. Light at the normal: stop 0.
+    // Ring 2 (9 to 27) has 8 patches of 45 degrees, the first from -22.5 to 22.5. Light at the normal: incidence 0.
     let value = found.colours[0].total[24];
     assert!(
         (value / matrix.colours[0].total[1] - 1.0).abs() < 1e-6,

@@ -27,7 +27,7 @@ fn astm_comes_back() {
     let wanted = anisotropic();
     let text = text(|out| astm::write(&wanted, out));
     assert!(text.contains("NUM_POINTS 96\nVARS theta_i,phi_i,theta_s,phi_s,R,G,B\n"), "{text}");
-    // The second stop, first bin: light from azimuth 90, the bin's middle at (15, 45) degrees, in radians.
+    // The second incidence, first bin: light from azimuth 90, the bin's middle at (15, 45) degrees, in radians.
     let line = text.lines().skip_while(|line| !line.starts_with("VARS")).nth(13).expect("there");
     let numbers: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
     for (found, wanted) in numbers.iter().zip([0.0, FRAC_PI_2, PI / 12.0, PI / 4.0]) {
@@ -49,7 +49,7 @@ fn ssdd_comes_back() {
     let heading = "VERSION 0.2\nDATA_TYPE brdf\nCOLOR_MODEL rgb\nPARAM_TYPE spherical_coordinate_system\nPARAM0_LIST 0 40\n\
         PARAM1_LIST 0 90 180 270\nPARAM2_LIST 15 45 75\nPARAM3_LIST 45 135 225 315\nSOURCE_TYPE generated\nDATA ascii\n";
     assert!(text.starts_with(heading), "{text}");
-    // theta_i runs fastest: the second line is the stop (40, 0), stop 4, in its first bin.
+    // theta_i runs fastest: the second line is the incidence (40, 0), incidence 4, in its first bin.
     let second = text.lines().nth(11).expect("there").split(' ').next().expect("red");
     assert_eq!(second.parse::<f32>().expect("a number"), wanted.colours[0].total[4 * 12]);
     let back = ssdd::read(text.as_bytes()).expect("readable");
@@ -152,7 +152,7 @@ fn zemax_has_a_table_for_each_rotation_of_an_anisotropic_sample() {
 }
 
 #[test]
-fn pabopto_has_a_file_for_each_stop() {
+fn pabopto_has_a_file_for_each_incidence() {
     let folder = tempfile::tempdir().expect("folder");
     let path = folder.path().join("mountain");
     let wanted = table(&Ggx::new(0.4, 0.7), &hemisphere(vec![0.0, 40.0], Some(steps(90.0, 4)), 3, 4));
@@ -207,7 +207,7 @@ fn damaged_texts_are_refused() {
     assert!(mutations::refused(pabopto_text.as_bytes(), pabopto::read) > 0.1);
 }
 
-/// Two stops of two directions, the last numbers of each line `values`.
+/// Two incidences of two directions, the last numbers of each line `values`.
 fn astm(names: &str, values: &str) -> String {
     let angles = ["0,0,0.2,0", "0,0,0.4,0", "0.5,0,0.2,0", "0.5,0,0.4,0"];
     let lines: String = angles.iter().map(|angles| format!("{angles},{values}\n")).collect();

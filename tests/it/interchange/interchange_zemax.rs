@@ -166,12 +166,12 @@ fn a_lambertian_file_of_few_radials_is_lambertian() {
 /// The sum of a table over its bins by projected solid angle, at each incidence.
 fn albedos(table: &gonio::table::BrdfTable) -> Vec<f64> {
     let bins = table.grid.bins();
-    let stop = |stop: usize| {
-        let regions = table.grid.regions(stop);
-        let pairs = regions.iter().zip(&table.colours[0].total[stop * bins..]);
+    let incidence = |incidence: usize| {
+        let regions = table.grid.regions(incidence);
+        let pairs = regions.iter().zip(&table.colours[0].total[incidence * bins..]);
         pairs.map(|(region, &f)| region.projected_solid_angle() * f64::from(f)).sum()
     };
-    (0..table.grid.stops()).map(stop).collect()
+    (0..table.grid.incidences()).map(incidence).collect()
 }
 
 #[test]

@@ -38,12 +38,12 @@ fn gaps(table: &BrdfTable) -> Vec<usize> {
 fn what_a_light_lacks_is_a_gap() {
     let found = ragged();
     assert_eq!(found.grid.points_deg, [[10.0, 180.0], [20.0, 180.0], [30.0, 180.0]]);
-    assert_eq!((found.grid.stops(), gaps(&found)), (2, vec![2, 4]));
+    assert_eq!((found.grid.incidences(), gaps(&found)), (2, vec![2, 4]));
     let ggx = Ggx::new(0.5, 0.5);
-    for (stop, light) in [0.0, 40.0].into_iter().enumerate() {
+    for (incidence, light) in [0.0, 40.0].into_iter().enumerate() {
         for (bin, theta) in [10.0, 20.0, 30.0].into_iter().enumerate() {
             let value = ggx.brdf(direction_deg(light, 0.0), direction_deg(theta, 180.0))[0] as f32;
-            let at = stop * 3 + bin;
+            let at = incidence * 3 + bin;
             assert_eq!(found.colours[0].total[at], if found.is_gap(at) { 0.0 } else { value });
             assert_eq!(found.hits[at], u32::from(!found.is_gap(at)));
         }
@@ -59,7 +59,7 @@ fn a_scan_that_turns_with_the_light_has_the_gaps_of_one_that_does() {
     let text = format!("theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,Y\n{text}");
     let found = csv::read(text.as_bytes()).expect("a scan");
     assert!(found.grid.phi_r_relative);
-    assert_eq!((found.grid.stops(), found.grid.bins(), gaps(&found)), (2, 12, vec![23]));
+    assert_eq!((found.grid.incidences(), found.grid.bins(), gaps(&found)), (2, 12, vec![23]));
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn gaps_come_back_from_every_format_that_can_leave_them_out() {
                     .filter(|&at| !table.is_gap(at))
                     .map(|at| {
                         let [theta, phi] = table.grid.points_deg[at % bins];
-                        let light = table.grid.stop_deg(at / bins).0;
+                        let light = table.grid.incidence_deg(at / bins).0;
                         // ASTM's twelve digits of radians.
                         let angles = [light, theta, phi].map(|deg| (deg * 1e6).round() as i64);
                         (angles, table.colours[0].total[at].to_bits())

@@ -177,9 +177,9 @@ fn resampled_formats_hold_what_goes_through() {
 
 /// Whether light and sensor are so near to the normal, on either side.
 fn within_60_degrees(grid: &Grid, entry: usize) -> bool {
-    let (stop, bin) = (entry / grid.bins(), entry % grid.bins());
-    let Region::Rectangle { theta: [low, high], .. } = grid.regions(stop)[bin] else { return false };
-    grid.wi(stop).z > 0.499 && (0.5 * (low + high)).cos().abs() > 0.5
+    let (incidence, bin) = (entry / grid.bins(), entry % grid.bins());
+    let Region::Rectangle { theta: [low, high], .. } = grid.regions(incidence)[bin] else { return false };
+    grid.wi(incidence).z > 0.499 && (0.5 * (low + high)).cos().abs() > 0.5
 }
 
 /// Radiance's frame, from its source: `Back` is light from +z; x and y of a patch of the light are those of -wi, of the
@@ -208,7 +208,7 @@ fn the_four_blocks_of_a_matrix_are_read_by_their_names() {
     for (side, first) in [(None, 1.0f32), (Some(SampleSide::Back), 1.0), (Some(SampleSide::Front), 9.0)] {
         let (found, _) = klems::read_side(text.as_bytes(), side).expect("sound");
         // Column 0: light that travels towards +x comes from -x.
-        assert_eq!(found.grid.stops_deg, [[45.0, 180.0], [45.0, 0.0]]);
+        assert_eq!(found.grid.incidences_deg, [[45.0, 180.0], [45.0, 0.0]]);
         let sensor = [0.0, 90.0].map(|low| [[low, low + 90.0, -90.0, 90.0], [low, low + 90.0, 90.0, 270.0]]);
         assert_eq!(found.grid.patches_deg, sensor.concat());
         let rows = [0.0, 2.0, 4.0, 6.0, 1.0, 3.0, 5.0, 7.0].map(|more| first + more);
@@ -268,7 +268,7 @@ fn tables_of_both_lights_make_four_blocks() {
     let folder = tempfile::tempdir().expect("folder");
     let grid = Grid {
         kind: GridKind::Patches,
-        stops_deg: middles(&patches(&FULL)),
+        incidences_deg: middles(&patches(&FULL)),
         patches_deg: patches_of_side(&FULL, gonio::campaign::SensorSide::Both),
         ..Grid::default()
     };
@@ -316,7 +316,7 @@ fn a_btdf_of_zemax_stands_about_the_straight_direction() {
     let seen = [[140.0, 180.0], [160.0, 180.0], [120.0, 180.0]];
     let like = Grid {
         kind: GridKind::Points,
-        stops_deg: wi.to_vec(),
+        incidences_deg: wi.to_vec(),
         phi_r_relative: true,
         points_deg: seen.to_vec(),
         ..Grid::default()

@@ -46,26 +46,31 @@ static FROM_MIRROR_TO_STEEP: LazyLock<Vec<Measured>> =
 fn every_start_has_one_fate_and_the_light_sums_to_one() {
     let mut closures = Vec::new();
     for measured in FURNACES.iter().chain(FROM_MIRROR_TO_STEEP.iter()) {
-        for stop in &measured.stops {
+        for incidence in &measured.incidences {
             // Integers: each start is hidden, leaves in one order, or goes on beyond the last; a lost ray is an
             // error of `measure`. A torus has no edge.
-            let counted = stop.hidden + stop.orders.iter().sum::<u64>() + stop.cut + stop.left_map;
+            let counted =
+                incidence.hidden + incidence.orders.iter().sum::<u64>() + incidence.cut + incidence.left_map;
             assert_eq!(counted, starts(&measured.campaign));
-            assert_eq!(stop.left_map, 0);
-            assert_eq!(stop.orders.len(), 32);
-            closures.push(mean_and_se(stop.closure.iter().copied()));
-            for order in &stop.albedo_by_order {
+            assert_eq!(incidence.left_map, 0);
+            assert_eq!(incidence.orders.len(), 32);
+            closures.push(mean_and_se(incidence.closure.iter().copied()));
+            for order in &incidence.albedo_by_order {
                 // No more than all orders together, up to the rounding of a sum of 16,384 shares to f64.
                 let within = |(&albedo, &all): (&f64, &f64)| (0.0..=all + 1e-12).contains(&albedo);
-                assert!(order.iter().zip(&stop.closure).all(within), "{order:?} {:?}", stop.closure);
+                assert!(
+                    order.iter().zip(&incidence.closure).all(within),
+                    "{order:?} {:?}",
+                    incidence.closure
+                );
             }
         }
     }
     // The projected area that a torus shows is cos(theta) to the last facet, so each realisation's expectation is
-    // exactly 1. All stops together: fails by chance with probability 0.01. Where nothing is hidden the closure is 1 but
+    // exactly 1. All incidences together: fails by chance with probability 0.01. Where nothing is hidden the closure is 1 but
     // for the rounding of 32 shares of 2^-90 and their sum to f64: 1e-13, and its scatter says nothing.
-    // Power: light lost or made is seen at one stop with probability 0.99 from (limit + 3) of its standard errors on,
-    // and in the mean of all stops, below, from 5 of that one's: both are printed.
+    // Power: light lost or made is seen at one incidence with probability 0.99 from (limit + 3) of its standard errors on,
+    // and in the mean of all incidences, below, from 5 of that one's: both are printed.
     let limit = student_limit(sidak(0.01, closures.len()), REALISATIONS - 1);
     let t = |&(mean, se): &(f64, Option<f64>)| {
         let rounding = 1e-13;
@@ -78,7 +83,7 @@ fn every_start_has_one_fate_and_the_light_sums_to_one() {
         closures.len()
     );
     assert!(worst < limit, "{closures:?}");
-    // Their mean, within three of its standard errors over the stops.
+    // Their mean, within three of its standard errors over the incidences.
     let (mean, se) = mean_and_se(closures.iter().map(|c| c.0));
     let se = se.expect("several stops");
     println!("mean of all stops 1 {:+.1e} +- {se:.1e}", mean - 1.0);
@@ -89,10 +94,10 @@ fn every_start_has_one_fate_and_the_light_sums_to_one() {
 fn the_bins_hold_what_the_orders_hold() {
     for measured in FURNACES.iter() {
         let (grid, colour) = (&measured.table.grid, &measured.table.colours[0]);
-        for (stop, result) in measured.stops.iter().enumerate() {
-            let sizes = grid.regions(stop);
+        for (incidence, result) in measured.incidences.iter().enumerate() {
+            let sizes = grid.regions(incidence);
             let sum = |values: &[f32]| {
-                let row = &values[stop * grid.bins()..(stop + 1) * grid.bins()];
+                let row = &values[incidence * grid.bins()..(incidence + 1) * grid.bins()];
                 row.iter()
                     .zip(&sizes)
                     .map(|(&f, bin)| f64::from(f) * bin.projected_solid_angle())
@@ -110,7 +115,7 @@ fn the_bins_hold_what_the_orders_hold() {
 
 #[test]
 fn single_scattering_misses_three_tenths_of_a_rough_mirror() {
-    let rough = FURNACES[0].stops[0].beyond_order_1();
+    let rough = FURNACES[0].incidences[0].beyond_order_1();
     let (missed, se) = (rough.0.expect("all light is seen"), rough.1.expect("several realisations"));
     // Smith's single-bounce albedo at alpha 0.5, theta 0 is 0.68785 (tests/data/reference_albedo.csv). A real surface
     // differs from it by no more than its flux-weighted discrepancy, 0.009 at this angle (docs/physics.md), and by noise.
@@ -136,7 +141,7 @@ fn a_darker_material_reflects_less_at_every_order() {
     let light = "azimuth = \"relative\"";
     let white = &furnace("ggx]\nalpha = 0.8", light, "")[0];
     let grey = &furnace("ggx]\nalpha = 0.8", light, "[optics]\nf0 = [0.5, 0.5, 0.5]")[0];
-    for (white, grey) in white.stops.iter().zip(&grey.stops) {
+    for (white, grey) in white.incidences.iter().zip(&grey.incidences) {
         // The same paths: the comparison is exact, realisation by realisation.
         assert_eq!(white.orders, grey.orders);
         for (order, (white, grey)) in white.albedo_by_order.iter().zip(&grey.albedo_by_order).enumerate() {
@@ -154,7 +159,7 @@ fn a_darker_material_reflects_less_at_every_order() {
 
 #[test]
 fn lit_minus_turned_away_area_is_the_area_seen_from_the_light() {
-    let id = StreamId { seed: 3, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 };
+    let id = StreamId { seed: 3, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 };
     for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann] {
         let field = Synthesiser::new(law, 64, 4.0).patch(&mut rng::stream(id));
         for (theta_deg, phi_deg) in [(0.0, 0.0), (50.0, 20.0), (85.0, 300.0)] {

@@ -11,7 +11,7 @@ use crate::support::measuring::{hits_of, measured_one, test_rng};
 
 const SAMPLES: f64 = 65_536.0;
 
-/// 8 x 5 light stops at random angles, increasing.
+/// 8 x 5 incidences at random angles, increasing.
 fn angles(seed: u64) -> (Vec<f64>, Vec<f64>) {
     let mut rng = test_rng(seed);
     let mut sorted = |count: usize, scale: f64| {
@@ -42,21 +42,22 @@ fn bin_of(sensor: &Sensor, grid: &Grid, wo: DVec3) -> usize {
     found[0]
 }
 
-/// Flux in each bin of a stop from the table's colour.
-fn flux(measured: &Measured, stop: usize, colour: usize) -> Vec<f64> {
+/// Flux in each bin of an incidence from the table's colour.
+fn flux(measured: &Measured, incidence: usize, colour: usize) -> Vec<f64> {
     let grid = &measured.table.grid;
-    let values = &measured.table.colours[colour].single[stop * grid.bins()..(stop + 1) * grid.bins()];
-    let bins = grid.regions(stop);
+    let values =
+        &measured.table.colours[colour].single[incidence * grid.bins()..(incidence + 1) * grid.bins()];
+    let bins = grid.regions(incidence);
     values.iter().zip(&bins).map(|(&f, bin)| f64::from(f) * bin.projected_solid_angle()).collect()
 }
 
-/// Checks every stop of a groove table; returns the largest deviation in binomial standard errors.
+/// Checks every incidence of a groove table; returns the largest deviation in binomial standard errors.
 fn check_groove(measured: &Measured, slope: f64, rotation_deg: f64) -> f64 {
     let grid = &measured.table.grid;
     let sensor = Sensor::new(grid);
     let mut largest = 0.0f64;
-    for stop in 0..grid.stops() {
-        let wi = grid.wi(stop);
+    for incidence in 0..grid.incidences() {
+        let wi = grid.wi(incidence);
         let lobes = v_groove_lobes(slope, rotation_deg.to_radians(), wi);
         // Flux that the starts stand for, lit or not: the area turned to the light over the area seen.
         let across = slope * sphere::turned(wi, (-rotation_deg).to_radians().sin_cos()).x.abs();
@@ -65,9 +66,13 @@ fn check_groove(measured: &Measured, slope: f64, rotation_deg: f64) -> f64 {
         for lobe in lobes.iter().filter(|lobe| lobe.flux > 0.0) {
             expected[bin_of(&sensor, grid, lobe.wo)] += lobe.flux;
         }
-        for (bin, (&found, &expected)) in flux(measured, stop, 0).iter().zip(&expected).enumerate() {
+        for (bin, (&found, &expected)) in flux(measured, incidence, 0).iter().zip(&expected).enumerate() {
             if expected == 0.0 {
-                assert_eq!((found, hits_of(measured, stop)[bin]), (0.0, 0), "stop {stop}, bin {bin}");
+                assert_eq!(
+                    (found, hits_of(measured, incidence)[bin]),
+                    (0.0, 0),
+                    "incidence {incidence}, bin {bin}"
+                );
                 continue;
             }
             let share = (expected / started).min(1.0);
@@ -77,7 +82,7 @@ fn check_groove(measured: &Measured, slope: f64, rotation_deg: f64) -> f64 {
             let off = (found - expected).abs();
             assert!(
                 off <= 4.0 * sigma + rounding,
-                "slope {slope}, stop {stop}: {found} {expected} +- {sigma}"
+                "slope {slope}, incidence {incidence}: {found} {expected} +- {sigma}"
             );
             if share < 1.0 - 1e-9 {
                 largest = largest.max(off / sigma);
@@ -103,15 +108,15 @@ fn the_mirror_sends_everything_into_one_bin() {
     let measured = shape("mirror]", 17.0, 5, "");
     let grid = &measured.table.grid;
     let sensor = Sensor::new(grid);
-    for stop in 0..grid.stops() {
-        let wi = grid.wi(stop);
+    for incidence in 0..grid.incidences() {
+        let wi = grid.wi(incidence);
         let specular = bin_of(&sensor, grid, DVec3::new(-wi.x, -wi.y, wi.z));
-        for (bin, found) in flux(&measured, stop, 0).into_iter().enumerate() {
+        for (bin, found) in flux(&measured, incidence, 0).into_iter().enumerate() {
             let expected = if bin == specular { 1.0 } else { 0.0 };
             // All starts, so no statistics: rounding to f32 and back.
-            assert!((found - expected).abs() <= 2e-7 * expected, "stop {stop}, bin {bin}: {found}");
+            assert!((found - expected).abs() <= 2e-7 * expected, "incidence {incidence}, bin {bin}: {found}");
         }
-        assert_eq!(hits_of(&measured, stop)[specular], 65_536);
+        assert_eq!(hits_of(&measured, incidence)[specular], 65_536);
     }
 }
 
@@ -125,8 +130,8 @@ fn the_light_sees_a_groove_as_torrance_and_sparrow_say() {
          [light]\ntheta_i_deg = [20, 75]\nazimuth = \"absolute\"\nphi_i_deg = [0, 180]\n\
          [sensor.hemisphere]\n[stop]\nsamples = {SAMPLES}\n"
     ));
-    for (stop, result) in measured.stops.iter().enumerate() {
-        let tan = measured.table.grid.stop_deg(stop).0.to_radians().tan();
+    for (incidence, result) in measured.incidences.iter().enumerate() {
+        let tan = measured.table.grid.incidence_deg(incidence).0.to_radians().tan();
         let classes = result.seen_by_slope.as_ref().expect("heights are started on everywhere");
         let starts: u64 = classes.iter().map(|class| class.starts).sum();
         assert_eq!(starts, result.samples * measured.realisations.parts.len() as u64);
@@ -139,7 +144,7 @@ fn the_light_sees_a_groove_as_torrance_and_sparrow_say() {
                 (starts + more, seen + more * class.share.unwrap_or(0.0))
             });
             if far && slope * tan > 1.0 {
-                assert_eq!(starts, 0.0, "stop {stop}");
+                assert_eq!(starts, 0.0, "incidence {incidence}");
                 continue;
             }
             let expected = if slope * tan > 1.0 { 2.0 / (1.0 + slope * tan) } else { 1.0 };
@@ -148,7 +153,7 @@ fn the_light_sees_a_groove_as_torrance_and_sparrow_say() {
             let share = seen / starts;
             assert!(
                 (share - expected).abs() <= 4.0 * sigma + 1e-12,
-                "stop {stop}: {share} {expected} +- {sigma}"
+                "incidence {incidence}: {share} {expected} +- {sigma}"
             );
         }
     }
@@ -163,23 +168,26 @@ fn the_right_angled_groove_sends_light_from_the_zenith_back_at_order_two() {
              [light]\ntheta_i_deg = [0]\nazimuth = \"absolute\"\nphi_i_deg = [0]\n\
              [sensor.hemisphere]\n[trace]\nbounces = 4\n[stop]\nsamples = {SAMPLES}\n"
         ));
-        let stop = &measured.stops[0];
+        let incidence = &measured.incidences[0];
         // A side's start within rounding (1e-16 of a cell) of the ridge may pass it level.
-        assert_eq!((stop.orders.as_slice(), stop.cut, stop.hidden), ([0, 65_536, 0, 0].as_slice(), 0, 0));
+        assert_eq!(
+            (incidence.orders.as_slice(), incidence.cut, incidence.hidden),
+            ([0, 65_536, 0, 0].as_slice(), 0, 0)
+        );
         let around_the_zenith: u32 = hits_of(&measured, 0)[..36].iter().sum();
         assert_eq!(around_the_zenith, 65_536);
     }
 }
 
-/// The lobes of a stop, where each has a bin of its own.
+/// The lobes of an incidence, where each has a bin of its own.
 fn lobes_apart(
     grid: &Grid,
     sensor: &Sensor,
-    stop: usize,
+    incidence: usize,
     slope: f64,
     rotation_deg: f64,
 ) -> Vec<(usize, DVec3)> {
-    let lobes = v_groove_lobes(slope, rotation_deg.to_radians(), grid.wi(stop));
+    let lobes = v_groove_lobes(slope, rotation_deg.to_radians(), grid.wi(incidence));
     let seen: Vec<&GrooveLobe> = lobes.iter().filter(|lobe| lobe.flux > 1e-3).collect();
     let bins: Vec<(usize, DVec3)> =
         seen.iter().map(|lobe| (bin_of(sensor, grid, lobe.wo), lobe.wo)).collect();
@@ -195,16 +203,19 @@ fn schlick_weighs_each_side_by_its_own_angle() {
     let grid = &white.table.grid;
     let sensor = Sensor::new(grid);
     let mut compared = 0;
-    for stop in 0..grid.stops() {
-        for (bin, wo) in lobes_apart(grid, &sensor, stop, 0.5, 33.25) {
-            let wi = grid.wi(stop);
+    for incidence in 0..grid.incidences() {
+        for (bin, wo) in lobes_apart(grid, &sensor, incidence, 0.5, 33.25) {
+            let wi = grid.wi(incidence);
             // Independent of the program's form: c from the half vector by acos and cos.
             let c = (0.5 * wi.dot(wo).clamp(-1.0, 1.0).acos()).cos();
             for (colour, f0) in f0.into_iter().enumerate() {
                 let expected = f0 + (1.0 - f0) * (1.0 - c).powi(5);
                 // The same hits, so no statistics: the ratio of two values rounded to f32.
-                let found = flux(&material, stop, colour)[bin] / flux(&white, stop, 0)[bin];
-                assert!((found / expected - 1.0).abs() < 4e-7, "stop {stop}, f0 {f0}: {found} {expected}");
+                let found = flux(&material, incidence, colour)[bin] / flux(&white, incidence, 0)[bin];
+                assert!(
+                    (found / expected - 1.0).abs() < 4e-7,
+                    "incidence {incidence}, f0 {f0}: {found} {expected}"
+                );
                 compared += 1;
             }
         }

@@ -36,12 +36,12 @@ fn of_many_patches(base: &str) -> Measured {
 fn the_bare_plane_is_in_the_mirror_bin() {
     let (mirror, absorbing) = (of_many_patches("mirror"), of_many_patches("absorbing"));
     let grid = &mirror.table.grid;
-    for stop in 0..grid.stops() {
-        let (theta, phi) = grid.stop_deg(stop);
-        let sizes = grid.sizes(stop);
+    for incidence in 0..grid.incidences() {
+        let (theta, phi) = grid.incidence_deg(incidence);
+        let sizes = grid.sizes(incidence);
         let flux = |measured: &Measured, realisation: usize, bin: usize| {
             let part = &measured.realisations.parts[realisation];
-            f64::from(part.single[0][stop * sizes.len() + bin]) * sizes[bin]
+            f64::from(part.single[0][incidence * sizes.len() + bin]) * sizes[bin]
         };
         let mirror_bin = (theta / 5.0) as usize * 36 + ((phi + 180.0) % 360.0 / 10.0) as usize;
         let difference = |k: usize, bin: usize| flux(&mirror, k, bin) - flux(&absorbing, k, bin);
@@ -65,11 +65,11 @@ fn every_sample_has_one_fate() {
     for base in ["mirror", "absorbing"] {
         let surface = format!("coverage = 0.9\nalpha = 0.5\nbase = \"{base}\"");
         let measured = measured_one(&text(&surface, "theta_i_deg = [0, 60, 80]", 16, 4));
-        for stop in &measured.stops {
-            let out = stop.orders.iter().sum::<u64>();
-            assert_eq!(out + stop.cut + stop.hidden + stop.absorbed, 4 * 65_536);
-            assert_eq!(stop.absorbed > 0, base == "absorbing");
-            let (mean, se) = stats::mean_and_se(stop.closure.iter().copied());
+        for incidence in &measured.incidences {
+            let out = incidence.orders.iter().sum::<u64>();
+            assert_eq!(out + incidence.cut + incidence.hidden + incidence.absorbed, 4 * 65_536);
+            assert_eq!(incidence.absorbed > 0, base == "absorbing");
+            let (mean, se) = stats::mean_and_se(incidence.closure.iter().copied());
             // Orders, cut and absorbed light add up to what falls on the patch: in the mean of the samples' positions.
             // Four patches: Student's t at 1e-3 with 3 degrees is 12.9; six values.
             // Rays from above carry all of it, but for rounding.
@@ -102,10 +102,10 @@ fn extremes_end_and_lose_nothing() {
                 (plan.block_starts, plan.samples) = (4096, 4096);
                 plan.total_samples /= 16;
             });
-            for stop in &measured.stops {
-                let ended = stop.orders.iter().sum::<u64>() + stop.cut + stop.hidden;
+            for incidence in &measured.incidences {
+                let ended = incidence.orders.iter().sum::<u64>() + incidence.cut + incidence.hidden;
                 assert_eq!(ended, 2 * 4096, "{alpha} {coverage}");
-                assert!(stop.closure.iter().all(|closure| closure.is_finite()), "{alpha} {coverage}");
+                assert!(incidence.closure.iter().all(|closure| closure.is_finite()), "{alpha} {coverage}");
             }
         }
     }

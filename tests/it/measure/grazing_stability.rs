@@ -36,8 +36,9 @@ fn all_finite(measured: &Measured) {
     let values = colours.flat_map(|c| [&c.total, &c.single, &c.stderr, &c.stderr_single]).flatten();
     assert!(values.clone().all(|value| value.is_finite()), "{}", measured.campaign.name);
     assert!(measured.table.colours.iter().all(|c| c.total.iter().chain(&c.single).all(|&f| f >= 0.0)));
-    let stops = measured.stops.iter();
-    let shares = stops.flat_map(|stop| stop.albedo_by_order.iter().flatten().chain(&stop.closure));
+    let incidences = measured.incidences.iter();
+    let shares =
+        incidences.flat_map(|incidence| incidence.albedo_by_order.iter().flatten().chain(&incidence.closure));
     assert!(shares.clone().all(|share| share.is_finite() && *share >= 0.0));
 }
 
@@ -51,7 +52,7 @@ fn few_arrivals_of_one_realisation_break_no_law() {
         let violations = |table: &BrdfTable| Energy::of(table, true).violations;
         // At 89.99 degrees and alpha 2 some 10 of 65,536 starts are lit: their flux is known to a third of itself.
         assert_eq!(violations(&measured.table), 0);
-        // Power: a tenth too much is seen at the two stops near the normal, where all starts leave.
+        // Power: a tenth too much is seen at the two incidences near the normal, where all starts leave.
         let mut brighter = measured.table.clone();
         brighter.colours[0].total.iter_mut().for_each(|f| *f *= 1.1);
         assert!(violations(&brighter) >= 2);
@@ -65,25 +66,25 @@ fn nothing_is_lost_and_nothing_is_infinite_however_grazing_the_light() {
     for measured in STRESSED.iter() {
         tables += 1;
         all_finite(measured);
-        for (index, stop) in measured.stops.iter().enumerate() {
+        for (index, incidence) in measured.incidences.iter().enumerate() {
             // A lost ray is an error of `measure`; of the others none is counted twice or forgotten.
-            let leave = stop.orders.iter().sum::<u64>() + stop.cut;
-            assert_eq!((stop.hidden + leave, stop.left_map), (BLOCK, 0));
+            let leave = incidence.orders.iter().sum::<u64>() + incidence.cut;
+            assert_eq!((incidence.hidden + leave, incidence.left_map), (BLOCK, 0));
             // A torus shows the light its projected area exactly, so the lit starts carry flux 1 in the mean over
             // the draw, on every patch. All starts carry the same flux, so it is closure/leave; that of independent
             // starts would vary by the root of their number, systematic ones by less. Fails by chance in fewer than
-            // 1 run of 100 (4.5 deviations, 40 stops, Poisson's tail at the 10 starts of the steepest). Power: a
-            // tenth of the light lost would be seen wherever more than 2000 starts are lit (25 stops).
-            let off = (stop.closure[0] - 1.0).abs() * (leave as f64 / stop.closure[0]).sqrt();
+            // 1 run of 100 (4.5 deviations, 40 incidences, Poisson's tail at the 10 starts of the steepest). Power: a
+            // tenth of the light lost would be seen wherever more than 2000 starts are lit (25 incidences).
+            let off = (incidence.closure[0] - 1.0).abs() * (leave as f64 / incidence.closure[0]).sqrt();
             largest = largest.max(off);
-            assert!(off < 4.5, "stop {index}: closure {} of {leave} lit starts", stop.closure[0]);
+            assert!(off < 4.5, "incidence {index}: closure {} of {leave} lit starts", incidence.closure[0]);
         }
     }
     println!("{tables} tables: closure off by at most {largest:.2} deviations");
     assert_eq!(tables, 6);
 }
 
-/// What the light's rays of one stop cost.
+/// What the light's rays of one incidence cost.
 #[derive(Default)]
 struct Cost {
     escaped: u64,
@@ -184,7 +185,7 @@ fn bits(measured: &Measured) -> String {
     let values = colours.flat_map(|c| [&c.total, &c.single, &c.stderr, &c.stderr_single]).flatten();
     let values: Vec<u32> = values.map(|value| value.to_bits()).collect();
     // `{:?}` of an f64 is the shortest text that reads back the same.
-    format!("{values:?} {:?} {:?}", measured.table.hits, measured.stops)
+    format!("{values:?} {:?} {:?}", measured.table.hits, measured.incidences)
 }
 
 #[test]

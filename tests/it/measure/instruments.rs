@@ -134,7 +134,7 @@ fn parsed(text: &str) -> Parsed {
 fn check_says_what_the_apertures_do() {
     let text = smith(4.0, "");
     let found = worst(&parsed(&text).campaign).expect("an aperture");
-    assert_eq!((found.theta_i_deg, found.stops), (30.0, 1));
+    assert_eq!((found.theta_i_deg, found.incidences), (30.0, 1));
     assert!((found.bias - ggx_bias(0.1, 0.0, 4.0)).abs() < 1e-12);
     assert!((found.bias_of_half - ggx_bias(0.1, 0.0, 2.0)).abs() < 1e-12);
     let mirror = text.replace("[surface.smith]\nalpha = 0.1", "[surface.mirror]");
@@ -175,33 +175,33 @@ fn presets_stand_for_the_geometry_of_their_instruments() {
         assert_eq!((&again.campaign, again.preset), (&parsed.campaign, None), "{written}");
         let preset = parsed.preset.expect("named");
         assert!(preset.source.chars().any(|c| c.is_ascii_digit()) || preset.name == "in_plane");
-        (grid.stops(), grid.bins(), grid)
+        (grid.incidences(), grid.bins(), grid)
     };
-    let (stops, bins, utia) = geometry("name = \"utia\"");
-    assert_eq!((stops, bins, utia.phi_r_relative), (288, 288, false));
-    assert_eq!((utia.stop_deg(287), utia.aperture_deg), ((75.0, 352.5), Some(2.0)));
-    let (stops, bins, klems) = geometry("name = \"klems_full\"");
-    assert_eq!((stops, bins, klems.kind), (145, 145, GridKind::Patches));
+    let (incidences, bins, utia) = geometry("name = \"utia\"");
+    assert_eq!((incidences, bins, utia.phi_r_relative), (288, 288, false));
+    assert_eq!((utia.incidence_deg(287), utia.aperture_deg), ((75.0, 352.5), Some(2.0)));
+    let (incidences, bins, klems) = geometry("name = \"klems_full\"");
+    assert_eq!((incidences, bins, klems.kind), (145, 145, GridKind::Patches));
     let sum: f64 = klems.regions(0).iter().map(Region::projected_solid_angle).sum();
     // 145 terms of size below 0.1, each right to a few ulp.
     assert!((sum - std::f64::consts::PI).abs() < 145.0 * f64::EPSILON, "{sum}");
     let middles: Vec<f64> = parsed(&with_preset("name = \"klems_full\"", 1)).campaign.light.theta_i_deg;
     assert!(FULL.iter().zip(&middles).skip(1).all(|(ring, middle)| 0.5 * (ring.0 + ring.1) == *middle));
-    let (stops, bins, onera) = geometry("name = \"onera\"");
-    assert_eq!((stops, bins, onera.phi_r_relative), (5, 7 * 13, true));
+    let (incidences, bins, onera) = geometry("name = \"onera\"");
+    assert_eq!((incidences, bins, onera.phi_r_relative), (5, 7 * 13, true));
     assert_eq!((onera.theta_r_deg[6], onera.phi_r_deg[12]), (60.0, 180.0));
-    let (stops, bins, rosi) =
+    let (incidences, bins, rosi) =
         geometry("name = \"rosi\"\ntheta_i_deg = [45]\ntheta_r_deg = [-45, 0]\nphi_r_deg = [90, 180]");
-    assert_eq!((stops, bins, rosi.aperture_deg), (1, 4, Some(0.5)));
-    let (stops, bins, _) = geometry("name = \"in_plane\"");
-    assert_eq!((stops, bins), (6, 171));
-    let (stops, bins, rgl) = geometry("name = \"rgl\"\ntheta_i_count = 5");
-    assert_eq!((stops, bins, rgl.theta_i_deg), (5, 46 * 120, vec![0.0, 5.0, 20.0, 45.0, 80.0]));
-    let (stops, bins, merl) = geometry("name = \"merl\"");
-    assert_eq!((stops, bins, merl.kind), (18, 46 * 180, GridKind::Hemisphere));
+    assert_eq!((incidences, bins, rosi.aperture_deg), (1, 4, Some(0.5)));
+    let (incidences, bins, _) = geometry("name = \"in_plane\"");
+    assert_eq!((incidences, bins), (6, 171));
+    let (incidences, bins, rgl) = geometry("name = \"rgl\"\ntheta_i_count = 5");
+    assert_eq!((incidences, bins, rgl.theta_i_deg), (5, 46 * 120, vec![0.0, 5.0, 20.0, 45.0, 80.0]));
+    let (incidences, bins, merl) = geometry("name = \"merl\"");
+    assert_eq!((incidences, bins, merl.kind), (18, 46 * 180, GridKind::Hemisphere));
 }
 
-/// With 512 starts for each stop: enough for a table that is not empty.
+/// With 512 starts for each incidence: enough for a table that is not empty.
 fn quickly_measured(text: &str) -> Measured {
     measured_with(text, |plan| {
         (plan.samples, plan.block_starts) = (512, 512);

@@ -48,11 +48,11 @@ fn all_light_of_a_mirror_under_a_spike_is_within_one_error_bar() {
     let expected = f64::from(clean.total[mirror]) / 3f64.sqrt();
     let found = f64::from(table.stderr[mirror]);
     assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
-    let stop = &spiked.stops[1];
-    assert_eq!((stop.left_map, stop.orders[0]), (4 * 65_536, 0));
+    let incidence = &spiked.incidences[1];
+    assert_eq!((incidence.left_map, incidence.orders[0]), (4 * 65_536, 0));
     // Every path carries its share of 1 in units of 2^-90.
-    assert!((stop.lost_light[1] - 1.0).abs() < 1e-12, "{:?}", stop.lost_light);
-    let (albedo, se) = stop.total();
+    assert!((incidence.lost_light[1] - 1.0).abs() < 1e-12, "{:?}", incidence.lost_light);
+    let (albedo, se) = incidence.total();
     assert_eq!(albedo, Some(0.0));
     assert!((se.expect("covered") - (1.0f64 / 3.0).sqrt()).abs() < 1e-12);
 }
@@ -68,7 +68,7 @@ fn waves(x: f64, y: f64) -> f64 {
 
 /// Paths that cross the edge of the spiked map are those that the clean map follows to their ends, or loses as well:
 /// each bin of the clean map lies between the spiked one's value and its bound. Starts keep a quarter of the map from
-/// the edge in both cases, for shadows of 75 degrees reach that far. From there the spike, which does stop some rays, is
+/// the edge in both cases, for shadows of 75 degrees reach that far. From there the spike, which does incidence some rays, is
 /// seen at azimuths of 197 to 252 degrees: those bins are left out, and the light comes from elsewhere.
 #[test]
 fn what_a_spike_hides_is_within_the_bounds_bin_by_bin() {
@@ -102,11 +102,12 @@ fn what_a_spike_hides_is_within_the_bounds_bin_by_bin() {
 fn fates_of_paths_on_an_open_map_add_up() {
     let light = "[light]\ntheta_i_deg = [0, 75]\nazimuth = \"absolute\"\nphi_i_deg = [20]";
     let measured = measured(waves, 30.0, &format!("{light}\n[trace]\nbounces = 4\nby_order = true"));
-    for stop in &measured.stops {
-        let fates = stop.hidden + stop.orders.iter().sum::<u64>() + stop.cut + stop.left_map;
-        assert_eq!(fates, stop.samples * 4);
+    for incidence in &measured.incidences {
+        let fates =
+            incidence.hidden + incidence.orders.iter().sum::<u64>() + incidence.cut + incidence.left_map;
+        assert_eq!(fates, incidence.samples * 4);
     }
-    assert!(measured.stops[1].left_map > 0);
+    assert!(measured.incidences[1].left_map > 0);
 }
 
 #[test]

@@ -101,8 +101,9 @@ fn a_recoloured_table_is_the_traced_one() {
             // f32: one rounding of the two sums, one of each realisation, one of the mean, 6e-8 each.
             near(&table, &wanted.table, 1e-6);
             parts_near(&parts, &wanted.realisations, 1e-6);
-            for (stop, result) in wanted.stops.iter().enumerate() {
-                let albedo = (0..3).map(|c| flux(&table, stop, &table.colours[c].total)).sum::<f64>() / 3.0;
+            for (incidence, result) in wanted.incidences.iter().enumerate() {
+                let albedo =
+                    (0..3).map(|c| flux(&table, incidence, &table.colours[c].total)).sum::<f64>() / 3.0;
                 let wanted = gonio::stats::mean(&result.albedo_by_order[0]);
                 assert!((albedo - wanted).abs() <= 1e-6 * wanted, "{albedo} {wanted}");
             }
@@ -119,9 +120,9 @@ fn a_recoloured_table_is_the_traced_one() {
     }
 }
 
-fn flux(table: &BrdfTable, stop: usize, values: &[f32]) -> f64 {
-    let regions = table.grid.regions(stop);
-    let here = values[stop * table.grid.bins()..].iter().zip(&regions);
+fn flux(table: &BrdfTable, incidence: usize, values: &[f32]) -> f64 {
+    let regions = table.grid.regions(incidence);
+    let here = values[incidence * table.grid.bins()..].iter().zip(&regions);
     here.map(|(&value, region)| f64::from(value) * region.projected_solid_angle()).sum()
 }
 
@@ -154,7 +155,7 @@ fn orders_follow_from_their_parts() {
 fn materials_of_one_pass_are_those_of_separate_runs() {
     let bytes = |m: &Measured| {
         let parts = realisations::encode(&m.realisations, &m.table, 1).expect("encodes");
-        (store::encode(&m.table).expect("encodes"), parts, format!("{:?}", m.stops))
+        (store::encode(&m.table).expect("encodes"), parts, format!("{:?}", m.incidences))
     };
     for (law, bounces) in [("exact", 1), ("exact", 3), ("schlick", 2)] {
         let trace = format!("bounces = {bounces}");
@@ -182,7 +183,7 @@ fn a_mirror_reflects_what_fresnels_equations_say() {
     ] {
         let m = measured_one(&mirror("[0, 40, 75, 89]", &optics(&format!("{keys}\nfresnel = \"exact\""))));
         let reflectances = reflectances_of(&m.campaign.optics);
-        for (result, theta) in m.stops.iter().zip([0.0, 40.0, 75.0, 89.0]) {
+        for (result, theta) in m.incidences.iter().zip([0.0, 40.0, 75.0, 89.0]) {
             let (sin, cos) = sin_cos_deg(theta);
             let at = |r: &gonio::optics::reflectance::Reflectance| r.at(FacetAngle { cos, sin2: sin * sin });
             let wanted = reflectances.iter().map(at).sum::<f64>() / reflectances.len() as f64;
@@ -208,7 +209,7 @@ fn s_and_p_tables_add_up_to_the_unpolarised_one() {
     // Brewster's angle, atan 1.5: R_p = 0 and R_s = ((n^2-1)/(n^2+1))^2, in closed form.
     let brewster = 1.5f64.atan().to_degrees();
     let at_brewster = measured(&mirror(&format!("[{brewster}]"), &keys("[\"s\", \"p\"]")));
-    let [s, p] = [0, 1].map(|k| gonio::stats::mean(&at_brewster[k].stops[0].albedo_by_order[0]));
+    let [s, p] = [0, 1].map(|k| gonio::stats::mean(&at_brewster[k].incidences[0].albedo_by_order[0]));
     assert!((s - (1.25f64 / 3.25).powi(2)).abs() < 1e-12 && p < 1e-24, "{s} {p}");
 }
 
@@ -281,7 +282,7 @@ fn schlick_is_exact_at_normal_and_grazing_incidence_alone() {
     let g = 1.5f64.sqrt();
     let exact = 0.5 * ((1.25 / (0.5 + g).powi(2)).powi(2) + (1.25 * 0.1875 / (1.125 + g).powi(2)).powi(2));
     let schlick = 0.04 + 0.96 / 32.0;
-    let [normal, oblique] = &error.stops[..] else { panic!() };
+    let [normal, oblique] = &error.incidences[..] else { panic!() };
     // f32 table: 6e-8 relative, three roundings.
     assert!((normal.albedo_exact - 0.04).abs() < 1e-8 && (normal.albedo_schlick - 0.04).abs() < 1e-8);
     assert!((oblique.albedo_exact - exact).abs() < 3e-8, "{oblique:?}");
@@ -289,7 +290,7 @@ fn schlick_is_exact_at_normal_and_grazing_incidence_alone() {
     assert!((oblique.l1 - (exact - schlick) / exact).abs() < 1e-6, "{oblique:?}");
     // A name under Schlick's formula: only the formulae are compared.
     let gold = measured_one(&mirror("[0]", &optics("material = \"gold\"")));
-    assert!(SchlickError::of(&gold.campaign, &gold.table).expect("known").stops.is_empty());
+    assert!(SchlickError::of(&gold.campaign, &gold.table).expect("known").incidences.is_empty());
     let skin = measured_one(&mirror("[0]", &optics("material = \"skin\"")));
     assert!(SchlickError::of(&skin.campaign, &skin.table).is_none());
 }

@@ -31,7 +31,7 @@ fn bits(measured: &[Measured]) -> Vec<String> {
         let parts = m.realisations.parts.iter().flat_map(|part| part.total.iter().chain(&part.single));
         let values: Vec<u32> = colours.chain(parts).flatten().map(|v| v.to_bits()).collect();
         // `{:?}` of an f64 is the shortest text that reads back the same.
-        format!("{digest} {} {values:?} {:?} {:?}", m.table.patch_digest, m.table.hits, m.stops)
+        format!("{digest} {} {values:?} {:?} {:?}", m.table.patch_digest, m.table.hits, m.incidences)
     };
     measured.iter().map(one).collect()
 }
@@ -60,7 +60,7 @@ fn the_table_is_identical_for_any_thread_count() {
 }
 
 #[test]
-fn a_further_stop_leaves_the_others_as_they_were() {
+fn a_further_incidence_leaves_the_others_as_they_were() {
     let (few, more) = (
         measured_one(&campaign(1, "alpha = 0.3", LIGHT)),
         measured_one(&campaign(1, "alpha = 0.3", "theta_i_deg = [10, 20, 35, 50]")),
@@ -86,8 +86,8 @@ fn a_roughness_in_a_list_is_measured_as_if_alone() {
 fn another_seed_gives_another_table() {
     let [a, b] = [1, 2].map(|seed| measured_one(&campaign(seed, "alpha = 0.3", LIGHT)));
     assert_ne!(a.table.patch_digest, b.table.patch_digest);
-    for stop in 0..2 {
-        assert_ne!(hits_of(&a, stop), hits_of(&b, stop));
+    for incidence in 0..2 {
+        assert_ne!(hits_of(&a, incidence), hits_of(&b, incidence));
     }
     // Seeds that differ in the highest bit only are different seeds.
     let high = measured_one(&campaign(1 | 1 << 63, "alpha = 0.3", LIGHT));

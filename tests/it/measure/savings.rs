@@ -35,15 +35,15 @@ impl Counted {
     }
 
     /// Paths of all incidences that ended so.
-    fn paths(&self, of: impl Fn(&measure::StopResult) -> u64) -> u64 {
-        self.table.stops.iter().map(of).sum()
+    fn paths(&self, of: impl Fn(&measure::IncidenceResult) -> u64) -> u64 {
+        self.table.incidences.iter().map(of).sum()
     }
 
     /// Checks the saving of this name; `all`: the same campaign with light in all directions followed.
     fn check(&self, what: &str, saves: &str, all: Option<&Counted>) {
         let Counted { plan, cost, table } = self;
         let traced = cost.rays_traced;
-        let outside = self.paths(|stop| stop.outside);
+        let outside = self.paths(|incidence| incidence.outside);
         match what {
             // Three would be: from above, towards the light, and towards the sensor.
             "primary rays" | "the light's ray of each sample" => {
@@ -52,14 +52,17 @@ impl Counted {
             "all rays" => assert_eq!(traced, 0),
             "the sensor's ray of paths that go down at the last order" => {
                 let followed = self.starts() - outside;
-                let sent = self.paths(|stop| stop.orders[0] + stop.cut);
+                let sent = self.paths(|incidence| incidence.orders[0] + incidence.cut);
                 let not_sent = followed + sent - traced;
                 // Between the walls of grooves so flat none goes down, and none into an aperture.
                 let none = plan.apertures_only || plan.start_sampler.name() == "by_place";
                 // A start that a grain buries has no light's ray either.
-                let buried =
-                    if plan.start_sampler.name() == "on_grains" { self.paths(|stop| stop.hidden) } else { 0 };
-                let most = self.paths(|stop| stop.cut) + buried;
+                let buried = if plan.start_sampler.name() == "on_grains" {
+                    self.paths(|incidence| incidence.hidden)
+                } else {
+                    0
+                };
+                let most = self.paths(|incidence| incidence.cut) + buried;
                 assert!((none || not_sent > 0) && not_sent <= most, "{not_sent}");
                 assert_eq!(not_sent, cost.rays_skipped - 2 * outside);
             }
@@ -80,25 +83,29 @@ impl Counted {
             }
             "half of the directions" => {
                 let folded = plan.folded.iter().filter(|&&folded| folded).count();
-                assert!(saves.contains(&format!("{folded} of {} incidences", plan.stops)), "{saves}");
-                let hits = |stop: usize| -> u64 {
-                    table.table.hits[stop * plan.bins..][..plan.bins]
+                assert!(saves.contains(&format!("{folded} of {} incidences", plan.incidences)), "{saves}");
+                let hits = |incidence: usize| -> u64 {
+                    table.table.hits[incidence * plan.bins..][..plan.bins]
                         .iter()
                         .map(|&hits| u64::from(hits))
                         .sum()
                 };
                 // The bins of a hemisphere hold every path, once or on both sides.
-                for stop in (0..plan.stops).filter(|_| !plan.apertures_only && plan.bins == 7 * 12) {
-                    let sides = if plan.folded[stop] { 2 } else { 1 };
-                    assert_eq!(hits(stop), sides * table.stops[stop].orders.iter().sum::<u64>());
+                for incidence in (0..plan.incidences).filter(|_| !plan.apertures_only && plan.bins == 7 * 12)
+                {
+                    let sides = if plan.folded[incidence] { 2 } else { 1 };
+                    assert_eq!(
+                        hits(incidence),
+                        sides * table.incidences[incidence].orders.iter().sum::<u64>()
+                    );
                 }
             }
             "the light's ray of starts that another grain buries" => {
-                let hidden = self.paths(|stop| stop.hidden);
+                let hidden = self.paths(|incidence| incidence.hidden);
                 // Of grains that cover a fifth of the plane by themselves, a tenth is buried: ln(1/0.8)/0.2 - 1.
                 assert!(
                     cost.rays_skipped > self.starts() / 200
-                        && cost.rays_skipped <= hidden + self.paths(|stop| stop.cut)
+                        && cost.rays_skipped <= hidden + self.paths(|incidence| incidence.cut)
                 );
             }
             // Nothing that rays are counted of.

@@ -1,7 +1,7 @@
 //! Promise: what the plan leaves out changes nothing: not a byte where the samples are the same, nothing beyond the
 //! errors where they differ.
 //!
-//! Further skips are held elsewhere: no primary rays in `fair_starts.rs`, patches shared by roughnesses and stops in
+//! Further skips are held elsewhere: no primary rays in `fair_starts.rs`, patches shared by roughnesses and incidences in
 //! `reproducibility.rs`, lanes against the f64 walk in `lanes.rs`.
 
 use std::sync::OnceLock;
@@ -34,7 +34,7 @@ const HEMISPHERE: &str = "[sensor.hemisphere]\ntheta_r_bins = 6\nphi_r_bins = 12
 const ARM: &str =
     "[sensor.arm]\ntheta_r_deg = [-40, 0, 20, 23, 60, 84]\nphi_r_deg = [150, 180]\naperture_deg = 3";
 
-/// 16 patches of 128 x 128 cells, two blocks for each stop.
+/// 16 patches of 128 x 128 cells, two blocks for each incidence.
 fn campaign(surface: &str, light: &str, sensor: &str, more: &str) -> String {
     format!(
         "name = \"skips\"\nseed = 5\n[surface]\nrealisations = 16\ncells = 128\ncorrelation_cells = 8.0\n\
@@ -88,9 +88,13 @@ fn same_bytes(a: &Measured, b: &Measured) -> bool {
 
 /// Starts = hidden + orders + cut + left map + outside (+ lost = 0), as integers.
 fn starts_close(measured: &Measured) {
-    for stop in &measured.stops {
-        let seen = stop.orders.iter().sum::<u64>() + stop.cut + stop.hidden + stop.left_map + stop.outside;
-        assert_eq!(seen, stop.samples * measured.realisations.parts.len() as u64);
+    for incidence in &measured.incidences {
+        let seen = incidence.orders.iter().sum::<u64>()
+            + incidence.cut
+            + incidence.hidden
+            + incidence.left_map
+            + incidence.outside;
+        assert_eq!(seen, incidence.samples * measured.realisations.parts.len() as u64);
     }
 }
 
@@ -150,8 +154,8 @@ fn starts_that_miss_every_aperture_change_no_byte() {
         let few = measured_as(text, |plan, campaign| plan.by_place(campaign));
         let all = measured_as(text, |plan, campaign| plan.by_place(campaign)?.all_directions(campaign));
         assert!(same_bytes(&all, &few), "{text}");
-        assert!(few.stops.iter().all(|stop| stop.outside > 0 && stop.closure.is_empty()));
-        assert!(all.stops.iter().all(|stop| stop.outside == 0));
+        assert!(few.incidences.iter().all(|incidence| incidence.outside > 0 && incidence.closure.is_empty()));
+        assert!(all.incidences.iter().all(|incidence| incidence.outside == 0));
         starts_close(&all);
         starts_close(&few);
     }
@@ -210,16 +214,21 @@ fn both_ways_of_starting_on_grains_agree() {
         let [on_grains, above] = [false, true].map(|above| {
             measuring::measured_with(&text, |plan| {
                 assert_eq!(plan.start_sampler.name(), chosen);
-                plan.start_sampler = StartSampler::Grains { from_above: vec![vec![above; plan.stops]] };
+                plan.start_sampler = StartSampler::Grains { from_above: vec![vec![above; plan.incidences]] };
             })
         });
         agree(&format!("grains, coverage {coverage}, {base}"), &on_grains, &above);
         // From above every sample is lit.
-        assert!(above.stops.iter().all(|stop| stop.hidden == 0 && stop.seen_by_slope.is_none()));
+        assert!(
+            above
+                .incidences
+                .iter()
+                .all(|incidence| incidence.hidden == 0 && incidence.seen_by_slope.is_none())
+        );
     }
 }
 
-/// One block of few stops on a large patch is not worth a sort of its facets.
+/// One block of few incidences on a large patch is not worth a sort of its facets.
 #[test]
 fn facets_are_sorted_where_the_starts_are_worth_it() {
     let of = |cells: u32| {
@@ -278,11 +287,11 @@ fn counts_with_f_of_one_are_sums_with_a_reflectance_of_one() {
 fn a_material_put_in_afterwards_is_the_one_traced() {
     let gold = "[optics]\nmaterial = \"gold\"\n";
     let measured = measured_one(&campaign(ISOTROPIC, RELATIVE, HEMISPHERE, gold));
-    for (stop, result) in measured.stops.iter().enumerate() {
+    for (incidence, result) in measured.incidences.iter().enumerate() {
         let sizes: Vec<f64> =
-            measured.table.grid.regions(stop).iter().map(Region::projected_solid_angle).collect();
+            measured.table.grid.regions(incidence).iter().map(Region::projected_solid_angle).collect();
         let colour = |colour: &gonio::table::ColourChannels| {
-            let values = &colour.single[stop * sizes.len()..][..sizes.len()];
+            let values = &colour.single[incidence * sizes.len()..][..sizes.len()];
             values.iter().zip(&sizes).map(|(&f, w)| f64::from(f) * w).sum::<f64>()
         };
         let afterwards = mean(&measured.table.colours.iter().map(colour).collect::<Vec<_>>());

@@ -34,14 +34,14 @@ fn sample_and_light_turned_together_turn_the_counts() {
             (90, anisotropic(90, [110, 180], mirror_images)),
             (40, anisotropic(40, [60, 130], mirror_images)),
         ] {
-            for stop in 0..4 {
-                let (a, b) = (hits_of(&still, stop), hits_of(&turned, stop));
+            for incidence in 0..4 {
+                let (a, b) = (hits_of(&still, incidence), hits_of(&turned, incidence));
                 assert!(a.iter().sum::<u32>() > 100_000);
                 for (bin, &count) in a.iter().enumerate() {
                     assert_eq!(
                         count,
                         b[turned_bin(bin, COLUMNS, rotation / 10)],
-                        "{rotation}: {stop}, {bin}"
+                        "{rotation}: {incidence}, {bin}"
                     );
                 }
             }
@@ -52,7 +52,7 @@ fn sample_and_light_turned_together_turn_the_counts() {
 }
 
 fn patch() -> Heightfield {
-    let id = StreamId { seed: 9, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 };
+    let id = StreamId { seed: 9, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 };
     Synthesiser::new(SlopeLaw::Ggx, 256, 8.0).patch(&mut rng::stream(id))
 }
 
@@ -126,8 +126,8 @@ fn a_groove_turned_in_its_file_sends_the_turned_lobes() {
     let grid = &measured.table.grid;
     let sensor = Sensor::new(grid);
     let samples = 16.0 * 65_536.0;
-    for stop in 0..grid.stops() {
-        let wi = grid.wi(stop);
+    for incidence in 0..grid.incidences() {
+        let wi = grid.wi(incidence);
         let mut expected = vec![0.0; grid.bins()];
         for lobe in v_groove_lobes(0.5, 90f64.to_radians(), wi).iter().filter(|lobe| lobe.flux > 0.0) {
             sensor.each_bin(lobe.wo, |bin| expected[bin] += lobe.flux);
@@ -135,14 +135,17 @@ fn a_groove_turned_in_its_file_sends_the_turned_lobes() {
         // The area that the starts stand for, over the area seen.
         let across = 0.5 * sphere::turned(wi, (-90f64).to_radians().sin_cos()).x.abs();
         let started = 0.5 * ((wi.z + across) + (wi.z - across).max(0.0)) / wi.z;
-        let values = &measured.table.colours[0].single[stop * grid.bins()..];
-        for (bin, (region, &expected)) in grid.regions(stop).iter().zip(&expected).enumerate() {
+        let values = &measured.table.colours[0].single[incidence * grid.bins()..];
+        for (bin, (region, &expected)) in grid.regions(incidence).iter().zip(&expected).enumerate() {
             let found = f64::from(values[bin]) * region.projected_solid_angle();
             let share = (expected / started).min(1.0);
             // Four binomial standard errors (18 lobes: 0.001 by chance), and rounding to f32. Power: at a million
             // starts a lobe of a tenth of them has an error of 0.3 %; wrong by 2.1 % it is seen at 0.999.
             let tolerance = 4.0 * started * (share * (1.0 - share) / samples).sqrt() + 2e-7 * expected;
-            assert!((found - expected).abs() <= tolerance, "stop {stop}, bin {bin}: {found} {expected}");
+            assert!(
+                (found - expected).abs() <= tolerance,
+                "incidence {incidence}, bin {bin}: {found} {expected}"
+            );
         }
     }
 }

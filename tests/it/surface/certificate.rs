@@ -17,7 +17,7 @@ fn patches(law: SlopeLaw, cells: usize, correlation: f64, count: u64) -> Vec<(He
 
 fn made_by(synthesiser: &Synthesiser, law: SlopeLaw, count: u64) -> Vec<(Heightfield, Certificate)> {
     let patch = |realisation: u64| {
-        let id = StreamId { seed: 1, purpose: Purpose::Surface, realisation, stop: 0, block: 0 };
+        let id = StreamId { seed: 1, purpose: Purpose::Surface, realisation, incidence: 0, block: 0 };
         let field = synthesiser.patch(&mut rng::stream(id));
         let certificate = Certificate::of(&field, Some(law));
         (field, certificate)

@@ -38,7 +38,7 @@ fn patches(psd: &Psd) -> Vec<Vec<f64>> {
     let (surface, _) = PsdSurface::new(psd.clone(), PITCH, None, CELLS).expect("waves");
     let unit = surface.alphas[0].x * PITCH;
     let patch = |realisation: u64| {
-        let id = StreamId { seed: 11, purpose: Purpose::Test, realisation, stop: 0, block: 0 };
+        let id = StreamId { seed: 11, purpose: Purpose::Test, realisation, incidence: 0, block: 0 };
         let field: Heightfield = synthesiser.patch(&mut rng::stream(id));
         field.heights().iter().map(|height| unit * height).collect()
     };

@@ -30,7 +30,7 @@ fn grid() -> Grid {
 
 fn table(colours: usize) -> BrdfTable {
     let grid = grid();
-    let pixels = grid.stops() * grid.bins();
+    let pixels = grid.incidences() * grid.bins();
     let mut bits = Bits(7);
     let mut channel = || (0..pixels).map(|_| bits.unit() * 40.0).collect::<Vec<f32>>();
     let colours = (0..colours)
@@ -40,7 +40,7 @@ fn table(colours: usize) -> BrdfTable {
             multiple: channel(),
             stderr: channel(),
             stderr_single: vec![-1.0; pixels],
-            albedo_se: channel()[..grid.stops()].to_vec(),
+            albedo_se: channel()[..grid.incidences()].to_vec(),
             // Orders 2 and 3 by themselves; colours beyond R, G, B are told by their wavelengths.
             orders: vec![channel(), channel()],
             mueller: (0..16).map(|_| channel()).collect(),

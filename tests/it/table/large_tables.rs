@@ -7,7 +7,7 @@ use gonio::campaign::{self, Campaign};
 use gonio::files::image;
 use gonio::interchange::{self, Format, Options};
 use gonio::measure;
-use gonio::report::html::thinned::kept_stops;
+use gonio::report::html::thinned::kept_incidences;
 use gonio::table::realisations;
 use gonio::table::{BrdfTable, TableRows, TableWriter, store};
 use gonio::validate::two_tables::{ComparedTable, TableDifference, difference, difference_of_rows};
@@ -16,7 +16,7 @@ use gonio::validate::{Verdict, examine, examine_rows};
 use crate::support::analytic::{Ggx, hemisphere, measured_looking, steps};
 use crate::support::program::{exits, gonio};
 
-/// 6 x 8 stops of 3 x 8 bins: three blocks of 16 rows.
+/// 6 x 8 incidences of 3 x 8 bins: three blocks of 16 rows.
 fn grid() -> gonio::instrument::Grid {
     hemisphere(steps(15.0, 6), Some(steps(45.0, 8)), 3, 8)
 }
@@ -25,12 +25,12 @@ fn table() -> BrdfTable {
     measured_looking(&Ggx::new(0.3, 0.5), &grid())
 }
 
-/// The stops `first..end` of a table, as a table.
+/// The incidences `first..end` of a table, as a table.
 fn band(table: &BrdfTable, first: usize, end: usize) -> BrdfTable {
     let bins = table.grid.bins();
     let part = |values: &[f32]| values[first * bins..end * bins].to_vec();
     let mut band = table.clone();
-    band.grid = table.grid.of_stops(first..end).expect("stops");
+    band.grid = table.grid.of_incidences(first..end).expect("stops");
     band.hits = table.hits[first * bins..end * bins].to_vec();
     for colour in &mut band.colours {
         for channel in [
@@ -97,20 +97,20 @@ fn bands_of_a_table_are_its_rows() {
         let bands = rows.bands(bytes, rows.row_bytes());
         assert_eq!((bands[0].start, bands[bands.len() - 1].end), (0, 48));
         for range in bands {
-            let stops: Vec<usize> = range.clone().collect();
-            let found = rows.take(&stops).expect("read");
+            let incidences: Vec<usize> = range.clone().collect();
+            let found = rows.take(&incidences).expect("read");
             let mut wanted = band(&table, range.start, range.end);
             if range.len() == 48 {
                 wanted.grid = table.grid.clone();
             }
             assert!(found == wanted, "{range:?}");
-            for (k, stop) in range.enumerate() {
-                assert_eq!(found.grid.regions(k), table.grid.regions(stop));
-                assert_eq!(found.grid.wi(k), table.grid.wi(stop));
+            for (k, incidence) in range.enumerate() {
+                assert_eq!(found.grid.regions(k), table.grid.regions(incidence));
+                assert_eq!(found.grid.wi(k), table.grid.wi(incidence));
             }
         }
     }
-    // Single stops, far apart.
+    // Single incidences, far apart.
     let some = rows.take(&[3, 17, 47]).expect("read");
     assert_eq!(some.hits[24..48], table.hits[17 * 24..18 * 24]);
     let mut damaged = std::fs::read(&path).expect("there");
@@ -203,15 +203,15 @@ fn a_table_exported_by_rows_is_the_file_of_the_whole() {
 }
 
 #[test]
-fn a_page_of_a_large_table_shows_stops_of_every_part_of_it() {
+fn a_page_of_a_large_table_shows_incidences_of_every_part_of_it() {
     let grid = grid();
-    assert_eq!(kept_stops(&grid, 10, 480), Some((grid.clone(), (0..48).collect())));
-    let (kept, stops) = kept_stops(&grid, 10, 130).expect("stops");
-    assert!(kept.stops() <= 13 && kept.stops() == stops.len() && stops.contains(&0));
-    for (k, &stop) in stops.iter().enumerate() {
-        assert_eq!((kept.stop_deg(k), kept.wi(k)), (grid.stop_deg(stop), grid.wi(stop)));
+    assert_eq!(kept_incidences(&grid, 10, 480), Some((grid.clone(), (0..48).collect())));
+    let (kept, incidences) = kept_incidences(&grid, 10, 130).expect("stops");
+    assert!(kept.incidences() <= 13 && kept.incidences() == incidences.len() && incidences.contains(&0));
+    for (k, &incidence) in incidences.iter().enumerate() {
+        assert_eq!((kept.incidence_deg(k), kept.wi(k)), (grid.incidence_deg(incidence), grid.wi(incidence)));
     }
-    assert_eq!(kept_stops(&grid, 10, 1).expect("stops").1, [0]);
+    assert_eq!(kept_incidences(&grid, 10, 1).expect("stops").1, [0]);
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn a_campaign_measured_in_bands_gives_the_same_bytes() {
     let here = folder.path();
     std::fs::write(here.join("rows.toml"), CAMPAIGN).expect("written");
     let campaign = campaign::parse(CAMPAIGN, "rows", Path::new("")).expect("sound").campaign;
-    // One MiB less than all at once takes: some stops fewer.
+    // One MiB less than all at once takes: some incidences fewer.
     let all = measure::plan(&campaign).expect("fits").memory_bytes >> 20;
     let banded = (1..all)
         .find(|&mb| measure::plan_within(&campaign, mb << 20).is_ok_and(|plan| plan.bands().len() > 2));

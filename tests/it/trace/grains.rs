@@ -11,7 +11,7 @@ use gonio::trace::{GrainPoint, GrainSampler, Outcome};
 use rand_pcg::Pcg64Dxsm;
 
 fn draws(realisation: u64) -> Pcg64Dxsm {
-    stream(StreamId { seed: 11, purpose: Purpose::Test, realisation, stop: 0, block: 0 })
+    stream(StreamId { seed: 11, purpose: Purpose::Test, realisation, incidence: 0, block: 0 })
 }
 
 fn patch(coverage: f64, realisation: u64) -> GrainField {

@@ -1,4 +1,4 @@
-//! Promise: the analytic means over bins are right to 1e-6 of the stop's flux, wherever the lobe hides.
+//! Promise: the analytic means over bins are right to 1e-6 of the incidence's flux, wherever the lobe hides.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
@@ -347,13 +347,14 @@ fn alike_bins_have_the_means_of_each_by_itself() {
         } else {
             SurfaceSymmetry::Axes(surface.rotation)
         };
-        for (stop, found) in model.means(&campaign, &grid).iter().enumerate() {
-            let (theta, phi) = grid.stop_deg(stop);
+        for (incidence, found) in model.means(&campaign, &grid).iter().enumerate() {
+            let (theta, phi) = grid.incidence_deg(incidence);
             let has_images = surface.is_isotropic() || theta == 0.0 || (phi - 18.0) % 90.0 == 0.0;
-            let distinct = AlikeBins::of(&grid, stop, symmetry).regions.len();
+            let distinct = AlikeBins::of(&grid, incidence, symmetry).regions.len();
             assert!(!covers_all || (distinct < grid.bins()) == has_images, "{theta} {phi}: {distinct}");
-            let source = source_nodes(grid.wi(stop), campaign.light.aperture_deg.to_radians(), 6);
-            let wanted = BinMeans::new(maskings.clone()).evaluate(&surface, &source, &grid.regions(stop));
+            let source = source_nodes(grid.wi(incidence), campaign.light.aperture_deg.to_radians(), 6);
+            let wanted =
+                BinMeans::new(maskings.clone()).evaluate(&surface, &source, &grid.regions(incidence));
             for (bin, wanted) in wanted.iter().enumerate() {
                 for (k, found) in found.values.iter().enumerate() {
                     // Each is right to 1e-5 (the kinked masking's) of the bin or 1e-9 of the flux, in bins of 0.01 sr and
@@ -362,7 +363,7 @@ fn alike_bins_have_the_means_of_each_by_itself() {
                     let few = if campaign.light.aperture_deg > 0.0 { 1e-4 } else { 2e-5 };
                     assert!(
                         (found - wanted).abs() <= few * wanted + 2e-7,
-                        "{stop} {bin} {k}: {found} {wanted}"
+                        "{incidence} {bin} {k}: {found} {wanted}"
                     );
                 }
             }

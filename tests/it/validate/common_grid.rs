@@ -70,11 +70,14 @@ fn fine_bins_become_the_coarse_ones_of_the_same_rays() {
     assert!(
         difference.figures.l1.unwrap() < 1e-6 && !difference.interpolated && !difference.errors_are_bounds
     );
-    assert_eq!(difference.stops.len(), 3);
+    assert_eq!(difference.incidences.len(), 3);
     let fewer = measured_one(&fine_at("[40, 55]"));
     let difference = compared(&side(&fewer), &side(&coarse)).expect("one in common");
     assert_eq!(difference.made_comparable[0], "1 incidences in common, of 2 in A and 3 in B");
-    assert_eq!(difference.stops.iter().map(|stop| stop.theta_i_deg).collect::<Vec<_>>(), [40.0]);
+    assert_eq!(
+        difference.incidences.iter().map(|incidence| incidence.theta_i_deg).collect::<Vec<_>>(),
+        [40.0]
+    );
 }
 
 fn fine_at(theta_i: &str) -> String {
@@ -216,7 +219,7 @@ fn an_isotropic_table_has_every_azimuth() {
         SMITH.replace("[light]\n", "[light]\nphi_i_deg = [0, 8]\n").replace("seed = 1", "seed = 2");
     let (relative, absolute) = (measured_one(SMITH), measured_one(&absolute));
     let difference = compared(&side(&relative), &side(&absolute)).expect("turned by two bins");
-    assert_eq!(difference.stops.len(), 6);
+    assert_eq!(difference.incidences.len(), 6);
     assert!(
         difference.made_comparable[0].starts_with("A takes every azimuth"),
         "{:?}",

@@ -171,10 +171,10 @@ fn the_campaign_of_a_table_says_how_many_realisations_there_are() {
 }
 
 fn source(seed: u64) -> Pcg64Dxsm {
-    rng::stream(StreamId { seed, purpose: Purpose::Test, realisation: 0, stop: 0, block: 0 })
+    rng::stream(StreamId { seed, purpose: Purpose::Test, realisation: 0, incidence: 0, block: 0 })
 }
 
-/// Bins of one stop, all of one projected solid angle: edges at equal steps of sin^2 theta.
+/// Bins of one incidence, all of one projected solid angle: edges at equal steps of sin^2 theta.
 const ROWS: usize = 10;
 const COLUMNS: usize = 20;
 const BINS: usize = ROWS * COLUMNS;

@@ -29,11 +29,11 @@ fn hold(results: &[(Measured, Verdict)], bars: &[Bar]) {
         let (_, verdict) = results.iter().find(of_alpha).expect("a table for each alpha");
         let height =
             verdict.comparisons.iter().find(|c| c.masking == "height_correlated").expect("three maskings");
-        let at = |stop: &&gonio::validate::compare::StopComparison| {
-            stop.theta_i_deg == theta_i && stop.phi_i_deg == phi_i
+        let at = |incidence: &&gonio::validate::compare::IncidenceComparison| {
+            incidence.theta_i_deg == theta_i && incidence.phi_i_deg == phi_i
         };
-        let stop = height.stops.iter().find(at).expect("a stop");
-        let (found, noise) = (stop.figures.l1_model.unwrap(), stop.figures.l1_noise.unwrap());
+        let incidence = height.incidences.iter().find(at).expect("a stop");
+        let (found, noise) = (incidence.figures.l1_model.unwrap(), incidence.figures.l1_noise.unwrap());
         println!("alpha {alpha} theta_i {theta_i} phi_i {phi_i}: {found:.4} of {bar} (noise {noise:.4})");
         // A figure counts where the noise is no larger than its bar.
         assert!(noise <= bar && found <= bar, "alpha {alpha}, {theta_i}, {phi_i}: {found} {noise}");
@@ -53,13 +53,13 @@ fn the_direction_correlated_masking_is_nearest_off_normal_incidence() {
         stop.samples = 65536
     "#;
     let (_, verdict) = &run(text)[0];
-    for stop in 0..3 {
-        let l1 = |c: &&Comparison| c.stops[stop].figures.l1.expect("compared");
+    for incidence in 0..3 {
+        let l1 = |c: &&Comparison| c.incidences[incidence].figures.l1.expect("compared");
         let nearest = verdict.comparisons.iter().min_by(|a, b| l1(a).total_cmp(&l1(b)));
         assert_eq!(nearest.expect("three maskings").masking, "direction_correlated");
     }
     // Separable masking is off by about 0.1 at 75 degrees: it over-darkens. Noise here is about 0.03.
-    let separable = &verdict.comparisons[0].stops[2].figures;
+    let separable = &verdict.comparisons[0].incidences[2].figures;
     assert!(separable.l1_model.unwrap() > 0.08, "{separable:?}");
 }
 

@@ -39,9 +39,10 @@ fn nothing_but_noise_lies_between_grains_and_their_law() {
         assert!(verdict.ok, "{surface}: {:?}", verdict.failures);
         let exact = &verdict.comparisons[0];
         assert_eq!((exact.model.as_str(), exact.masking.as_str()), ("grains", "grains"));
-        for stop in &exact.stops {
-            let (l1, noise) = (stop.figures.l1.expect("bins"), stop.figures.l1_noise.expect("patches"));
-            assert!(l1 <= 1.2 * noise, "{surface}, {}: {l1} {noise}", stop.theta_i_deg);
+        for incidence in &exact.incidences {
+            let (l1, noise) =
+                (incidence.figures.l1.expect("bins"), incidence.figures.l1_noise.expect("patches"));
+            assert!(l1 <= 1.2 * noise, "{surface}, {}: {l1} {noise}", incidence.theta_i_deg);
         }
     }
 }

@@ -71,7 +71,7 @@ fn light_and_sensor_may_change_places() {
     assert!(sorted[sorted.len() / 2] < 0.1);
 }
 
-/// Two stops that see each other in 15-degree bins, eight realisations.
+/// Two incidences that see each other in 15-degree bins, eight realisations.
 fn binned(surface: &str, seed: u32, samples: u32) -> Measured {
     measured_one(&format!(
         "name = \"binned\"\nseed = {seed}\n[surface]\nrealisations = 8\n{surface}\n[light]\ntheta_i_deg = [20, 40]\n\
@@ -109,9 +109,9 @@ fn binned_reciprocity_raises_no_false_alarm() {
     assert!(alarms <= most, "{alarms}");
 }
 
-/// Values of one stop 1.1 times too large, or two stops exchanged: f is not the same both ways any more.
+/// Values of one incidence 1.1 times too large, or two incidences exchanged: f is not the same both ways any more.
 #[test]
-fn a_stop_that_is_scaled_or_exchanged_is_seen_in_binned_reciprocity() {
+fn an_incidence_that_is_scaled_or_exchanged_is_seen_in_binned_reciprocity() {
     let smith = "[surface.smith]\nndf = \"ggx\"\nheights = \"correlated\"\nalpha = 0.3";
     let sound = binned(smith, 1, 262_144);
     let found = judged(&sound);

@@ -61,7 +61,7 @@ fn the_other_masking_is_told_apart() {
     // Power: at 75 degrees and alpha 0.5 the two rules differ by 5 %, three times the noise of this run.
     let (_, verdict) = run(GGX, "");
     let separable =
-        &verdict.comparisons.iter().find(|c| c.masking == "separable").expect("three maskings").stops[2];
+        &verdict.comparisons.iter().find(|c| c.masking == "separable").expect("three maskings").incidences[2];
     assert!(separable.figures.l1_model.unwrap() > 0.04, "{:?}", separable.figures);
     assert_eq!(verdict.nearest_masking.as_deref(), Some("height_correlated"));
 }
@@ -69,14 +69,18 @@ fn the_other_masking_is_told_apart() {
 #[test]
 fn all_orders_and_the_cut_paths_add_up_to_the_light() {
     let (measured, _) = run(GGX, "");
-    for stop in &measured.stops {
+    for incidence in &measured.incidences {
         // Shares of 2^-20, counted as integers: exact but for the rounding of the sum to f64.
-        assert!(stop.closure.iter().all(|closure| (closure - 1.0).abs() < 1e-12), "{:?}", stop.closure);
-        let (orders, cut) = (stop.orders.iter().sum::<u64>(), stop.cut);
-        assert_eq!(orders + cut + stop.hidden, 16 * 65_536);
+        assert!(
+            incidence.closure.iter().all(|closure| (closure - 1.0).abs() < 1e-12),
+            "{:?}",
+            incidence.closure
+        );
+        let (orders, cut) = (incidence.orders.iter().sum::<u64>(), incidence.cut);
+        assert_eq!(orders + cut + incidence.hidden, 16 * 65_536);
     }
     // GGX alpha 0.5 under normal light: the single-scattering albedo of the reference table, within 4.5 standard errors.
-    let (albedo, se) = measured.stops[0].single();
+    let (albedo, se) = measured.incidences[0].single();
     let (albedo, se) = (albedo.expect("a hemisphere"), se.expect("16 groups"));
     assert!((albedo - 0.687_848_515_110_2).abs() < 4.5 * se, "{albedo} {se}");
 }

@@ -142,9 +142,9 @@ fn a_flat_clear_surface_refracts() {
     let campaign = campaign_of("[surface.mirror]", GLASS, BOTH);
     let grid = grid_of(&campaign);
     let model = Model::of(&campaign).expect("a mirror");
-    for (stop, means) in model.means(&campaign, &grid).into_iter().enumerate() {
-        let (values, regions) = (means.values, grid.regions(stop));
-        let wi = grid.wi(stop);
+    for (incidence, means) in model.means(&campaign, &grid).into_iter().enumerate() {
+        let (values, regions) = (means.values, grid.regions(incidence));
+        let wi = grid.wi(incidence);
         let split = facet::split(wi, DVec3::Z, 1.5);
         let flux = |below: bool| -> f64 {
             let bins = values[0][0].iter().zip(&regions).filter(|(_, region)| region.is_below() == below);
@@ -161,7 +161,7 @@ fn a_flat_clear_surface_refracts() {
     }
 }
 
-/// Samples of a stop, over all realisations.
+/// Samples of an incidence, over all realisations.
 const ARRIVALS: f64 = 16.0 * 65536.0;
 
 fn mean_and_se(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -184,26 +184,26 @@ fn a_statistical_surface_lets_through_what_theory_says() {
     let prediction = Prediction::of(&measured.campaign, &measured.table.grid).expect("a model");
     let at = prediction.model.masking_index(Some("height_correlated"));
     let mut judged = 0;
-    for stop in 0..measured.table.grid.stops() {
-        let (sizes, bins) = (measured.table.grid.sizes(stop), measured.table.grid.bins());
-        let theory = &prediction.means[stop].values[at][0];
-        let below = measured.table.grid.regions(stop).iter().map(Region::is_below).collect::<Vec<_>>();
+    for incidence in 0..measured.table.grid.incidences() {
+        let (sizes, bins) = (measured.table.grid.sizes(incidence), measured.table.grid.bins());
+        let theory = &prediction.means[incidence].values[at][0];
+        let below = measured.table.grid.regions(incidence).iter().map(Region::is_below).collect::<Vec<_>>();
         let (mut found, mut expected) = (0.0, 0.0);
         for bin in (0..bins).filter(|&bin| below[bin]) {
             let parts = measured.realisations.parts.iter();
-            let parts = parts.map(|part| sizes[bin] * f64::from(part.single[0][stop * bins + bin]));
+            let parts = parts.map(|part| sizes[bin] * f64::from(part.single[0][incidence * bins + bin]));
             let (mean, se) = mean_and_se(parts);
             let predicted = sizes[bin] * theory[bin];
             (found, expected) = (found + mean, expected + predicted);
             // Light goes one way or the other: a bin has a whole number of arrivals. From a hundred on its 16 means are
             // normal enough for Student's t of 15 degrees of freedom, beyond 6.5 in one of 900 bins by chance: 1 %.
             if predicted * ARRIVALS > 100.0 {
-                assert!((mean - predicted).abs() < 6.5 * se, "{stop} {bin}: {mean} {predicted} {se}");
+                assert!((mean - predicted).abs() < 6.5 * se, "{incidence} {bin}: {mean} {predicted} {se}");
                 judged += 1;
             }
         }
         // A share of 2^20 samples: 4.5 standard errors are below 4.5 * 0.5/2^10.
-        assert!((found - expected).abs() < 2.2e-3, "{stop}: {found} {expected}");
+        assert!((found - expected).abs() < 2.2e-3, "{incidence}: {found} {expected}");
     }
     assert!(judged > 400, "{judged}");
 }

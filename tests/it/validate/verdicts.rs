@@ -29,7 +29,7 @@ fn relabelled(measured: &Measured, change: impl FnOnce(&mut Campaign)) -> Verdic
     examine(&measured.table, &campaign, Some(&measured.realisations))
 }
 
-/// The table and its realisations with every value of (stop, bin, colour) multiplied.
+/// The table and its realisations with every value of (incidence, bin, colour) multiplied.
 fn scaled(measured: &Measured, factor: impl Fn(usize, usize, usize) -> f32) -> Verdict {
     let (mut table, mut parts) = (measured.table.clone(), measured.realisations.clone());
     let bins = table.grid.bins();
@@ -92,11 +92,11 @@ fn a_right_table_passes_and_a_wrong_label_fails() {
 fn wrong_values_of_an_exact_surface_fail() {
     let measured = smith(&format!("{CORRELATED}alpha = 0.3"), LIGHT, "");
     let bins = measured.table.grid.bins();
-    let (stop, brightest) = {
+    let (incidence, brightest) = {
         let values = &measured.table.colours[0].single[bins..2 * bins];
         (1, (0..bins).max_by(|&a, &b| values[a].total_cmp(&values[b])).expect("bins"))
     };
-    let one = scaled(&measured, |s, b, _| if (s, b) == (stop, brightest) { 1.2 } else { 1.0 });
+    let one = scaled(&measured, |s, b, _| if (s, b) == (incidence, brightest) { 1.2 } else { 1.0 });
     assert_eq!(ruling(&one, "model"), Ruling::Failed, "one bin scaled");
     // The cosine of the sensor, taken at the middle of the bin, as a file with f cos would have it.
     let edges = &measured.table.grid.theta_r_edges_deg;
@@ -158,7 +158,7 @@ fn a_distance_many_noises_above_its_bar_fails_whatever_the_noise() {
     assert_eq!(ruling(&verdict_of(&alone), "model"), Ruling::NotJudged);
 }
 
-/// Exchanged arms of equal apertures see the same, whatever the surface; scaled at one stop they do not.
+/// Exchanged arms of equal apertures see the same, whatever the surface; scaled at one incidence they do not.
 #[test]
 fn arms_that_are_not_reciprocal_fail() {
     let measured = measured_one(
@@ -168,7 +168,7 @@ fn arms_that_are_not_reciprocal_fail() {
     );
     let right = verdict_of(&measured);
     assert_eq!(ruling(&right, "reciprocity"), Ruling::Passed, "{}", judged(&right, "reciprocity").reason);
-    let wrong = scaled(&measured, |stop, _, _| if stop == 2 { 1.3 } else { 1.0 });
+    let wrong = scaled(&measured, |incidence, _, _| if incidence == 2 { 1.3 } else { 1.0 });
     let found = judged(&wrong, "reciprocity");
     assert_eq!(found.ruling, Ruling::Failed, "{}", found.reason);
 }
@@ -194,7 +194,7 @@ fn an_imported_table_that_reflects_more_than_it_gets_fails() {
     assert_eq!(ruling(&black, "light"), Ruling::NotJudged);
 }
 
-/// A height map has no model and, at one stop, no pair of directions: what remains is energy, and it is said so.
+/// A height map has no model and, at one incidence, no pair of directions: what remains is energy, and it is said so.
 #[test]
 fn light_that_sees_nothing_is_no_albedo_of_zero() {
     let tables = measured(
@@ -202,8 +202,8 @@ fn light_that_sees_nothing_is_no_albedo_of_zero() {
          alpha = 0.5\n[light]\ntheta_i_deg = [89.9999999]\n[sensor.hemisphere]\n[stop]\nsamples = 65536\n",
     );
     let measured = &tables[0];
-    let dark = measured.stops[0].orders[0] == 0;
+    let dark = measured.incidences[0].orders[0] == 0;
     let verdict = verdict_of(measured);
     assert_eq!(verdict.ok, !dark, "{:?}", verdict.judgements);
-    assert_eq!(measured.stops[0].single().0.is_none(), dark && measured.stops[0].cut == 0);
+    assert_eq!(measured.incidences[0].single().0.is_none(), dark && measured.incidences[0].cut == 0);
 }

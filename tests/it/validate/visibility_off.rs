@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use gonio::campaign::{Alpha, SurfaceKind};
 use gonio::measure::Measured;
-use gonio::validate::compare::{Figures, StopComparison};
+use gonio::validate::compare::{Figures, IncidenceComparison};
 use gonio::validate::{Verdict, examine};
 
 use crate::support::measuring::{measured, measured_one};
@@ -30,15 +30,18 @@ fn verdict(measured: &Measured) -> Verdict {
     examine(&measured.table, &measured.campaign, Some(&measured.realisations))
 }
 
-/// What is left of the distance when noise is taken off, and the noise, at the worst stop.
+/// What is left of the distance when noise is taken off, and the noise, at the worst incidence.
 fn worst(verdict: &Verdict) -> (f64, f64) {
     let [comparison] = verdict.comparisons.as_slice() else { panic!("one model") };
     assert_eq!(comparison.masking, "none");
-    let figures = |stop: &StopComparison| {
-        (stop.figures.l1_model.expect("8 realisations"), stop.figures.l1_noise.expect("8 realisations"))
+    let figures = |incidence: &IncidenceComparison| {
+        (
+            incidence.figures.l1_model.expect("8 realisations"),
+            incidence.figures.l1_noise.expect("8 realisations"),
+        )
     };
     let worse = |a: (f64, f64), b: (f64, f64)| if a.0 / a.1 > b.0 / b.1 { a } else { b };
-    comparison.stops.iter().map(figures).reduce(worse).expect("stops")
+    comparison.incidences.iter().map(figures).reduce(worse).expect("stops")
 }
 
 #[test]
@@ -53,10 +56,10 @@ fn the_table_is_that_of_the_normals_alone() {
         println!("{surface:?}: {model:.4}, noise {noise:.4}");
         // Patches as small as these keep an error of their own, about as large as the noise; twice the noise is a
         // quarter of what a roughness wrong by a tenth shows. The figure has a spread of its own: two of those.
-        for stop in &verdict.comparisons[0].stops {
+        for incidence in &verdict.comparisons[0].incidences {
             let of = |figure: Option<f64>| figure.expect("8 realisations");
-            let (model, se) = (of(stop.figures.l1_model), of(stop.figures.l1_model_se));
-            let noise = of(stop.figures.l1_noise);
+            let (model, se) = (of(incidence.figures.l1_model), of(incidence.figures.l1_model_se));
+            let noise = of(incidence.figures.l1_noise);
             assert!(model - 2.0 * se < 2.0 * noise, "{surface:?}: {model} +- {se}, noise {noise}");
         }
     }
@@ -77,7 +80,7 @@ fn a_roughness_wrong_by_a_tenth_is_seen() {
 fn the_laws_of_energy_are_skipped_and_said_to_be() {
     let verdict = verdict(&ROUGHER);
     // The model itself reflects more than it gets at 75 degrees.
-    let albedo = verdict.comparisons[0].stops[3].albedo_model.expect("a hemisphere");
+    let albedo = verdict.comparisons[0].incidences[3].albedo_model.expect("a hemisphere");
     assert!(albedo > 1.0, "{albedo}");
     assert!(verdict.energy.skipped.as_ref().is_some_and(|why| why.contains("visibility is switched off")));
     assert!(verdict.energy.largest_albedo.is_none() && verdict.reciprocity.is_none());
@@ -104,22 +107,22 @@ fn delivered(path: &str, optics: &str) -> Vec<Measured> {
 /// theta_i, phi_i, l1_model, l1_noise.
 type Stop = (f64, f64, f64, f64);
 
-/// Every stop, and (l1_model, l1_noise) as means over stops and colours, which is what a bar speaks of.
+/// Every incidence, and (l1_model, l1_noise) as means over incidences and colours, which is what a bar speaks of.
 fn figures(measured: &Measured) -> (Vec<Stop>, (f64, f64)) {
     let verdict = verdict(measured);
     let [comparison] = verdict.comparisons.as_slice() else { panic!("one model") };
     let of = |f: &Figures| f.l1_model.zip(f.l1_noise).expect("16 realisations");
-    let stops = comparison.stops.iter().map(|stop| {
-        let (model, noise) = of(&stop.figures);
+    let incidences = comparison.incidences.iter().map(|incidence| {
+        let (model, noise) = of(&incidence.figures);
         println!(
             "{:?} {} {}: {model:.4}, noise {noise:.4}",
             measured.campaign.alphas()[0],
-            stop.theta_i_deg,
-            stop.phi_i_deg
+            incidence.theta_i_deg,
+            incidence.phi_i_deg
         );
-        (stop.theta_i_deg, stop.phi_i_deg, model, noise)
+        (incidence.theta_i_deg, incidence.phi_i_deg, model, noise)
     });
-    (stops.collect(), of(&comparison.figures))
+    (incidences.collect(), of(&comparison.figures))
 }
 
 #[test]
@@ -153,9 +156,9 @@ fn isotropic_normals_keep_their_bar_whatever_the_material() {
 #[ignore = "takes minutes: cargo test --release --test it visibility_off -- --ignored --nocapture"]
 fn brushed_normals_keep_their_bars_at_every_azimuth() {
     for table in delivered("configs/visibility_off_anisotropic.toml", "") {
-        let (stops, _) = figures(&table);
-        assert_eq!(stops.len(), 12);
-        for (theta_i, phi_i, model, noise) in stops {
+        let (incidences, _) = figures(&table);
+        assert_eq!(incidences.len(), 12);
+        for (theta_i, phi_i, model, noise) in incidences {
             let bar = if theta_i <= 60.0 { 0.006 } else { 0.012 };
             assert!(noise <= bar && model <= bar, "{theta_i} {phi_i}: {model} {noise}");
         }

@@ -18,7 +18,7 @@ pub fn rows() -> Vec<Row> {
     [tables(), maps(), merl_files(), csv_files()].into_iter().flatten().collect()
 }
 
-/// Two stops of two points.
+/// Two incidences of two points.
 fn table() -> BrdfTable {
     let text = "{\"kind\":\"points\",\"theta_i_deg\":[0,30],\"phi_i_deg\":[0],\"phi_r_relative\":false,\"points_deg\":[[0,0],[30,180]]}";
     let grid: Grid = serde_json::from_str(text).expect("a grid");

@@ -22,7 +22,7 @@ use crate::interchange::codec::{self, Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::content::sides::put_together;
 use crate::interchange::radiance::colour;
 use crate::interchange::read_back::{Listing, ReadBack};
-use crate::interchange::resample::angles::{bin_axes, stop_axes};
+use crate::interchange::resample::angles::{bin_axes, incidence_axes};
 use crate::interchange::{Checked, Imported, Options, needed};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -84,7 +84,7 @@ fn block(table: &BrdfTable, through: bool, out: &mut dyn Write) -> Checked<()> {
     if grid.phi_r_relative && !grid.is_isotropic() {
         return Err("phi_r counts from the light at several azimuths; SSDD has absolute ones".into());
     }
-    let ((theta_i, phi_i), (theta_r, phi_r)) = (stop_axes(grid)?, bin_axes(grid)?);
+    let ((theta_i, phi_i), (theta_r, phi_r)) = (incidence_axes(grid)?, bin_axes(grid)?);
     if theta_r.iter().any(|&theta| theta < 0.0) {
         return Err("an arm with negative polar angles has no list of spherical angles".into());
     }
@@ -192,13 +192,14 @@ fn read_back(file: impl BufRead, table: &BrdfTable) -> Checked<Option<ReadBack>>
     for below in [false, true] {
         let Some(half) = table.grid.half(below) else { continue };
         let grid = spherical::grid(&header)?;
-        let sizes = (grid.stops(), grid.bins(), header.colours);
-        if header.through != below || sizes != (half.grid.stops(), half.grid.bins(), table.colours.len()) {
+        let sizes = (grid.incidences(), grid.bins(), header.colours);
+        if header.through != below || sizes != (half.grid.incidences(), half.grid.bins(), table.colours.len())
+        {
             return Err(wrong!("{} incidences of {} directions, {} colours", sizes.0, sizes.1, sizes.2));
         }
-        let (stops, bins) = seam::places(&grid, &half.grid)?;
-        let more = values::each(&mut lines, &header, |stop, bin, colour, value| {
-            listing.add(stops[stop], half.bins[bins[bin]], colour, value)
+        let (incidences, bins) = seam::places(&grid, &half.grid)?;
+        let more = values::each(&mut lines, &header, |incidence, bin, colour, value| {
+            listing.add(incidences[incidence], half.bins[bins[bin]], colour, value)
         })?;
         if let Some(kind) = more {
             header = SsddHeader::next(&mut lines, kind == KINDS[1])?;

@@ -58,7 +58,8 @@ fn mirrored(grid: Grid, total: &mut [Vec<f32>]) -> Grid {
         })
         .collect();
     for values in total.iter_mut() {
-        *values = values.chunks(bins).flat_map(|stop| order.iter().map(|(bin, _)| stop[*bin])).collect();
+        *values =
+            values.chunks(bins).flat_map(|incidence| order.iter().map(|(bin, _)| incidence[*bin])).collect();
     }
     let point = |&(bin, back): &(usize, bool)| {
         let [theta, phi] = points[bin];

@@ -23,10 +23,10 @@ pub fn albedo(table: &BrdfTable, theta: f64, phi: f64) -> Option<f64> {
         return None;
     }
     let wi = sphere::direction(theta, phi);
-    let off = |&stop: &usize| table.grid.wi(stop).distance_squared(wi);
-    let stop = (0..table.grid.stops()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
-    let regions = table.grid.regions(stop);
-    let values = &table.colours[0].total[stop * regions.len()..];
+    let off = |&incidence: &usize| table.grid.wi(incidence).distance_squared(wi);
+    let incidence = (0..table.grid.incidences()).min_by(|a, b| off(a).total_cmp(&off(b)))?;
+    let regions = table.grid.regions(incidence);
+    let values = &table.colours[0].total[incidence * regions.len()..];
     Some(regions.iter().zip(values).map(|(region, &f)| region.projected_solid_angle() * f64::from(f)).sum())
 }
 
@@ -38,8 +38,8 @@ impl Zemax {
         let (azimuths, radials) =
             (pieces(&self.azimuths, half, FINE[0]), pieces(&self.radials, 180.0, FINE[1]));
         let channels = std::slice::from_ref(&self.values[channel]);
-        let integral = |stop: usize| {
-            let (turn, light) = (stop / self.light.len(), stop % self.light.len());
+        let integral = |incidence: usize| {
+            let (turn, light) = (incidence / self.light.len(), incidence % self.light.len());
             let frame = frame(self.light[light].to_radians());
             let point = |&(radial, w): &(f64, f64), &(azimuth, v): &(f64, f64)| {
                 let cos = about(frame, azimuth, radial).z;

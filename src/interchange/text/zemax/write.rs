@@ -67,14 +67,14 @@ pub fn write(table: &BrdfTable, through: bool, lookup: &Lookup) -> Checked<(Stri
         ..Zemax::default()
     };
     let turns: Vec<usize> = turns.iter().map(|turn| turn.1).collect();
-    let at_stop = |ti: usize| {
+    let at_incidence = |ti: usize| {
         let blocks = turns.par_iter().map(|&pi| IncidenceBlock {
-            values: stop_values(&file, lookup, (ti, pi)),
+            values: incidence_values(&file, lookup, (ti, pi)),
             albedo: albedo(table, lookup.theta_i()[ti], lookup.phi_i()[pi]),
         });
         FileIncidence { theta_deg: deg(lookup.theta_i()[ti]), blocks: blocks.collect(), is_settled: false }
     };
-    let mut incidences: Vec<FileIncidence> = (0..lookup.theta_i().len()).map(at_stop).collect();
+    let mut incidences: Vec<FileIncidence> = (0..lookup.theta_i().len()).map(at_incidence).collect();
     loop {
         let notes = fill(&mut file, &incidences);
         let added = missing(&file, lookup, &mut incidences);
@@ -142,9 +142,11 @@ fn off(file: &Zemax, lookup: &Lookup, theta_deg: f64) -> f64 {
 }
 
 /// The values at an incidence.
-fn stop_values(file: &Zemax, lookup: &Lookup, stop: (usize, usize)) -> Vec<f32> {
-    let (theta, phi) = (lookup.theta_i()[stop.0], lookup.phi_i()[stop.1]);
-    values(file, theta, |out| lookup.values().at_stop(stop, phi, sphere::turned(out, phi.sin_cos()))[0])
+fn incidence_values(file: &Zemax, lookup: &Lookup, incidence: (usize, usize)) -> Vec<f32> {
+    let (theta, phi) = (lookup.theta_i()[incidence.0], lookup.phi_i()[incidence.1]);
+    values(file, theta, |out| {
+        lookup.values().at_incidence(incidence, phi, sphere::turned(out, phi.sin_cos()))[0]
+    })
 }
 
 /// An incidence between those of the table, of no larger albedo than `most`; `None` where bins have no sizes.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Means, Model, StopMeans};
+use super::{IncidenceMeans, Means, Model};
 use crate::campaign::{Azimuth, Campaign};
 use crate::instrument::{AlikeBins, Grid, Region, SurfaceSymmetry};
 use crate::measure::optics::reflectances_of;
@@ -31,7 +31,7 @@ const SMOOTH_APERTURE_ORDER: usize = 2;
 impl Model {
     /// The means over the bins of every incidence, over the same bins and light aperture as the measurement.
     // Tested by `alike_bins_have_the_means_of_each_by_itself` (tests/it/validate/bin_means.rs).
-    pub fn means(&self, campaign: &Campaign, grid: &Grid) -> Vec<StopMeans> {
+    pub fn means(&self, campaign: &Campaign, grid: &Grid) -> Vec<IncidenceMeans> {
         let colours = reflectances_of(&campaign.optics);
         let averaged = campaign.light.azimuth == Azimuth::Relative && !campaign.is_isotropic();
         let light = IncidentLight { half_angle: campaign.light.aperture_deg.to_radians(), colours: &colours };
@@ -43,16 +43,16 @@ impl Model {
             Some(values)
         };
         let symmetry = self.symmetry(averaged);
-        let of_stop = |stop: usize| {
+        let of_incidence = |incidence: usize| {
             let smooth = symmetry.and_then(|symmetry| {
-                let AlikeBins { regions, places } = AlikeBins::of(grid, stop, symmetry);
-                let means = turned(&|turn| self.smooth_means(turn, grid.wi(stop), &regions, &light))?;
+                let AlikeBins { regions, places } = AlikeBins::of(grid, incidence, symmetry);
+                let means = turned(&|turn| self.smooth_means(turn, grid.wi(incidence), &regions, &light))?;
                 Some(taken(&means, &places))
             });
-            let sharp = turned(&|turn| self.sharp_means(turn, grid, stop, &light));
-            StopMeans { values: smooth.into_iter().chain(sharp).reduce(added).unwrap_or_default() }
+            let sharp = turned(&|turn| self.sharp_means(turn, grid, incidence, &light));
+            IncidenceMeans { values: smooth.into_iter().chain(sharp).reduce(added).unwrap_or_default() }
         };
-        (0..grid.stops()).into_par_iter().map(of_stop).collect()
+        (0..grid.incidences()).into_par_iter().map(of_incidence).collect()
     }
 
     /// What the smooth means do not change under; `None` where there are none.
@@ -94,8 +94,8 @@ impl Model {
     }
 
     /// The means over the bins of an incidence of what goes in single directions, or is flat.
-    fn sharp_means(&self, turn: f64, grid: &Grid, stop: usize, light: &IncidentLight) -> Option<Means> {
-        let (source, colours) = (&light.sharp_source(grid.wi(stop))[..], light.colours);
+    fn sharp_means(&self, turn: f64, grid: &Grid, incidence: usize, light: &IncidentLight) -> Option<Means> {
+        let (source, colours) = (&light.sharp_source(grid.wi(incidence))[..], light.colours);
         let by_colour =
             |of: &dyn Fn(Reflectance) -> Vec<f64>| colours.iter().map(|&colour| of(colour)).collect();
         match self {
@@ -105,14 +105,14 @@ impl Model {
                     by_colour(&|colour| {
                         let bare =
                             |wi| reflected(wi, [(mirrored(wi), bare_flux(&surface, masking, wi))], colour);
-                        lobe_means(bare, grid, stop, source)
+                        lobe_means(bare, grid, incidence, source)
                     })
                 };
                 Some(maskings.iter().map(of_masking).collect())
             }
             Model::Microfacet { .. } | Model::Diffuse { .. } => None,
             Model::Flat(interface) => {
-                Some(vec![layered::flat_means(grid, stop, source, colours, *interface)])
+                Some(vec![layered::flat_means(grid, incidence, source, colours, *interface)])
             }
             Model::Lambert => {
                 Some(vec![by_colour(&|colour| vec![albedo_of(&colour) * LAMBERT; grid.bins()])])
@@ -129,7 +129,7 @@ impl Model {
                         reflected(wi, lobes.iter().map(|lobe| (lobe.wo, lobe.flux)), colour)
                     }
                 };
-                lobe_means(lobes, grid, stop, source)
+                lobe_means(lobes, grid, incidence, source)
             })]),
         }
     }

@@ -72,8 +72,8 @@ pub fn ndf_of(kind: &SurfaceKind) -> Option<Ndf> {
 /// \[masking\]\[colour\]\[bin\], 1/sr.
 type Means = Vec<Vec<Vec<f64>>>;
 
-/// One model's means over the bins of one stop.
-pub struct StopMeans {
+/// One model's means over the bins of one incidence.
+pub struct IncidenceMeans {
     /// \[masking\]\[colour\]\[bin\], 1/sr.
     pub values: Means,
 }
@@ -133,7 +133,7 @@ impl Model {
         }
     }
 
-    /// Names of the maskings, in the order of `StopMeans::values`.
+    /// Names of the maskings, in the order of `IncidenceMeans::values`.
     pub fn maskings(&self) -> Vec<&'static str> {
         match self {
             Model::Microfacet { maskings, .. } => maskings.iter().map(|masking| masking.name()).collect(),

@@ -1,4 +1,4 @@
-//! What a summary says of one stop: from its measurement, or from the table alone.
+//! What a summary says of one incidence: from its measurement, or from the table alone.
 
 use std::f64::consts::PI;
 
@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::instrument::Region;
 use crate::measure::accumulate::slopes::SlopeClass;
-use crate::measure::{StopResult, StoppedBy};
+use crate::measure::{IncidenceResult, StoppedBy};
 use crate::stats;
 use crate::table::brdf_table::flux;
 use crate::table::{BrdfTable, ColourChannels};
 
-/// One stop: fluxes as shares of the incident flux, means and standard errors over the realisations.
+/// One incidence: fluxes as shares of the incident flux, means and standard errors over the realisations.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
-pub struct StopSummary {
+pub struct IncidenceSummary {
     /// Polar angle of the light.
     pub theta_i_deg: f64,
     /// Azimuth of the light.
@@ -41,7 +41,7 @@ pub struct StopSummary {
     /// Its standard error.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transmittance_total_se: Option<f64>,
-    /// [`StopResult::beyond_order_1`].
+    /// [`IncidenceResult::beyond_order_1`].
     pub beyond_order_1: Option<f64>,
     /// Its standard error.
     pub beyond_order_1_se: Option<f64>,
@@ -67,7 +67,7 @@ pub struct StopSummary {
     pub lost: u64,
     /// Surface samples in each realisation.
     pub samples: u64,
-    /// What ended the stop.
+    /// What ended the incidence.
     pub stopped_by: Option<StoppedBy>,
     /// The relative error where it ended, if one was asked for.
     pub relative_error: Option<f64>,
@@ -83,7 +83,7 @@ pub struct StopSummary {
     pub closure_se: Option<f64>,
 }
 
-/// The error of a stop after so many samples.
+/// The error of an incidence after so many samples.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ErrorLook {
     /// Surface samples in each realisation.
@@ -92,9 +92,9 @@ pub struct ErrorLook {
     pub relative_error: f64,
 }
 
-impl StopSummary {
-    /// Of a stop that was measured with the light at these angles.
-    pub(super) fn of_result(result: &StopResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Self {
+impl IncidenceSummary {
+    /// Of an incidence that was measured with the light at these angles.
+    pub(super) fn of_result(result: &IncidenceResult, (theta_i_deg, phi_i_deg): (f64, f64)) -> Self {
         let (albedo_single, albedo_single_se) = result.single();
         let (albedo_total, albedo_total_se) = result.total();
         let (transmittance_single, transmittance_single_se) = result.single_transmittance();
@@ -102,7 +102,7 @@ impl StopSummary {
         let (beyond_order_1, beyond_order_1_se) = result.beyond_order_1();
         let (closure, closure_se) = stats::known_mean(result.closure.iter().copied());
         let mean = |order: &Vec<f64>| stats::known_mean(order.iter().copied()).0;
-        StopSummary {
+        IncidenceSummary {
             theta_i_deg,
             phi_i_deg,
             albedo_single,
@@ -138,27 +138,27 @@ impl StopSummary {
 
     /// What has gone through, in place of what comes back.
     pub(super) fn through(&self) -> Self {
-        StopSummary {
+        IncidenceSummary {
             theta_i_deg: self.theta_i_deg,
             phi_i_deg: self.phi_i_deg,
             albedo_single: self.transmittance_single,
             albedo_single_se: self.transmittance_single_se,
             albedo_total: self.transmittance_total,
             albedo_total_se: self.transmittance_total_se,
-            ..StopSummary::default()
+            ..IncidenceSummary::default()
         }
     }
 
-    /// Of each stop of a table, or of a band of it: flux over all bins, mean of the colours, where they gather all flux.
+    /// Of each incidence of a table, or of a band of it: flux over all bins, mean of the colours, where they gather all flux.
     pub fn of_bins(table: &BrdfTable) -> Vec<Self> {
         let gaps = table.gaps() > 0;
-        (0..table.grid.stops()).map(|stop| of_bins(table, stop, gaps)).collect()
+        (0..table.grid.incidences()).map(|incidence| of_bins(table, incidence, gaps)).collect()
     }
 }
 
-fn of_bins(table: &BrdfTable, stop: usize, gaps: bool) -> StopSummary {
-    let (theta_i_deg, phi_i_deg) = table.grid.stop_deg(stop);
-    let regions = table.grid.regions(stop);
+fn of_bins(table: &BrdfTable, incidence: usize, gaps: bool) -> IncidenceSummary {
+    let (theta_i_deg, phi_i_deg) = table.grid.incidence_deg(incidence);
+    let regions = table.grid.regions(incidence);
     // Of the bins on each side, 0 of the others'.
     let sizes = [false, true].map(|below| {
         let size =
@@ -169,17 +169,17 @@ fn of_bins(table: &BrdfTable, stop: usize, gaps: bool) -> StopSummary {
         let sizes = &sizes[usize::from(below)];
         // Bins that fill the hemisphere, up to the rounding of their edges.
         let whole = (sizes.iter().sum::<f64>() - PI).abs() < 1e-6 && !gaps;
-        let flux = |colour| flux(&pick(colour)[stop * sizes.len()..], sizes);
+        let flux = |colour| flux(&pick(colour)[incidence * sizes.len()..], sizes);
         whole.then(|| stats::mean(&table.colours.iter().map(flux).collect::<Vec<_>>()))
     };
-    StopSummary {
+    IncidenceSummary {
         theta_i_deg,
         phi_i_deg,
         albedo_single: flux_of(false, |colour| &colour.single),
         albedo_total: flux_of(false, |colour| &colour.total),
         transmittance_single: flux_of(true, |colour| &colour.single),
         transmittance_total: flux_of(true, |colour| &colour.total),
-        ..StopSummary::default()
+        ..IncidenceSummary::default()
     }
 }
 
@@ -188,8 +188,8 @@ fn is_zero(count: &u64) -> bool {
 }
 
 /// Error against samples, as far as the run looked at it.
-fn looks(result: &StopResult) -> Vec<ErrorLook> {
-    // Samples of a block follow from what the stop had in the end.
+fn looks(result: &IncidenceResult) -> Vec<ErrorLook> {
+    // Samples of a block follow from what the incidence had in the end.
     let last = result.looks.last().map_or(1, |look| look.blocks);
     let block = result.samples / last.max(1);
     let looks = result.looks.iter();
