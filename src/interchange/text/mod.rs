@@ -3,10 +3,12 @@
 pub mod astm;
 mod azimuths;
 pub mod csv;
+mod identity;
 pub mod named_columns;
 pub mod openmaterial;
 pub mod pabopto;
 pub mod samples;
 pub(crate) mod seam;
+mod spectral_rows;
 pub mod ssdd;
 pub mod zemax;
