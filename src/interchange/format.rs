@@ -7,7 +7,7 @@ use super::codec::Codec;
 use super::mitsuba::rgl;
 use super::numpy::{npy, npz};
 use super::radiance::{klems, tensor_tree};
-use super::text::{astm, csv, openmaterial, pabopto, ssdd, zemax};
+use super::text::{astm, bird, csv, openmaterial, pabopto, ssdd, zemax};
 use super::{exr_parts, merl, utia};
 
 /// The formats that other programs read or write.
@@ -41,11 +41,13 @@ pub enum Format {
     Pabopto,
     /// Look-up table of OpenMATERIAL 3D, isotropic.
     OpenMaterial,
+    /// Universal BRDF JSON of BiRD.
+    Bird,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 14] = [
+    pub const ALL: [Format; 15] = [
         Format::Npz,
         Format::Npy,
         Format::Csv,
@@ -60,6 +62,7 @@ impl Format {
         Format::Ssdd,
         Format::Pabopto,
         Format::OpenMaterial,
+        Format::Bird,
     ];
 
     /// What writes and reads its files.
@@ -79,6 +82,7 @@ impl Format {
             Format::Ssdd => &ssdd::Ssdd,
             Format::Pabopto => &pabopto::Pabopto,
             Format::OpenMaterial => &openmaterial::OpenMaterial,
+            Format::Bird => &bird::Bird,
         }
     }
 
@@ -99,6 +103,7 @@ impl Format {
             Format::Ssdd => "SSDD text of libbsdf, lists of angles",
             Format::Pabopto => "a folder of pab-opto gonio files",
             Format::OpenMaterial => "a JSON look-up table of ASAM OpenMATERIAL 3D, by wavelength, isotropic",
+            Format::Bird => "universal BRDF JSON of EURAMET's BiRD, with standard uncertainties",
         }
     }
 
@@ -118,6 +123,7 @@ impl Format {
             Format::Ssdd => &["ssdd"],
             Format::Pabopto => &[],
             Format::OpenMaterial => &["xompt"],
+            Format::Bird => &["brdf"],
         }
     }
 

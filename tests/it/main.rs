@@ -112,6 +112,7 @@ mod interchange {
     mod interchange_albedo;
     mod interchange_angles;
     mod interchange_arrays;
+    mod interchange_bird;
     mod interchange_maps;
     mod interchange_merl;
     mod interchange_openmaterial;

@@ -1,7 +1,8 @@
-//! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax, OpenMATERIAL.
+//! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax, OpenMATERIAL, BiRD.
 
 pub mod astm;
 mod azimuths;
+pub mod bird;
 pub mod csv;
 mod identity;
 pub mod named_columns;
