@@ -7,7 +7,7 @@ use super::codec::Codec;
 use super::mitsuba::rgl;
 use super::numpy::{npy, npz};
 use super::radiance::{klems, tensor_tree};
-use super::text::{astm, bird, csv, openmaterial, pabopto, ssdd, zemax};
+use super::text::{astm, bird, csv, fred, openmaterial, pabopto, ssdd, zemax};
 use super::{exr_parts, merl, utia};
 
 /// The formats that other programs read or write.
@@ -43,11 +43,13 @@ pub enum Format {
     OpenMaterial,
     /// Universal BRDF JSON of BiRD.
     Bird,
+    /// FRED's tabulated BSDF, isotropic.
+    Fred,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 15] = [
+    pub const ALL: [Format; 16] = [
         Format::Npz,
         Format::Npy,
         Format::Csv,
@@ -63,6 +65,7 @@ impl Format {
         Format::Pabopto,
         Format::OpenMaterial,
         Format::Bird,
+        Format::Fred,
     ];
 
     /// What writes and reads its files.
@@ -83,6 +86,7 @@ impl Format {
             Format::Pabopto => &pabopto::Pabopto,
             Format::OpenMaterial => &openmaterial::OpenMaterial,
             Format::Bird => &bird::Bird,
+            Format::Fred => &fred::Fred,
         }
     }
 
@@ -104,6 +108,7 @@ impl Format {
             Format::Pabopto => "a folder of pab-opto gonio files",
             Format::OpenMaterial => "a JSON look-up table of ASAM OpenMATERIAL 3D, by wavelength, isotropic",
             Format::Bird => "universal BRDF JSON of EURAMET's BiRD, with standard uncertainties",
+            Format::Fred => "FRED's tabulated BSDF text, isotropic",
         }
     }
 
@@ -121,7 +126,7 @@ impl Format {
             Format::Zemax => &["bsdf"],
             Format::Astm => &["astm"],
             Format::Ssdd => &["ssdd"],
-            Format::Pabopto => &[],
+            Format::Pabopto | Format::Fred => &[],
             Format::OpenMaterial => &["xompt"],
             Format::Bird => &["brdf"],
         }

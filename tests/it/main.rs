@@ -113,6 +113,7 @@ mod interchange {
     mod interchange_angles;
     mod interchange_arrays;
     mod interchange_bird;
+    mod interchange_fred;
     mod interchange_maps;
     mod interchange_merl;
     mod interchange_openmaterial;

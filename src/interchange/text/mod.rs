@@ -1,9 +1,10 @@
-//! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax, OpenMATERIAL, BiRD.
+//! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax, OpenMATERIAL, BiRD, FRED.
 
 pub mod astm;
 mod azimuths;
 pub mod bird;
 pub mod csv;
+pub mod fred;
 mod identity;
 pub mod named_columns;
 pub mod openmaterial;

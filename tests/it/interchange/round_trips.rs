@@ -67,6 +67,10 @@ fn fates(format: Format) -> [Fate; 7] {
             [bare, bare, bare, Exact, bare, BOTH, THROUGH]
         }
         Format::Bird => [Exact, Exact, Exact, Exact, Exact, BOTH, THROUGH],
+        Format::Fred => {
+            let turned = Refused("FRED's tables are isotropic");
+            [Exact, turned, turned, WAVELENGTHS, Exact, BOTH, THROUGH]
+        }
         Format::Zemax => [linear(5.0), linear(10.0), ARM, WAVELENGTHS, GAPS, ONE, linear(5.0)],
     }
 }
