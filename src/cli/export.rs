@@ -24,7 +24,7 @@ use crate::table::TableRows;
 #[derive(Args)]
 #[command(
     after_help = "Formats: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto openmaterial\n\
-    bird fred\n\n\
+    bird fred speos\n\n\
     Example: gonio export out/quickstart/quickstart.exr --to rgl -o quickstart.bsdf"
 )]
 pub struct Arguments {

@@ -7,7 +7,7 @@ use super::codec::Codec;
 use super::mitsuba::rgl;
 use super::numpy::{npy, npz};
 use super::radiance::{klems, tensor_tree};
-use super::text::{astm, bird, csv, fred, openmaterial, pabopto, ssdd, zemax};
+use super::text::{astm, bird, csv, fred, openmaterial, pabopto, speos, ssdd, zemax};
 use super::{exr_parts, merl, utia};
 
 /// The formats that other programs read or write.
@@ -45,11 +45,13 @@ pub enum Format {
     Bird,
     /// FRED's tabulated BSDF, isotropic.
     Fred,
+    /// Anisotropic BSDF of Ansys Speos.
+    Speos,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 16] = [
+    pub const ALL: [Format; 17] = [
         Format::Npz,
         Format::Npy,
         Format::Csv,
@@ -66,6 +68,7 @@ impl Format {
         Format::OpenMaterial,
         Format::Bird,
         Format::Fred,
+        Format::Speos,
     ];
 
     /// What writes and reads its files.
@@ -87,6 +90,7 @@ impl Format {
             Format::OpenMaterial => &openmaterial::OpenMaterial,
             Format::Bird => &bird::Bird,
             Format::Fred => &fred::Fred,
+            Format::Speos => &speos::Speos,
         }
     }
 
@@ -109,6 +113,7 @@ impl Format {
             Format::OpenMaterial => "a JSON look-up table of ASAM OpenMATERIAL 3D, by wavelength, isotropic",
             Format::Bird => "universal BRDF JSON of EURAMET's BiRD, with standard uncertainties",
             Format::Fred => "FRED's tabulated BSDF text, isotropic",
+            Format::Speos => "anisotropic BSDF text of Ansys Speos",
         }
     }
 
@@ -129,12 +134,13 @@ impl Format {
             Format::Pabopto | Format::Fred => &[],
             Format::OpenMaterial => &["xompt"],
             Format::Bird => &["brdf"],
+            Format::Speos => &["anisotropicbsdf"],
         }
     }
 
     /// Whether its files are read.
     pub fn is_read(self) -> bool {
-        !matches!(self, Format::Npy | Format::Pabopto)
+        !matches!(self, Format::Npy | Format::Pabopto | Format::Speos)
     }
 
     /// The formats whose files have names that end like this one.

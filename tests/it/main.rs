@@ -120,6 +120,7 @@ mod interchange {
     mod interchange_points;
     mod interchange_radiance;
     mod interchange_rgl;
+    mod interchange_speos;
     mod interchange_ssdd;
     mod interchange_text;
     mod interchange_zemax;

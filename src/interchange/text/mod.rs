@@ -1,4 +1,5 @@
-//! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax, OpenMATERIAL, BiRD, FRED.
+//! Lists of directions and values as text: CSV, ASTM, SSDD, pab-opto, Zemax, OpenMATERIAL, BiRD, FRED,
+//! Speos.
 
 pub mod astm;
 mod azimuths;
@@ -12,5 +13,6 @@ pub mod pabopto;
 pub mod samples;
 pub(crate) mod seam;
 mod spectral_rows;
+pub mod speos;
 pub mod ssdd;
 pub mod zemax;
