@@ -23,7 +23,8 @@ use crate::table::TableRows;
 /// Write a table in another program's format, and say how far the file is from the table
 #[derive(Args)]
 #[command(
-    after_help = "Formats: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto openmaterial\n\n\
+    after_help = "Formats: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto openmaterial\n\
+    bird fred speos\n\n\
     Example: gonio export out/quickstart/quickstart.exr --to rgl -o quickstart.bsdf"
 )]
 pub struct Arguments {

@@ -65,8 +65,10 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
     }
     let options = &options;
     if table.is_spectral() && !holds.wavelengths {
-        let what =
-            format!("{} wavelengths; npz, npy, csv, exr_parts, astm and ssdd hold them", table.colours.len());
+        let what = format!(
+            "{} wavelengths; npz, npy, csv, exr_parts, astm, ssdd, openmaterial and bird hold them",
+            table.colours.len()
+        );
         return Err(refused(format!("holds Y or R G B, the table has {what}").into()));
     }
     // Half/difference angles have cells below the horizon, which no format counts.

@@ -7,7 +7,7 @@ use super::codec::Codec;
 use super::mitsuba::rgl;
 use super::numpy::{npy, npz};
 use super::radiance::{klems, tensor_tree};
-use super::text::{astm, csv, openmaterial, pabopto, ssdd, zemax};
+use super::text::{astm, bird, csv, fred, openmaterial, pabopto, speos, ssdd, zemax};
 use super::{exr_parts, merl, utia};
 
 /// The formats that other programs read or write.
@@ -41,11 +41,17 @@ pub enum Format {
     Pabopto,
     /// Look-up table of OpenMATERIAL 3D, isotropic.
     OpenMaterial,
+    /// Universal BRDF JSON of BiRD.
+    Bird,
+    /// FRED's tabulated BSDF, isotropic.
+    Fred,
+    /// Anisotropic BSDF of Ansys Speos.
+    Speos,
 }
 
 impl Format {
     /// All of them.
-    pub const ALL: [Format; 14] = [
+    pub const ALL: [Format; 17] = [
         Format::Npz,
         Format::Npy,
         Format::Csv,
@@ -60,6 +66,9 @@ impl Format {
         Format::Ssdd,
         Format::Pabopto,
         Format::OpenMaterial,
+        Format::Bird,
+        Format::Fred,
+        Format::Speos,
     ];
 
     /// What writes and reads its files.
@@ -79,6 +88,9 @@ impl Format {
             Format::Ssdd => &ssdd::Ssdd,
             Format::Pabopto => &pabopto::Pabopto,
             Format::OpenMaterial => &openmaterial::OpenMaterial,
+            Format::Bird => &bird::Bird,
+            Format::Fred => &fred::Fred,
+            Format::Speos => &speos::Speos,
         }
     }
 
@@ -99,6 +111,9 @@ impl Format {
             Format::Ssdd => "SSDD text of libbsdf, lists of angles",
             Format::Pabopto => "a folder of pab-opto gonio files",
             Format::OpenMaterial => "a JSON look-up table of ASAM OpenMATERIAL 3D, by wavelength, isotropic",
+            Format::Bird => "universal BRDF JSON of EURAMET's BiRD, with standard uncertainties",
+            Format::Fred => "FRED's tabulated BSDF text, isotropic",
+            Format::Speos => "anisotropic BSDF text of Ansys Speos",
         }
     }
 
@@ -116,14 +131,16 @@ impl Format {
             Format::Zemax => &["bsdf"],
             Format::Astm => &["astm"],
             Format::Ssdd => &["ssdd"],
-            Format::Pabopto => &[],
+            Format::Pabopto | Format::Fred => &[],
             Format::OpenMaterial => &["xompt"],
+            Format::Bird => &["brdf"],
+            Format::Speos => &["anisotropicbsdf"],
         }
     }
 
     /// Whether its files are read.
     pub fn is_read(self) -> bool {
-        !matches!(self, Format::Npy | Format::Pabopto)
+        !matches!(self, Format::Npy | Format::Pabopto | Format::Speos)
     }
 
     /// The formats whose files have names that end like this one.

@@ -114,12 +114,15 @@ mod interchange {
     mod interchange_albedo;
     mod interchange_angles;
     mod interchange_arrays;
+    mod interchange_bird;
+    mod interchange_fred;
     mod interchange_maps;
     mod interchange_merl;
     mod interchange_openmaterial;
     mod interchange_points;
     mod interchange_radiance;
     mod interchange_rgl;
+    mod interchange_speos;
     mod interchange_ssdd;
     mod interchange_text;
     mod interchange_zemax;

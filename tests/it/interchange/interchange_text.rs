@@ -93,7 +93,7 @@ fn spectral_tables_come_back_from_lists() {
     }
     let refused =
         interchange::export(&wanted, Format::Zemax, &Options::default(), &path).expect_err("no room");
-    assert!(refused.to_string().contains("csv, exr_parts, astm and ssdd hold them"), "{refused}");
+    assert!(refused.to_string().contains("astm, ssdd, openmaterial and bird hold them"), "{refused}");
 }
 
 #[test]

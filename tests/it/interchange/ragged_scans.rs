@@ -68,12 +68,12 @@ fn gaps_come_back_from_every_format_that_can_leave_them_out() {
     let (wanted, stored) = (ragged(), folder.path().join("table.exr"));
     store::save(&stored, &wanted).expect("stored");
     assert_eq!(store::load(&stored).expect("loaded").table, wanted);
-    // OpenMATERIAL's rows have a wavelength, and no azimuth of the light.
+    // OpenMATERIAL's rows have a wavelength, and no azimuth of the light; neither have FRED's.
     let options = Options { wavelengths_nm: vec![550.0], ..Options::default() };
     let isotropic = one_azimuth(wanted.clone()).expect("a single azimuth");
     for (name, format) in Format::ALL.map(|format| (format.name(), format)) {
         let path = folder.path().join(name);
-        let table = if format == Format::OpenMaterial { &isotropic } else { &wanted };
+        let table = if matches!(format, Format::OpenMaterial | Format::Fred) { &isotropic } else { &wanted };
         let export = interchange::export(table, format, &options, &path);
         if !format.codec().traits().gaps {
             let why = export.expect_err(name).to_string();

@@ -23,6 +23,8 @@ const KLEMS: &str =
 const CSV: &str = "theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,Y\n";
 const ASTM: &str = "VARS theta_i,phi_i,theta_s,phi_s,Y\n";
 const OPENMATERIAL: &str = "{\"brdf\":{\"lookupTable\":[";
+const BIRD: &str = "{\"data\":{\"BRDF\":{\"unit\":\"1/sr\",\"values\":[";
+const FRED: &str = "type bsdf_data\nformat angles=deg bsdf=value scale=1\n0 0\n";
 const SSDD: &str =
     "VERSION 1.0\nDATA_TYPE brdf\nCOLOR_MODEL monochrome\nPARAM_TYPE spherical_coordinate_system\n";
 
@@ -85,6 +87,15 @@ pub fn all(size: f64) -> Vec<Bomb> {
             texts("b", vec![once(OPENMATERIAL), of("[5e-7,1,0,0,1],", 300.0), once("[5e-7,1,0,0,1]]}}")]),
         ),
         ("openmaterial nested", import("openmaterial"), texts("b", vec![once(OPENMATERIAL), of("[", 300.0)])),
+        ("bird values", import("bird"), texts("b", vec![once(BIRD), of("0,", 300.0), once("0]}}}")])),
+        (
+            "bird states",
+            import("bird"),
+            texts("b", vec![once("{\"data\":{\"polarization_i\":{\"values\":["), of("\"s\",", 300.0)]),
+        ),
+        ("bird nested", import("bird"), texts("b", vec![once(BIRD), of("[", 300.0)])),
+        ("fred line", import("fred"), texts("b", vec![once(FRED), of("0 ", 300.0)])),
+        ("fred lines", import("fred"), texts("b", vec![once(FRED), of("0 0 1\n", 300.0)])),
         ("ssdd line", import("ssdd"), texts("b", vec![once(SSDD), once("PARAM0_LIST "), of("0 ", 300.0)])),
         (
             "ssdd binary",
