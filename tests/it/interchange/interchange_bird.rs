@@ -9,7 +9,9 @@ use gonio::table::BrdfTable;
 use serde_json::{Value, json};
 
 use crate::support::analytic::{Ggx, hemisphere, measured_looking, steps, table};
+use crate::support::campaign_text::SMALL;
 use crate::support::mutations;
+use crate::support::program::{command, exits, folder, gonio};
 
 fn written(own: &BrdfTable, options: &Options) -> (Value, BrdfTable, Vec<String>) {
     let folder = tempfile::tempdir().expect("folder");
@@ -337,4 +339,19 @@ fn bird_is_read_in_every_encoding_and_survives_damage() {
         let text = file.to_string();
         assert!(mutations::survives(text.as_bytes(), 20_000, bird::read_with_notes) > 2_000);
     }
+}
+
+/// The date is the only thing that changes from one export to the next.
+#[test]
+fn a_date_that_is_set_gives_the_same_bytes() {
+    let folder = folder(SMALL);
+    exits(&gonio(folder.path(), &["measure", "small.toml", "-o", "."]), 0);
+    let export = |name: &str| {
+        let mut export = command(folder.path(), &["export", "small.exr", "--to", "bird", "-o", name]);
+        exits(&export.env("SOURCE_DATE_EPOCH", "1000000000").output().expect("runs"), 0);
+        std::fs::read_to_string(folder.path().join(name)).expect("written")
+    };
+    let text = export("a.brdf");
+    assert!(text.contains("2001-09-09T01:46:40Z"));
+    assert_eq!(text, export("b.brdf"));
 }

@@ -27,7 +27,6 @@ pub const ISOTROPIC: &str = "isotropic";
 pub fn metadata(table: &BrdfTable) -> Value {
     let simulated = !table.campaign.is_empty();
     let name = identity::name(table);
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
     let description = if simulated {
         format!("{name}: the BRDF of a virtual rough surface, measured by tracing rays")
     } else {
@@ -37,7 +36,7 @@ pub fn metadata(table: &BrdfTable) -> Value {
         "schema": SCHEMA,
         "id": format!("urn:uuid:{}", identity::uuid(table)),
         "type": "BRDF",
-        "timestamp": timestamp(now),
+        "timestamp": timestamp(now()),
         "provenance": provenance(),
         "description": description,
         "method": if simulated { "simulation" } else { "measurement" },
@@ -129,6 +128,12 @@ fn adhoc(table: &BrdfTable) -> Value {
         adhoc["campaign"] = table.campaign.as_str().into();
     }
     adhoc
+}
+
+/// Seconds since 1970: those of `SOURCE_DATE_EPOCH` where it is set, so that the same table can give the same bytes.
+fn now() -> u64 {
+    let set = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok());
+    set.unwrap_or_else(|| SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs()))
 }
 
 /// Seconds since 1970 as a date and time of ISO 8601, UTC.
