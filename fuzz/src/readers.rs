@@ -4,7 +4,7 @@
 //! The program's tests are built with this file too (`tests/it/fuzzed.rs`), so that it knows the readers of today.
 
 use std::path::Path;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, Mutex};
 
 use gonio::campaign::{self, Campaign};
 use gonio::error::{ContentError, Error};
@@ -14,6 +14,7 @@ use gonio::measure::persist::header::KIND;
 use gonio::measure::{self, Plan, StoredRun};
 use gonio::surface::io::map_file;
 use gonio::table::{realisations, store};
+use tempfile::TempDir;
 
 use super::{scans, traced};
 
@@ -31,6 +32,10 @@ pub static CHECKPOINTED: LazyLock<(Campaign, Plan)> = LazyLock::new(|| {
     let plan = measure::plan(&campaign).expect("small");
     (campaign, plan)
 });
+
+/// Where the file lies that a campaign names; one for all, a folder for each input would take most of the time.
+static FOLDER: LazyLock<Mutex<TempDir>> =
+    LazyLock::new(|| Mutex::new(tempfile::tempdir().expect("a folder")));
 
 /// Reads what an input of `target` stands for.
 pub fn read(target: &str, bytes: &[u8]) {
@@ -119,7 +124,7 @@ fn checkpoint(bytes: &[u8]) {
 
 /// A file of (n, k) over wavelengths, which a campaign names.
 fn index_file(bytes: &[u8]) {
-    let folder = tempfile::tempdir().expect("a folder");
+    let folder = FOLDER.lock().expect("no reader has panicked");
     std::fs::write(folder.path().join("index.csv"), bytes).expect("written");
     match campaign::parse(include_str!("index_file.toml"), "c.toml", folder.path()) {
         Ok(_) => {}
