@@ -230,7 +230,8 @@ class Measurement:
     ) -> dict[str, Any]:
         """Writes the table in another program's format and says how far the file is from it, as ``gonio export --json``.
 
-        ``to``: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto. Options are the command's.
+        ``to``: npz npy csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd pabopto
+        openmaterial bird fred speos. Options are the command's.
         """
         words: list[Any] = ["--to", to, "-o", path]
         words += ["--force"] if force else []

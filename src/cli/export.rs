@@ -33,7 +33,7 @@ pub struct Arguments {
     /// One of the formats below; left out: by FILE's name
     #[arg(long, value_name = "FORMAT")]
     to: Option<String>,
-    /// The file, - for stdout (pabopto: a folder; utia: FILE.exr: the image form)
+    /// The file, - for stdout (pabopto: a folder; utia: or .exr)
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// MERL: values at the cells' centres, for nearest-cell readers
