@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     let mut notes = Vec::new();
     let wanted = [("exr", true), ("npy", arguments.npy), ("glb", arguments.glb)];
     let ends = wanted.into_iter().filter(|(_, wanted)| *wanted).map(|(end, _)| end).collect();
-    let job = PatchJob::new(&campaign, folder, (ends, arguments.force), &mut notes)?;
+    let job = PatchJob::new(&campaign, folder, ends, arguments.force, &mut notes)?;
     let areal = job.roughness(&mut notes)?;
     warnings.iter().for_each(warn);
     notes.iter().for_each(note);

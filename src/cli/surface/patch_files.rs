@@ -38,7 +38,8 @@ impl<'a> PatchJob<'a> {
     pub fn new(
         campaign: &'a Campaign,
         folder: PathBuf,
-        (ends, force): (Vec<&'static str>, bool),
+        ends: Vec<&'static str>,
+        force: bool,
         notes: &mut Vec<String>,
     ) -> Result<Self> {
         let patches = Patches::prepare(campaign, notes)?;
