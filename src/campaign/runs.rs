@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::parse::lists::run_lists::RunLists;
-use super::{Campaign, Parsed, Preset, name_for_messages, parse_with, read_bytes};
+use super::{Campaign, Parsed, Preset, Uncertainty, name_for_messages, parse_with, read_bytes};
 use crate::error::Result;
 
 /// The runs of a campaign file.
@@ -14,6 +14,8 @@ pub struct CampaignRuns {
     pub notes: Vec<String>,
     /// As in [`Parsed`].
     pub preset: Option<Preset>,
+    /// As in [`Parsed`].
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// One run.
@@ -31,9 +33,10 @@ pub fn read_runs(path: &Path) -> Result<CampaignRuns> {
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = name_for_messages(path);
     let lists = RunLists::pick(0);
-    let Parsed { campaign, notes, preset, .. } = parse_with(&bytes, &name, folder, &lists)?;
+    let Parsed { campaign, notes, preset, uncertainty } = parse_with(&bytes, &name, folder, &lists)?;
     let Some(count) = lists.count() else {
-        return Ok(CampaignRuns { runs: vec![CampaignRun { label: None, campaign }], notes, preset });
+        let runs = vec![CampaignRun { label: None, campaign }];
+        return Ok(CampaignRuns { runs, notes, preset, uncertainty });
     };
     let rest = (1..count)
         .map(|run| parse_with(&bytes, &name, folder, &RunLists::pick(run)).map(|parsed| parsed.campaign));
@@ -45,5 +48,5 @@ pub fn read_runs(path: &Path) -> Result<CampaignRuns> {
         false => Some(format!("correlation_{}", one.surface.correlation_cells)),
     };
     let runs = all.into_iter().map(|campaign| CampaignRun { label: label(&campaign), campaign }).collect();
-    Ok(CampaignRuns { runs, notes, preset })
+    Ok(CampaignRuns { runs, notes, preset, uncertainty })
 }

@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Err(error @ Error::Campaign(_)) if arguments.json => return answer(&error),
         parsed => parsed?,
     };
-    let CampaignRuns { runs, notes: mut warnings, preset } = parsed;
+    let CampaignRuns { runs, notes: mut warnings, preset, uncertainty } = parsed;
     let campaign = runs[0].campaign.clone();
     let prepared = map_notes(&campaign, &mut warnings)?;
     let plan = measure::plan(&campaign);
@@ -67,6 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     out.lines(plan::facts(&campaign, &plan, Disk::of(&campaign, &plan, SIZE_LIMIT)))?;
     out.lines(plan::runs(&runs, &plan))?;
     out.lines(worst(&campaign).iter().flat_map(plan::aperture))?;
+    out.lines(uncertainty.iter().flat_map(plan::uncertainty))?;
     out.lines(plan::waves(&GeometricOptics::of(&campaign, &plan.grid)))?;
     out.lines(if arguments.verbose { plan::reasons(&plan) } else { plan::skipped(&plan) })?;
     Ok(0)

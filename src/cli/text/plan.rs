@@ -4,7 +4,7 @@ use super::layout::{columns, wrapped};
 use super::numbers::{bytes, duration, grouped, or_na};
 use crate::campaign::{
     Alpha, Azimuth, BinLayout, Campaign, CampaignRun, GrainBase, GrainShape, HeightSpectrum, PhiFrom, Preset,
-    PsdSurface, SensorArm, SensorSide, SmithHeights, SmithNdf, Surface, SurfaceKind,
+    PsdSurface, SensorArm, SensorSide, SmithHeights, SmithNdf, Surface, SurfaceKind, Uncertainty,
 };
 use crate::measure::{Disk, Plan, Saving};
 use crate::psd::{PsdModel, PsdMoments};
@@ -100,6 +100,13 @@ pub fn aperture(bias: &ApertureBias) -> Vec<String> {
         percent(bias.bias_extrapolated)
     );
     line("apertures", &text)
+}
+
+/// What `[uncertainty]` is there for: it changes nothing that is measured.
+pub fn uncertainty(given: &Uncertainty) -> Vec<String> {
+    let inputs = given.inputs.len();
+    let plural = if inputs == 1 { "" } else { "s" };
+    line("uncertainty", &format!("{inputs} input{plural}, for gonio budget"))
 }
 
 /// Where geometric optics holds, before anything is measured: in a line, then each polar angle of the light below a limit.

@@ -39,6 +39,8 @@ fn the_command_writes_page_csv_and_json() {
     {
         assert!(text.contains(word), "{word}: {text}");
     }
+    let checked = done(&gonio(at, &["check", "small.toml"]));
+    assert!(checked.contains("uncertainty   5 inputs, for gonio budget\n"), "{checked}");
     let all = json(&gonio(at, &["budget", "small.toml", "--json", "--threads", "1"]));
     let written: Value =
         serde_json::from_str(&fs::read_to_string(at.join("out/small.budget.json")).expect("JSON"))
