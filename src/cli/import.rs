@@ -26,9 +26,8 @@ const MOST_CAMPAIGNS: usize = 10_000;
 /// Make a table of another program's file
 #[derive(Args)]
 #[command(
-    after_help = "Formats: npz csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd openmaterial\n\
-    bird fred maps\n\
-    maps: GGX parameters; utia: .bin or the image form (EXR); merl: half/difference angles unless --like\n\n\
+    after_help = "Formats: npz csv merl rgl utia exr_parts klems tensor_tree zemax astm ssdd openmaterial bird fred\n\
+    and maps (GGX parameters); utia: .bin or the image form; merl: half/difference angles unless --like\n\n\
     Example: gonio import gold.binary --from merl -o gold.exr"
 )]
 pub struct Arguments {

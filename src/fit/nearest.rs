@@ -33,7 +33,10 @@ pub fn nearest(data: &FitData, laws: &[FitLaw]) -> Option<NearestLaw> {
 fn name(data: &FitData, law: FitLaw, shape: &[f64]) -> String {
     let masking = law.masking().map(|masking| masking.replace('_', "-"));
     let values = law.shape_names().into_iter().zip(law.decode(shape, data.rotation));
-    let values = values.map(|(name, value)| format!("{} {value:.3}", name.replace('_', " ")));
+    let values = values.map(|(name, value)| match name.strip_suffix("_deg") {
+        Some(angle) => format!("{angle} {value:.3} degrees"),
+        None => format!("{} {value:.3}", name.replace('_', " ")),
+    });
     [Some(law.name().replace('_', " ")), masking]
         .into_iter()
         .flatten()
