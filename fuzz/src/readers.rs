@@ -125,7 +125,10 @@ fn checkpoint(bytes: &[u8]) {
 /// A file of (n, k) over wavelengths, which a campaign names.
 fn index_file(bytes: &[u8]) {
     let folder = FOLDER.lock().expect("no reader has panicked");
-    std::fs::write(folder.path().join("index.csv"), bytes).expect("written");
+    let file = folder.path().join("index.csv");
+    // ext4 flushes a file that was cut to nothing and written again.
+    std::fs::remove_file(&file).ok();
+    std::fs::write(&file, bytes).expect("written");
     match campaign::parse(include_str!("index_file.toml"), "c.toml", folder.path()) {
         Ok(_) => {}
         Err(Error::Campaign(faults)) => {

@@ -8,7 +8,7 @@
 use super::data::FitData;
 
 /// Incidences of a sample at most: nodes have to be laid out for each.
-const MOST_STOPS: usize = 64;
+const MOST_INCIDENCES: usize = 64;
 
 /// Entries of a table, incidence by incidence.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +34,7 @@ impl FitSample {
         if data.size.len() <= wanted {
             return FitSample::whole(data);
         }
-        let looked_at = incidences.min(MOST_STOPS);
+        let looked_at = incidences.min(MOST_INCIDENCES);
         let entries = (0..looked_at).flat_map(|k| {
             let incidence = k * incidences / looked_at;
             incidence * bins..(incidence + 1) * bins

@@ -11,7 +11,7 @@ use crate::sphere;
 /// Directions of each of three kinds in an integral: of smooth lobes right to 0.1 %.
 const SAMPLES: usize = 1 << 11;
 /// Incidences of the table that are looked at, at most.
-const STOPS: usize = 12;
+const INCIDENCES: usize = 12;
 /// Where to look between two incidences: 1 less the golden ratio, far from every fraction of small numbers.
 const PLACE: f64 = 0.381_966;
 /// Azimuths where all are alike: formats of cells distinguish them.
@@ -210,7 +210,7 @@ impl AlbedoCurve {
 /// Some of the incidences, a place between each two, and the end where they stop before it. The place is not the
 /// middle: where a format halves gaps, the middle is one of its own incidences.
 fn between(incidences: &[f64], end: f64) -> Vec<f64> {
-    let step = incidences.len().div_ceil(STOPS);
+    let step = incidences.len().div_ceil(INCIDENCES);
     let mut chosen: Vec<f64> =
         incidences.iter().copied().step_by(step).filter(|&theta| theta <= end).collect();
     let before = chosen.last().copied().unwrap_or(0.0);

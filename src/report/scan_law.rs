@@ -14,7 +14,7 @@ use crate::fit::slopes::{SlopeFit, SlopeFits};
 use crate::validate::two_tables::TableDifference;
 
 /// Incidences that have a chart of their own, at most.
-const MOST_STOPS: usize = 6;
+const MOST_INCIDENCES: usize = 6;
 
 /// What the page and the command say.
 #[derive(Debug, Serialize)]
@@ -69,12 +69,14 @@ impl ScanLaw {
     pub fn page(&self, quantiles: &[Vec<SlopeQuantiles>], scenes: [Scene; 2]) -> String {
         let slopes = figures_of(self.slope_chart(quantiles).iter().map(Chart::svg));
         let lobes = figures_of(lobe_charts(scenes).iter().map(Chart::svg));
+        let (all, most) = (scenes[0].table.grid.incidences(), MOST_INCIDENCES);
+        let chosen = if all > most { format!(" {most} of {all} incidences.") } else { String::new() };
         let title = format!("{}: the law of its slopes", escaped(&self.name));
         let verdict = format!("<p id=\"verdict\">{}</p>\n", escaped(&self.verdict()));
         let main = format!(
             "<section id=\"slopes\" aria-label=\"Slopes\">\n<h2>Slopes</h2>\n<p>{}</p>\n{}{slopes}</section>\n\
              <section id=\"lobes\" aria-label=\"In the plane of incidence\">\n<h2>In the plane of incidence</h2>\n<p>Bars are 95 % \
-             intervals.</p>\n{lobes}</section>\n<section id=\"figures\" aria-label=\"Distances\">\n<h2>Distances</h2>\n{}</section>\n",
+             intervals.{chosen}</p>\n{lobes}</section>\n<section id=\"figures\" aria-label=\"Distances\">\n<h2>Distances</h2>\n{}</section>\n",
             escaped(&format!(
                 "{} facets in {} x {} tiles; errors are over tiles. Measured beside the scan: {}, the plainest law that tiles do \
                  not tell from the best.",
@@ -164,7 +166,7 @@ impl ScanLaw {
 
 /// The lobes of both tables in the plane of incidence.
 fn lobe_charts([scan, law]: [Scene; 2]) -> Vec<Chart> {
-    let incidences = spread(scan.table.grid.incidences(), MOST_STOPS);
+    let incidences = spread(scan.table.grid.incidences(), MOST_INCIDENCES);
     let chart = |incidence: usize| {
         let series = [("scan", scan, MEASURED), ("surface of its law", law, series_style(1))];
         let series = series.map(|(label, scene, style)| {

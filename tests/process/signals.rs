@@ -56,7 +56,7 @@ samples = 262_144
 ";
 
 /// So do paths, theory and results.
-const STOPS: &str = "\
+const INCIDENCES: &str = "\
 name = \"small\"
 seed = 5
 [surface]
@@ -96,9 +96,9 @@ const VALIDATE: &[&str] = &["validate", "table/small.exr"];
 const CASES: [Case; 5] = [
     Case { campaign: PATCHES, words: MEASURE_BY_ONE, again: RESUME_BY_ONE, threads: 1 },
     Case { campaign: MAP, words: MEASURE, again: RESUME, threads: 2 },
-    Case { campaign: STOPS, words: MEASURE, again: RESUME, threads: 2 },
+    Case { campaign: INCIDENCES, words: MEASURE, again: RESUME, threads: 2 },
     Case { campaign: PATCHES, words: SURFACE, again: SURFACE, threads: 1 },
-    Case { campaign: STOPS, words: VALIDATE, again: VALIDATE, threads: 2 },
+    Case { campaign: INCIDENCES, words: VALIDATE, again: VALIDATE, threads: 2 },
 ];
 
 impl Case {
@@ -179,7 +179,7 @@ fn answer(child: &Child) -> (Duration, Duration) {
 /// Ends each command `tries` times, at times that are spread evenly over its run: the golden ratio's sequence.
 fn answered(tries: u32) {
     let mut times = (1..).map(|number| (f64::from(number) * 0.618_033_988_749_894_9).fract());
-    let finished = ended::folder(STOPS);
+    let finished = ended::folder(INCIDENCES);
     exits(&ends(finished.path(), MEASURE), 0);
     let table = finished.path().join("out");
     let mut all = 0;

@@ -18,7 +18,7 @@ use crate::sphere;
 const SAMPLES: usize = 256;
 /// Incidences at most that it is fitted to, and their last polar angle, rad: towards grazing light a lobe becomes
 /// narrower than most bins.
-const STOPS: usize = 16;
+const INCIDENCES: usize = 16;
 const LAST_FITTED: f64 = 65.0 * PI / 180.0;
 /// Widths of the lobe that are tried, as parts of the one by the medians: an even part next to the lobe widens those.
 const WIDTHS: [f64; 7] = [1.2, 0.85, 0.7, 0.5, 0.35, 0.25, 0.17];
@@ -50,7 +50,7 @@ impl Guide {
         let rows = values.theta_i().partition_point(|&theta| theta <= LAST_FITTED).max(1);
         let incidences = rows * values.phi_i().len();
         let mut known = Vec::new();
-        for incidence in (0..incidences).step_by(incidences.div_ceil(STOPS)) {
+        for incidence in (0..incidences).step_by(incidences.div_ceil(INCIDENCES)) {
             let place = (incidence / values.phi_i().len(), incidence % values.phi_i().len());
             let phi_i = values.phi_i()[place.1];
             let wi = sphere::direction(values.theta_i()[place.0], phi_i);

@@ -19,7 +19,7 @@ const BYTES_PER_DIGEST: u128 = 34;
 /// Two checkpoints, and the third that is to replace one of them.
 const CHECKPOINTS: u128 = 3;
 /// Summary of an incidence; page without pictures and values; a value in it; the largest page.
-const BYTES_PER_STOP: u128 = 3 << 10;
+const BYTES_PER_INCIDENCE: u128 = 3 << 10;
 const BYTES_PER_PAGE: u128 = 300 << 10;
 const BYTES_PER_SHOWN_VALUE: u128 = 4;
 const LARGEST_PAGE: u128 = 6 << 20;
@@ -104,7 +104,7 @@ fn tables(campaign: &Campaign, plan: &Plan, limit: u64) -> u128 {
         let shown = values.saturating_mul(BYTES_PER_SHOWN_VALUE * colours as u128);
         let page = shown.saturating_add(BYTES_PER_PAGE).min(LARGEST_PAGE);
         let table = values.saturating_mul(4 * channels);
-        table.saturating_add(u128::from(parts)).saturating_add(page + incidences * BYTES_PER_STOP)
+        table.saturating_add(u128::from(parts)).saturating_add(page + incidences * BYTES_PER_INCIDENCE)
     };
     let materials = (0..campaign.optics.each().len()).map(of_material).fold(0, u128::saturating_add);
     materials.saturating_mul(campaign.alphas().len() as u128)

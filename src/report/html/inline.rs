@@ -21,7 +21,7 @@ pub const LARGEST: usize = 4_500_000;
 /// Bins are merged down to about so many rows and columns before incidences are left out.
 const FEWEST: [usize; 2] = [24, 48];
 /// Light angles and azimuths that the viewer interpolates between.
-const MOST_STOPS: usize = 64;
+const MOST_INCIDENCES: usize = 64;
 /// Stands where nothing was measured; BRDFs are not negative.
 const ABSENT: f64 = -1.0;
 /// Largest half float that stored values may reach.
@@ -117,7 +117,7 @@ fn reduction(page: &Page, shown: &DrawnHemisphere, largest: usize) -> (Reduction
         Places::Spots { directions_deg, .. } => [1, directions_deg.len()],
     };
     let spots = matches!(shown.sensor, Places::Spots { .. });
-    let all = |count: usize| spread(count, MOST_STOPS);
+    let all = |count: usize| spread(count, MOST_INCIDENCES);
     let maskings = (0..scene.maskings().len()).collect::<Vec<_>>();
     let (theta, phi) = (all(shown.theta_i_deg.len()), all(shown.phi_i_deg.len()));
     let colours = shown_colours(scene.table);

@@ -16,7 +16,7 @@ use crate::validate::two_tables::{ComparedTable, paired};
 /// Nodes along the radius of the light's cone.
 const ORDER: usize = 6;
 /// Incidences that are looked at, evenly over theta_i.
-const MOST_STOPS: usize = 12;
+const MOST_INCIDENCES: usize = 12;
 
 /// Half-angles of both cones, rad; 0: parallel light, a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,7 +116,7 @@ pub fn worst(campaign: &Campaign) -> Option<ApertureBias> {
 /// Some incidences of the first azimuth.
 fn shown(grid: &Grid) -> Vec<usize> {
     let first: Vec<usize> = (0..grid.incidences()).step_by(grid.phi_i_deg.len().max(1)).collect();
-    let step = first.len().div_ceil(MOST_STOPS).max(1);
+    let step = first.len().div_ceil(MOST_INCIDENCES).max(1);
     first.into_iter().step_by(step).collect()
 }
 
