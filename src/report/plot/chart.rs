@@ -13,6 +13,8 @@ const LEGEND_ROW: f64 = 22.0;
 /// Room of a letter in the legend and of a sample of a line.
 const LETTER: f64 = 7.6;
 const SAMPLE: f64 = 34.0;
+/// Most curves with an error whose bands can be told apart.
+const MOST_BANDS: usize = 4;
 /// Letters beside the frame: a longer label would lie upon the title.
 const LETTERS_UPWARDS: usize = 42;
 /// Steps of a curve.
@@ -142,6 +144,11 @@ impl Chart {
         ));
     }
 
+    /// Whether errors are bands besides bars: those of many curves cover each other.
+    fn has_bands(&self) -> bool {
+        self.series.iter().filter(|series| !series.error.is_empty()).count() <= MOST_BANDS
+    }
+
     fn draw(&self, out: &mut Drawing, series: &Series) {
         let SeriesStyle { colour, dashes, marker, line } = series.style;
         let places: Vec<[f64; 2]> = series.points.iter().map(|&point| self.at(point)).collect();
@@ -150,7 +157,7 @@ impl Chart {
                 let ends = series.points.iter().zip(&series.error);
                 ends.map(move |(&[x, y], error)| self.at([x, y + sign * error]))
             };
-            if line {
+            if line && self.has_bands() {
                 let around: Vec<[f64; 2]> = edge(1.0).chain(edge(-1.0).rev()).collect();
                 out.add(format_args!(
                     "<polygon class=\"band\" fill=\"{colour}\" points=\"{}\"/>",
@@ -227,5 +234,28 @@ mod tests {
         };
         let svg = chart.svg();
         assert!(svg.contains("&lt;script&gt;&quot;&amp;&#39;") && !svg.contains("<script"), "{svg}");
+    }
+
+    #[test]
+    fn bands_of_many_curves_do_not_cover_each_other() {
+        let chart = |curves: usize| {
+            let series = Series {
+                error: vec![0.1; 2],
+                ..Series::new("a", vec![[0.2, 0.5], [0.8, 0.5]], crate::report::plot::style::series_style(0))
+            };
+            Chart {
+                title: "t".into(),
+                x: ChartAxis::linear("x", [0.0, 1.0]),
+                y: ChartAxis::linear("y", [0.0, 1.0]),
+                series: vec![series; curves],
+            }
+        };
+        for (curves, bands) in [(4, 4), (5, 0)] {
+            let svg = chart(curves).svg();
+            assert_eq!(
+                (svg.matches("class=\"band\"").count(), svg.matches("class=\"bar\"").count()),
+                (bands, 2 * curves)
+            );
+        }
     }
 }
