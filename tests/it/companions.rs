@@ -29,6 +29,20 @@ fn a_campaign_to_begin_with_is_checked_and_kept() {
     // To stdout; nobody is asked where no terminal is.
     let printed = stdout(&gonio(at, &["init", "-", "--purpose", "glass"]));
     campaign::parse(&printed, "campaign", at).expect("no fault");
+    // Lines that wait behind a # are sound.
+    let arm = stdout(&gonio(at, &["init", "-", "--instrument", "plane", "--purpose", "formula"]));
+    let whole: String = arm
+        .lines()
+        .map(|line| {
+            line.strip_prefix("# ").filter(|rest| rest.contains(['=', '['])).unwrap_or(line).to_string()
+                + "\n"
+        })
+        .collect();
+    let parsed = campaign::parse(&whole, "campaign", at).expect("no fault");
+    assert!(
+        parsed.uncertainty.is_some_and(|given| given.inputs.len() == 2) && whole.contains("\nmaterial = "),
+        "{whole}"
+    );
     // What does not go together is said by its key, and nothing is written.
     let refused = gonio(at, &["init", "layout", "--surface", "brushed", "--instrument", "merl"]);
     exits(&refused, 2);

@@ -72,7 +72,8 @@ pub fn campaign(
         of_surface(surface, purpose, map),
         of_instrument(surface, instrument, purpose),
         of_purpose(purpose),
-        of_incidence(purpose),
+        of_stop(purpose),
+        of_uncertainty(instrument).into(),
     ];
     parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
 }
@@ -189,7 +190,7 @@ fn of_purpose(purpose: Purpose) -> String {
     .into()
 }
 
-fn of_incidence(purpose: Purpose) -> String {
+fn of_stop(purpose: Purpose) -> String {
     let (samples, error) = match purpose {
         Purpose::Look => ("262_144", ""),
         Purpose::Glass => ("1_048_576", ""),
@@ -199,6 +200,16 @@ fn of_incidence(purpose: Purpose) -> String {
         ),
     };
     format!("[stop]\nsamples = {samples:<17} # per incidence and patch\n{error}")
+}
+
+/// Of an arm, whose positions a budget is made of.
+fn of_uncertainty(instrument: Instrument) -> &'static str {
+    if instrument != Instrument::Plane {
+        return "";
+    }
+    "# [uncertainty]             # what an instrument is known to: `gonio budget` (docs/budget.md)\n\
+     # reading = { u = 0.002 }   # a part of each reading\n\
+     # sensor_theta_deg = { half_width = 0.05 }\n"
 }
 
 /// A string of TOML.
