@@ -109,11 +109,11 @@ def test_refusals_have_their_own_class(campaign, tmp_path, small):
 def test_a_budget_is_that_of_the_command(binary, campaign, tmp_path):
     import json
 
-    keys = {"uncertainty": {"reading": {"u": 0.002}, "at": [[30, 0, 45, 180]]}}
+    keys = {"uncertainty": {"reading": {"u": 0.002}, "at": [[30, 0, 45, 180]], "aperture_deg": 4, "trials": 200_000}}
     with pytest.raises(gonio.UsageError, match="uncertainty: required"):
         gonio.budget(campaign)
     found = gonio.budget(campaign, **keys)
-    text = campaign.read_text() + "[uncertainty]\nreading = { u = 0.002 }\nat = [[30, 0, 45, 180]]\n"
+    text = campaign.read_text() + "[uncertainty]\nreading = { u = 0.002 }\nat = [[30, 0, 45, 180]]\naperture_deg = 4\ntrials = 200_000\n"
     (tmp_path / "same.toml").write_text(text)
     ended = subprocess.run([binary, "budget", tmp_path / "same.toml", "--json"], capture_output=True, text=True)
     assert ended.returncode == 0, ended.stderr

@@ -55,7 +55,8 @@ export class Browser {
   }
 
   // Opens a page; complaints (console errors, exceptions) and requests are kept from its first moment on.
-  async open(url, width, height) {
+  // `first`: a script of the caller's that runs before the page's.
+  async open(url, width, height, first = "") {
     this.complaints = [];
     this.requests = [];
     const { targetId } = await this.send("Target.createTarget", { url: "about:blank" });
@@ -63,7 +64,7 @@ export class Browser {
     this.listeners = [(event) => this.note(event)];
     for (const domain of ["Page", "Runtime", "Network", "Log"]) await this.send(`${domain}.enable`);
     await this.resize(width, height);
-    await this.send("Page.addScriptToEvaluateOnNewDocument", { source: FIRST_DRAWN });
+    await this.send("Page.addScriptToEvaluateOnNewDocument", { source: FIRST_DRAWN + first });
     await this.send("Page.navigate", { url });
     await this.until("document.readyState === 'complete'");
   }
