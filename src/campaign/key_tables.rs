@@ -1,6 +1,6 @@
 //! Where the keys of a campaign belong, for those who look for one elsewhere.
 
-/// Keys that have one home, and the table that holds each, as it is written.
+/// Keys, and the table in which each is meant most often, as it is written.
 const HOMES: [(&str, &str); 29] = [
     ("alpha", "[surface.ggx] or another law"),
     ("alpha_x", "[surface.ggx] or another law"),
@@ -33,7 +33,7 @@ const HOMES: [(&str, &str); 29] = [
     ("l1_model", "[expect]"),
 ];
 
-/// The table that holds `key`, which is called so by one kind of table only.
+/// The table in which `key` is meant most often.
 pub fn table_of(key: &str) -> Option<&'static str> {
     HOMES.iter().find(|(name, _)| *name == key).map(|(_, table)| *table)
 }

@@ -137,8 +137,7 @@ fn guessed(file: &Path) -> Result<Format> {
         files::open(file)?.take(HEAD).read_to_end(&mut head).map_err(|e| Error::io(file, e))?;
         possible.retain(|format| format.begins(&head));
     }
-    let ending = file.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if possible.is_empty() && height_map::ENDINGS.contains(&&*ending) {
+    if possible.is_empty() && height_map::is_map_name(&file.to_string_lossy()) {
         return Err(Error::Usage(format!(
             "{0}: no table by its name; a height map is a surface: gonio init --surface scan --map {0}",
             file.display()

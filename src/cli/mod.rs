@@ -168,7 +168,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
         let arguments = match Arguments::try_parse_from(words) {
             Ok(arguments) => arguments,
             Err(answer) => {
-                let answer = shell::options::with_tip(answer, &Arguments::command());
+                let answer = shell::options::with_tip(answer, Arguments::command);
                 // Help and version too; a reader that has gone away does not change the answer.
                 answer.print().ok();
                 return Ok(answer.exit_code().try_into().unwrap_or(2));

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::codec::{self, Codec, Encoded, FileContent, Fill, Sides};
+use super::codec::{self, Codec, Encoded, FileContent, Fill, FormatTraits, Sides};
 use super::content::bands::RowBands;
 use super::content::half_difference::as_arms;
 use super::radiance::xml::SampleSide;
@@ -65,10 +65,9 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
     }
     let options = &options;
     if table.is_spectral() && !holds.wavelengths {
-        let what = format!(
-            "{} wavelengths; npz, npy, csv, exr_parts, astm, ssdd, openmaterial and bird hold them",
-            table.colours.len()
-        );
+        let mut names = names_of_those(|traits| traits.wavelengths);
+        let last = names.pop().unwrap_or_default();
+        let what = format!("{} wavelengths; {} and {last} hold them", table.colours.len(), names.join(", "));
         return Err(refused(format!("holds Y or R G B, the table has {what}").into()));
     }
     // Half/difference angles have cells below the horizon, which no format counts.
@@ -165,10 +164,13 @@ fn kept_side(grid: &Grid, codec: &dyn Codec, options: &Options) -> Checked<Optio
 }
 
 fn no_place() -> ContentError {
-    let holds = |format: &Format| format.codec().traits().sides != Sides::Reflection;
-    let names: Vec<&str> =
-        Format::ALL.iter().filter(|format| holds(format)).map(|format| format.name()).collect();
+    let names = names_of_those(|traits| traits.sides != Sides::Reflection);
     wrong!("has no place for light that {GONE_THROUGH}; {} hold it", names.join(", "))
+}
+
+/// The formats that have what is looked for.
+fn names_of_those(have: impl Fn(&FormatTraits) -> bool) -> Vec<&'static str> {
+    Format::ALL.iter().filter(|format| have(&format.codec().traits())).map(|format| format.name()).collect()
 }
 
 /// What is not written in a format: refused, unless the system or another file is at fault.

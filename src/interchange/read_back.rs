@@ -219,8 +219,8 @@ pub fn upper([theta, phi]: [f64; 2]) -> [f64; 2] {
     [theta.abs(), if phi.abs() > 360.0 { sphere::reduced_deg(phi) } else { phi }]
 }
 
-/// To ten digits after the point.
-fn digits(angle: f64) -> f64 {
+/// To ten digits after the point: what is left of decimal angles after a turn.
+pub fn digits(angle: f64) -> f64 {
     (angle * 1e10).round() / 1e10
 }
 

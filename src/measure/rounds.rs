@@ -87,7 +87,7 @@ impl Tables {
         if tally.lost > 0 || paths != wanted {
             let lost = tally.lost;
             return Err(Error::Internal(format!(
-                "realisation {realisation}, stop {incidence}, blocks {blocks:?}: {lost} rays lost, {paths} of {wanted} paths \
+                "realisation {realisation}, incidence {incidence}, blocks {blocks:?}: {lost} rays lost, {paths} of {wanted} paths \
                  counted"
             )));
         }

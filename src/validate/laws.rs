@@ -78,6 +78,7 @@ impl Energy {
             return Energy { skipped: Some(format!("{why} not see the whole hemisphere")), ..none };
         }
         let mut energy = Energy { counted: is_measured(table), ..none };
+        let names = table.colour_names();
         for incidence in 0..table.grid.incidences() {
             for colour in 0..table.colours.len() {
                 let (albedo, se) = albedo(table, incidence, colour);
@@ -86,8 +87,7 @@ impl Energy {
                 energy.violations += usize::from(albedo > 1.0 + 3.0 * noise + 1e-6);
                 if energy.largest_albedo.is_none_or(|largest| albedo > largest) {
                     (energy.largest_albedo, energy.largest_albedo_se) = (Some(albedo), se);
-                    let several = table.colours.len() > 1;
-                    energy.largest_albedo_colour = several.then(|| table.colour_names().swap_remove(colour));
+                    energy.largest_albedo_colour = (names.len() > 1).then(|| names[colour].clone());
                 }
             }
         }

@@ -26,7 +26,7 @@ pub(crate) const OUTLIERS: [(&str, Outliers); 3] =
 const DEGREE: u32 = 2;
 
 /// Endings of the files that may be height maps.
-pub(crate) const ENDINGS: [&str; 15] = [
+const ENDINGS: [&str; 15] = [
     "exr", "npy", "gsf", "gwy", "x3p", "sur", "sdf", "asc", "xyz", "txt", "csv", "dat", "tif", "tiff", "png",
 ];
 /// Endings of files that hold neither pitches nor a unit.
@@ -140,12 +140,17 @@ fn extension(path: &str) -> String {
     Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
+/// Whether a file may be a height map by its name.
+pub(crate) fn is_map_name(path: &str) -> bool {
+    ENDINGS.contains(&extension(path).as_str())
+}
+
 fn map_path<'a>(item: &GivenValue<'a>) -> Option<&'a str> {
     let path = item.text()?;
     if path.is_empty() || path.chars().any(char::is_control) {
         return item.refuse("must be a file name without control characters");
     }
-    if ENDINGS.contains(&extension(path).as_str()) {
+    if is_map_name(path) {
         return Some(path);
     }
     item.refuse(

@@ -70,7 +70,10 @@ impl<'a> TableReader<'a> {
             [] => "this table has no keys".to_string(),
             names => format!("known here: {}", names.join(", ")),
         };
-        table_of(key).map_or(known.clone(), |table| format!("{known}; {key} belongs in {table}"))
+        match table_of(key) {
+            Some(table) => format!("{known}; {key} belongs in {table}"),
+            None => known,
+        }
     }
 
     /// The slot of one key, the others not looked at.

@@ -6,13 +6,13 @@ use clap::{Command, Error};
 use crate::campaign::key_tables::table_of;
 
 /// The same answer, with a tip that holds: where the option belongs to another command or is a key of the campaign.
-pub fn with_tip(mut answer: Error, program: &Command) -> Error {
+pub fn with_tip(mut answer: Error, program: fn() -> Command) -> Error {
     if answer.kind() != ErrorKind::UnknownArgument {
         return answer;
     }
     let Some(ContextValue::String(word)) = answer.get(ContextKind::InvalidArg) else { return answer };
     let option = word.trim_start_matches('-').split('=').next().unwrap_or_default();
-    let tip = tip(option, program);
+    let tip = tip(option, &program());
     // Of the library's own tips that of a similar option is of use; the other would take the option for a value.
     answer.remove(ContextKind::Suggested);
     if let Some(tip) = tip {

@@ -13,7 +13,7 @@ use super::named_columns::{ColourValues, Columns};
 use super::samples::{self, MeasuredPair};
 use crate::error::wrong;
 use crate::interchange::codec::{self, Codec, Encoded, FileContent, FormatTraits};
-use crate::interchange::read_back::{ReadBack, middles_deg, upper};
+use crate::interchange::read_back::{ReadBack, digits, middles_deg, upper};
 use crate::interchange::{Checked, Imported, Options, needed};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -84,11 +84,6 @@ fn write(table: &BrdfTable, out: &mut dyn Write) -> Checked<()> {
         }
     }
     Ok(())
-}
-
-/// To ten digits after the point.
-fn digits(angle: f64) -> f64 {
-    (angle * 1e10).round() / 1e10
 }
 
 /// The table of points of a file.

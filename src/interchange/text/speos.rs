@@ -12,7 +12,7 @@ use super::zemax::energy::albedo;
 use crate::error::wrong;
 use crate::instrument::{Grid, GridKind};
 use crate::interchange::codec::{self, Codec, Encoded, FileContent, FormatTraits};
-use crate::interchange::read_back::{Listing, ReadBack, middles_deg};
+use crate::interchange::read_back::{Listing, ReadBack, digits, middles_deg};
 use crate::interchange::{Checked, Imported, Options};
 use crate::sphere;
 use crate::table::BrdfTable;
@@ -136,7 +136,7 @@ impl Block {
         let from = grid.incidence_deg(incidence).1 + 180.0;
         let middles = middles_deg(grid, incidence);
         let columns = grid.phi_r_edges_deg.len() - 1;
-        let phi_o = |phi: f64| (sphere::reduced_deg(phi - from) * 1e10).round() / 1e10 % 360.0;
+        let phi_o = |phi: f64| digits(sphere::reduced_deg(phi - from)) % 360.0;
         let mut order: Vec<(f64, usize)> =
             middles[..columns].iter().map(|(_, phi)| phi_o(*phi)).zip(0..).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));

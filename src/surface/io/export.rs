@@ -27,13 +27,13 @@ pub fn encode_npy(field: &Heightfield) -> Result<Vec<u8>> {
 }
 
 /// Samples in a row, and rows.
-fn samples(field: &Heightfield) -> (usize, usize) {
+pub(super) fn samples(field: &Heightfield) -> (usize, usize) {
     let extra = usize::from(!field.is_periodic());
     (field.cells_x() + extra, field.cells_y() + extra)
 }
 
 /// The heights as f32: exact for synthesised ones, which are f32 values already.
-fn to_f32(field: &Heightfield) -> Result<Vec<f32>> {
+pub(super) fn to_f32(field: &Heightfield) -> Result<Vec<f32>> {
     let (columns, _) = samples(field);
     let convert = |(at, &height): (usize, &f64)| {
         let value = height as f32;

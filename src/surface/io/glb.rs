@@ -4,9 +4,9 @@
 //! a patch has no size of its own, and viewers see nothing of one of a tenth of a millimetre. No normals are written; a reader
 //! then shades each facet by itself, which is what is traced. Source: the specification of glTF 2.0, section 4.
 
-use glam::DVec3;
 use serde_json::json;
 
+use super::export::{samples, to_f32};
 use crate::error::{Error, Result};
 use crate::surface::Heightfield;
 
@@ -34,10 +34,13 @@ pub fn encode(field: &Heightfield, pitch: [f64; 2]) -> Result<Vec<u8>> {
             field.cells_y()
         )));
     }
+    let (heights, (stored, stored_rows)) = (to_f32(field)?, samples(field));
     let mut binary = Vec::with_capacity(size as usize);
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for place in (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))) {
-        let vertex = vertex(field, pitch, place)?;
+    for (column, row) in (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row))) {
+        // A periodic patch stores neither its last column nor its last row.
+        let height = heights[(row % stored_rows) * stored + column % stored];
+        let vertex = [(column as f64 * pitch[0]) as f32, height, (0.0 - row as f64 * pitch[1]) as f32];
         low = [0, 1, 2].map(|k| low[k].min(vertex[k]));
         high = [0, 1, 2].map(|k| high[k].max(vertex[k]));
         vertex.iter().for_each(|part| binary.extend(part.to_le_bytes()));
@@ -66,24 +69,6 @@ pub fn encode(field: &Heightfield, pitch: [f64; 2]) -> Result<Vec<u8>> {
         "buffers": [{ "byteLength": size }],
     });
     Ok(container(document.to_string().into_bytes(), &binary))
-}
-
-/// Where the corner (column, row) of the cells is, in the frame of glTF.
-fn vertex(field: &Heightfield, pitch: [f64; 2], (column, row): (usize, usize)) -> Result<[f32; 3]> {
-    // A corner belongs to the cell behind it, or at the end to the one before.
-    let cell = [column.min(field.cells_x() - 1), row.min(field.cells_y() - 1)];
-    let corners = field.corners(cell[0], cell[1]);
-    let height = match [column > cell[0], row > cell[1]] {
-        [false, false] => corners.h00,
-        [true, false] => corners.h10,
-        [false, true] => corners.h01,
-        [true, true] => corners.h11,
-    };
-    let place = DVec3::new(column as f64 * pitch[0], height, 0.0 - row as f64 * pitch[1]).as_vec3();
-    if place.is_finite() {
-        return Ok(place.to_array());
-    }
-    Err(Error::Refused(format!("height at row {row}, column {column} is {height}: no finite f32")))
 }
 
 /// Header, document and numbers, each part filled up to four bytes.
