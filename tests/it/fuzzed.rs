@@ -12,6 +12,8 @@ mod seeds;
 use std::fs;
 use std::path::Path;
 
+use seeds::Corpus;
+
 /// Every file of `tests/data/fuzz/<target>/` once made a reader panic, hang or speak in several lines.
 #[test]
 fn findings_of_the_fuzzer_are_answered_in_one_line() {
@@ -67,5 +69,14 @@ fn the_lock_of_the_targets_names_the_programs_versions() {
 #[test]
 #[ignore = "writes fuzz/corpus: cargo test --test it fuzzed -- --ignored"]
 fn seeds_of_the_fuzz_targets_are_written() {
-    seeds::write().expect("seeds");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    let corpus = Corpus(&folder);
+    corpus.formats().and_then(|()| corpus.write_small()).expect("seeds");
+}
+
+/// A seed that its reader refuses leads no fuzzer anywhere.
+#[test]
+fn seeds_are_sound() {
+    let folder = tempfile::tempdir().expect("folder");
+    Corpus(folder.path()).write_small().expect("seeds");
 }
