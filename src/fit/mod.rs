@@ -35,7 +35,7 @@ use crate::campaign::{Campaign, Optics};
 
 use self::nodes::Lobe;
 use self::pilot::{Pilot, pilot};
-use self::solve::{FitLayout, Problem};
+use self::solve::{EXACT, FitLayout, NEAR, Problem};
 use self::spread::ParameterSpread;
 
 /// How much narrower than planned a lobe may come out before the nodes are laid out anew.
@@ -94,7 +94,7 @@ fn fit_contenders(data: &FitData, laws: &[FitLaw], farther: f64) -> Fits {
             let state = problem.at(start.params);
             return fitted(&problem, state, start.converged, &some);
         }
-        let (state, converged) = problem.solve(start.params);
+        let (state, converged) = problem.solve(start.params, EXACT);
         let spread = spread::spread(data, &problem, &state);
         Fitted { spread: Some(spread), ..fitted(&problem, state, converged, &all) }
     });
@@ -128,7 +128,7 @@ fn started(data: &FitData, laws: &[FitLaw], guess: &Pilot, sample: &FitSample) -
             let amplitudes = law.amplitudes(data.perfect_mirror);
             let start = &[0.5, 0.05][..amplitudes.per_colour()];
             let params = [law.start(guess), start.repeat(data.value.len())].concat();
-            let (state, converged) = problem.solve(params);
+            let (state, converged) = problem.solve(params, NEAR);
             fitted(&problem, state, converged, sample)
         });
         let fits: Vec<Fitted> = fits.collect();

@@ -18,8 +18,10 @@ use super::sample::FitSample;
 const STEP: f64 = 1e-7;
 /// Largest change of a shape's parameter in one step.
 const LONGEST: f64 = 1.0;
-/// Share of the flux that the next step may still gain where the fit ends: parameters are then right to 1e-7.
-const EXACT: f64 = 1e-14;
+/// Share of the flux that the next step may still gain where a fit ends: parameters are then right to 1e-7.
+pub const EXACT: f64 = 1e-14;
+/// The same where all values or the picture's are fitted after it, or nothing but an order is asked for: to 1e-5.
+pub const NEAR: f64 = 1e-10;
 /// The same where rounding hides any gain.
 const ROUNDED: f64 = 1e-10;
 /// Share of the flux below which a parameter is without influence.
@@ -105,10 +107,11 @@ impl<'a> Problem<'a> {
         State { params, basis, divergence }
     }
 
-    /// Minimises the divergence from `params`, and says whether it converged.
-    pub fn solve(&self, params: Vec<f64>) -> (State, bool) {
-        let start = self.polished(self.at(params));
-        self.descend(start, true)
+    /// Minimises the divergence from `params` until a step gains less than `least` of the flux ([`EXACT`], [`NEAR`]), and
+    /// says whether it came so far.
+    pub fn solve(&self, params: Vec<f64>, least: f64) -> (State, bool) {
+        let start = self.polished(self.at(params), least);
+        self.descend(start, true, least)
     }
 
     /// The parameters that are neither at a bound that holds them back nor without influence.
@@ -179,7 +182,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Fisher scoring; where `shape` is false the basis stays and only amplitudes move, which costs little.
-    fn descend(&self, mut state: State, shape: bool) -> (State, bool) {
+    fn descend(&self, mut state: State, shape: bool, least: f64) -> (State, bool) {
         if state.params.len() == if shape { 0 } else { self.shapes } {
             return (state, true);
         }
@@ -192,10 +195,10 @@ impl<'a> Problem<'a> {
             loop {
                 let step = step(&local, &free, damping, &state.params);
                 let gain = -0.5 * step.dot(&local.gradient);
-                if gain <= EXACT * self.flux {
+                if gain <= least * self.flux {
                     return (state, true);
                 }
-                let trial = self.moved(&state, &step, shape);
+                let trial = self.moved(&state, &step, shape, least);
                 if trial.divergence < state.divergence {
                     state = trial;
                     damping = if damping < 1e-5 { 0.0 } else { 0.1 * damping };
@@ -211,11 +214,11 @@ impl<'a> Problem<'a> {
     }
 
     /// The state with the best amplitudes of its shape.
-    fn polished(&self, state: State) -> State {
-        self.descend(state, false).0
+    fn polished(&self, state: State, least: f64) -> State {
+        self.descend(state, false, least).0
     }
 
-    fn moved(&self, state: &State, step: &DVector<f64>, shape: bool) -> State {
+    fn moved(&self, state: &State, step: &DVector<f64>, shape: bool, least: f64) -> State {
         let longest = (0..self.shapes).map(|k| step[k].abs()).fold(LONGEST, f64::max);
         let moved = |k: usize| {
             let [low, high] = self.bounds[k];
@@ -224,7 +227,7 @@ impl<'a> Problem<'a> {
         let mut params: Vec<f64> = (0..state.params.len()).map(moved).collect();
         if shape {
             self.law.confine(&mut params[..self.shapes]);
-            return self.polished(self.at(params));
+            return self.polished(self.at(params), least);
         }
         let divergence = self.divergence(&params, &state.basis);
         State { params, basis: state.basis.clone(), divergence }

@@ -13,7 +13,7 @@ use rustix::process::Signal;
 use crate::support::ended::{self, Whole, digests, ended_by, run, uninterrupted};
 use crate::support::program::{exits, folder};
 
-/// Two roughnesses, two orders, colours, eight incidences at two azimuths; a second or two for all of them.
+/// Two roughnesses, two orders, colours, eight incidences at two azimuths; a second for all of them.
 fn small(samples: u64) -> String {
     format!(
         "name = \"small\"\nseed = 5\n\
@@ -26,8 +26,8 @@ fn small(samples: u64) -> String {
     )
 }
 
-const LONG: u64 = 131_072;
-const SHORT: u64 = 65_536;
+const LONG: u64 = 65_536;
+const SHORT: u64 = 32_768;
 
 /// MiB that give so many bands on two threads.
 fn mb_of(bands: usize) -> String {
