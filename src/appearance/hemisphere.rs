@@ -129,11 +129,10 @@ impl BinRows {
         }
     }
 
-    /// Whether a row comes as near to a receptor's axis in polar angle as directions that it collects.
+    /// Whether a row has polar angles of directions that a receptor collects.
     fn is_within(&self, row: usize, receptor: &Receptor) -> bool {
-        let at = sphere::theta(receptor.axis());
-        let off = |theta: [f64; 2]| (theta[0] - at).max(at - theta[1]);
-        self.angles(row, 0).is_some_and(|bin| off(bin.theta) <= receptor.reach())
+        let [from, to] = receptor.polar_range();
+        self.angles(row, 0).is_some_and(|bin| bin.theta[0] <= to && from <= bin.theta[1])
     }
 
     /// The bins between which the slopes along theta and along phi are taken, and how far they are from each other.
@@ -179,8 +178,9 @@ fn shares(bin: &BinAngles, receptor: &Receptor) -> Option<BinShares> {
     if middle.angle_between(receptor.axis()) > receptor.reach() + radius {
         return None;
     }
-    let steps = |extent: f64| ((extent / receptor.step()).ceil() as usize).clamp(2, MOST_STEPS);
-    let (rows, columns) = (steps(t2 - t1), steps(t2.sin() * (p2 - p1)));
+    let extents = [t2 - t1, t2.sin() * (p2 - p1)];
+    let steps = |k: usize| ((extents[k] / receptor.steps()[k]).ceil() as usize).clamp(2, MOST_STEPS);
+    let (rows, columns) = (steps(0), steps(1));
     let (mut sum, mut sums, mut extremes) = (0.0, [0.0; 3], [1.0f64, 0.0]);
     for i in 0..rows {
         let theta = t1 + (t2 - t1) * (i as f64 + 0.5) / rows as f64;

@@ -115,9 +115,15 @@ impl Receptor {
         self.reach
     }
 
-    /// Steps in which its field is resolved, radians.
-    pub(super) fn step(&self) -> f64 {
-        self.step
+    /// Directions at polar angles beyond these get nothing, radians.
+    pub(super) fn polar_range(&self) -> [f64; 2] {
+        let at = sphere::theta(self.axis);
+        if let Field::Ring { theta } = self.field { theta } else { [at - self.reach, at + self.reach] }
+    }
+
+    /// Steps in which its field is resolved along the polar angle and the azimuth, radians: all azimuths of a ring are alike.
+    pub(super) fn steps(&self) -> [f64; 2] {
+        [self.step, if matches!(self.field, Field::Ring { .. }) { f64::INFINITY } else { self.step }]
     }
 }
 

@@ -1,7 +1,7 @@
 //! The page of an uncertainty budget: values, and the shares of each.
 
 use super::html::render::plain_page;
-use super::html::sections::figures_of;
+use super::html::sections::{figures_of, scrolled};
 use super::plot::escaped;
 use super::plot::shares::shares;
 use crate::budget::{Budget, Component, Kind, ValueBudget};
@@ -63,10 +63,11 @@ fn values(found: &Budget) -> String {
         )
     };
     let rows: String = found.values.iter().map(row).collect();
-    format!(
-        "<div class=\"scroll\"><table class=\"facts\"><thead><tr><th>directions</th><th>BRDF, 1/sr</th><th>u</th><th>ν_eff</th>\
-         <th>k</th><th>U, 95 %</th><th>Monte Carlo, 95 %</th><th></th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n"
-    )
+    let table = format!(
+        "<table class=\"facts\"><thead><tr><th>directions</th><th>BRDF, 1/sr</th><th>u</th><th>ν_eff</th><th>k</th><th>U, 95 %</th>\
+         <th>Monte Carlo, 95 %</th><th>GUM and Monte Carlo</th></tr></thead>\n<tbody>{rows}</tbody></table>"
+    );
+    scrolled("Values", &table)
 }
 
 fn components(value: &ValueBudget) -> String {
@@ -88,11 +89,15 @@ fn components(value: &ValueBudget) -> String {
     let rows: String = value.components.iter().map(row).collect();
     let parts: Vec<(&str, f64)> =
         value.components.iter().map(|component| (component.name.as_str(), component.share)).collect();
+    let table = format!(
+        "<table class=\"facts\"><thead><tr><th>component</th><th>law</th><th>u(x)</th><th>c, 1/sr a unit</th><th>|c| u, 1/sr</th>\
+         <th>share</th></tr></thead>\n<tbody>{rows}</tbody></table>"
+    );
     format!(
-        "<h3>{}</h3>\n{}<div class=\"scroll\"><table class=\"facts\"><thead><tr><th>component</th><th>law</th><th>u(x)</th>\
-         <th>c, 1/sr a unit</th><th>|c| u, 1/sr</th><th>share</th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n",
+        "<h3>{}</h3>\n{}{}",
         escaped(&place(value)),
-        figures_of([shares(&format!("Shares of u²: {}", place(value)), &parts)])
+        figures_of([shares(&format!("Shares of u²: {}", place(value)), &parts)]),
+        scrolled(&format!("Components: {}", place(value)), &table)
     )
 }
 

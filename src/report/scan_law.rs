@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::html::quantiles::SlopeQuantiles;
 use super::html::render::plain_page;
-use super::html::sections::figures_of;
+use super::html::sections::{figures_of, scrolled};
 use super::plot::plots::spread;
 use super::plot::{
     Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, escaped, model_style, series_style,
@@ -112,10 +112,10 @@ impl ScanLaw {
             )
         };
         let rows: String = self.slopes.fits.iter().map(row).collect();
-        format!(
-            "<div class=\"scroll\"><table class=\"facts\"><thead><tr><th>law</th><th>parameters</th><th>behind the best, nats a \
-             facet</th><th>largest difference of shares</th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n"
-        )
+        let heads = "<th>law</th><th>parameters</th><th>behind the best, nats a facet</th><th>largest difference of shares</th>";
+        let table =
+            format!("<table class=\"facts\"><thead><tr>{heads}</tr></thead>\n<tbody>{rows}</tbody></table>");
+        scrolled("Laws", &table)
     }
 
     fn distances(&self) -> String {
@@ -129,11 +129,12 @@ impl ScanLaw {
                 escaped(&incidence.figures.shown())
             )
         });
-        format!(
-            "<div class=\"scroll\"><table class=\"facts\"><thead><tr><th>light</th><th>L1</th><th>noise alone</th><th>without \
-             noise</th></tr></thead>\n<tbody>{}</tbody></table></div>\n",
+        let table = format!(
+            "<table class=\"facts\"><thead><tr><th>light</th><th>L1</th><th>noise alone</th><th>without noise</th></tr></thead>\n\
+             <tbody>{}</tbody></table>",
             all.collect::<String>()
-        )
+        );
+        scrolled("Distances", &table)
     }
 
     /// The quantiles of the scan's slopes against those of each law with the axes of the law that was taken.

@@ -14,7 +14,7 @@ import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 
 import { Browser, WITH_GL, WITHOUT_GL } from "./browser.mjs";
-import { comfort } from "./comfort.mjs";
+import { comfort, LAYOUT } from "./comfort.mjs";
 
 const [page, summaryFile, folder] = process.argv.slice(2);
 const url = pathToFileURL(resolve(page)).href;
@@ -286,24 +286,6 @@ async function highlight(browser) {
   await set(browser, "exposure", "0");
   await set(browser, "lamp", "sky");
 }
-
-// What a picture must have at any width: nothing beyond the page, no text of a plot upon another, none too small.
-const LAYOUT = `(() => {
-  const found = [];
-  if (document.documentElement.scrollWidth > innerWidth) found.push("page wider than the window: " + document.documentElement.scrollWidth);
-  for (const svg of document.querySelectorAll("svg.chart")) {
-    const outer = svg.getBoundingClientRect(), name = svg.getAttribute("aria-label");
-    const boxes = [...svg.querySelectorAll("text:not(.halo)")].map((text) => [text.textContent, text.getBoundingClientRect()]);
-    boxes.forEach(([text, box], k) => {
-      if (box.left < outer.left - 1 || box.right > outer.right + 1) found.push(name + ": beyond the picture: " + text);
-      const other = boxes.slice(k + 1).find(([, b]) => b.left < box.right - 1 && b.right > box.left + 1 && b.top < box.bottom - 3 && b.bottom > box.top + 3);
-      if (other) found.push(name + ": " + text + " over " + other[0]);
-    });
-    const size = 14 * outer.width / svg.viewBox.baseVal.width;
-    if (size < 9.5) found.push(name + ": letters of " + size.toFixed(1) + " px");
-  }
-  return found;
-})()`;
 
 async function withViewer() {
   const browser = new Browser(program, WITH_GL);

@@ -24,6 +24,25 @@ const SAVED = `(async () => {
   return Promise.all(saved);
 })()`;
 
+// What a picture must have at any width: nothing beyond the page, no text of a plot upon another, none too small.
+export const LAYOUT = `(() => {
+  const found = [];
+  if (document.documentElement.scrollWidth > innerWidth) found.push("page wider than the window: " + document.documentElement.scrollWidth);
+  for (const svg of document.querySelectorAll("svg.chart")) {
+    const outer = svg.getBoundingClientRect(), name = svg.getAttribute("aria-label");
+    const boxes = [...svg.querySelectorAll("text:not(.halo)")].map((text) => [text.textContent, text.getBoundingClientRect()]);
+    boxes.forEach(([text, box], k) => {
+      if (box.left < outer.left - 1 || box.right > outer.right + 1) found.push(name + ": beyond the picture: " + text);
+      const other = boxes.slice(k + 1).find(([, b]) => b.left < box.right - 1 && b.right > box.left + 1 && b.top < box.bottom - 3 && b.bottom > box.top + 3);
+      if (other) found.push(name + ": " + text + " over " + other[0]);
+    });
+    const size = 14 * outer.width / svg.viewBox.baseVal.width;
+    if (size < 9.5) found.push(name + ": letters of " + size.toFixed(1) + " px");
+  }
+  return found;
+})()`;
+
+// A page with its pictures: contents, files, and what holds for every page.
 export async function comfort(browser, hold) {
   const links = await browser.evaluate("[...document.querySelectorAll('#contents a')].map((a) => a.getAttribute('href').slice(1))");
   const sections = await browser.evaluate("[...document.querySelectorAll('main > section')].filter((s) => s.getClientRects().length).map((s) => s.id)");
@@ -38,9 +57,14 @@ export async function comfort(browser, hold) {
   hold("CSV has its columns and numbers", of(".csv").every(([, , text]) => /^(series,|theta_i_deg,)[^\n]*\n[^\n]*[0-9]/.test(text)), of(".csv").slice(0, 2));
   hold("SVG stands alone", of(".svg").every(([, , text]) => text.startsWith("<svg") && text.includes("http://www.w3.org/2000/svg")), of(".svg").slice(0, 1));
 
+  await readable(browser, hold, ["body", "#verdict", ".hint", "#contents a", "footer"]);
+}
+
+// Read in the dark, on paper and aloud; `texts` are looked at in the dark.
+export async function readable(browser, hold, texts) {
   const media = (features, type = "") => browser.send("Emulation.setEmulatedMedia", { media: type, features });
   await media([{ name: "prefers-color-scheme", value: "dark" }]);
-  for (const selector of ["body", "#verdict", ".hint", "#contents a", "footer"]) {
+  for (const selector of texts) {
     const [contrast, paper] = await browser.evaluate(`${CONTRAST}(document.querySelector("${selector}"))`);
     hold(`${selector} is read in the dark`, contrast > 4.5 && paper < 0.05, [contrast, paper]);
   }

@@ -1,6 +1,7 @@
 //! The page's section of what standards ask: gloss, haze, scatter, reflectance factors and colours.
 
 use super::page::Page;
+use super::sections::scrolled;
 use crate::appearance::colorimetry::{Illuminant, Observer};
 use crate::appearance::reflectance::{Colour1976, Reflected};
 use crate::appearance::report::{AppearanceAtAzimuth, first_azimuths};
@@ -84,9 +85,8 @@ fn glossy(at: &AppearanceAtAzimuth) -> String {
         format!("<tr><th>{name}</th>{}<td>{why}</td></tr>", cell(quantity, 2))
     };
     let rows: String = gloss.chain(others).map(row).collect();
-    format!(
-        "<div class=\"scroll\"><table class=\"facts\"><caption>Gloss and image</caption>{rows}</table></div>\n"
-    )
+    let name = "Gloss and image";
+    scrolled(name, &format!("<table class=\"facts\"><caption>{name}</caption>{rows}</table>"))
 }
 
 fn scattered(at: &AppearanceAtAzimuth) -> String {
@@ -96,10 +96,12 @@ fn scattered(at: &AppearanceAtAzimuth) -> String {
         format!("<tr><td>{}</td>{cells}</tr>", scatter.theta_i_deg)
     };
     let rows: String = spread(at.scatter.len(), MOST_ROWS).into_iter().map(row).collect();
-    format!(
-        "<div class=\"scroll\"><table><caption>Whole hemisphere</caption><thead><tr><th>theta_i</th><th>reflectance</th>\
-         <th>scattered (TIS)</th></tr></thead><tbody>{rows}</tbody></table></div>\n"
-    )
+    let name = "Whole hemisphere";
+    let table = format!(
+        "<table><caption>{name}</caption><thead><tr><th>theta_i</th><th>reflectance</th><th>scattered (TIS)</th></tr></thead>\
+         <tbody>{rows}</tbody></table>"
+    );
+    scrolled(name, &table)
 }
 
 fn coloured(at: &AppearanceAtAzimuth) -> String {
@@ -122,12 +124,14 @@ fn coloured(at: &AppearanceAtAzimuth) -> String {
     };
     let rows: String = spread(known.len(), 2 * MOST_ROWS).into_iter().map(row).collect();
     let has_colours = known.iter().any(|reflected| !reflected.colours.is_empty());
-    let heads = if has_colours { "<th>L*</th><th>a*</th><th>b*</th><th></th>" } else { "" };
+    let heads = if has_colours { "<th>L*</th><th>a*</th><th>b*</th><th>colour</th>" } else { "" };
     let light = if has_colours { ", D65, 2°" } else { "" };
-    format!(
-        "<div class=\"scroll\"><table><caption>Reflectance factors{light}</caption><thead><tr><th>geometry</th><th>theta_i</th>\
-         <th>factor</th>{heads}</tr></thead><tbody>{rows}</tbody></table></div>\n"
-    )
+    let name = "Reflectance factors";
+    let table = format!(
+        "<table><caption>{name}{light}</caption><thead><tr><th>geometry</th><th>theta_i</th><th>factor</th>{heads}</tr></thead>\
+         <tbody>{rows}</tbody></table>"
+    );
+    scrolled(name, &table)
 }
 
 /// A patch of the colour under D65; of one brighter than white its hue at the brightness of white.

@@ -1,6 +1,7 @@
 //! The figures of the page as tables: the comparisons, the albedos; and the cost.
 
 use super::page::Page;
+use super::sections::scrolled;
 use crate::instrument::angle_decimals;
 use crate::measure::Cost;
 use crate::report::plot::escaped;
@@ -74,14 +75,17 @@ fn comparisons(page: &Page, mark: &str) -> String {
     let rows: String = spread(first.incidences.len(), MOST_ROWS).into_iter().map(row).collect();
     let mean: String = all.iter().map(|c| distance(&c.figures)).collect();
     let [head, foot] = if page.scene.has_azimuths() { ["<th>phi_i</th>", "<td></td>"] } else { ["", ""] };
+    let table = format!(
+        "<table id=\"comparisons{mark}\"><thead><tr><th>theta_i</th>{head}<th>noise</th>{heads}</tr></thead>\n\
+         <tbody>{rows}</tbody>\n<tfoot><tr><td>mean</td>{foot}{}{mean}</tr></tfoot></table>",
+        cell("l1_noise", first.figures.l1_noise, 4)
+    );
     format!(
         "<h2>Against the {} model</h2>\n<p>Flux-weighted L1 distance of order 1 from the model's bin means, by \
-         masking, with the noise taken off.{}</p>\n<div class=\"scroll\"><table id=\"comparisons{mark}\"><thead><tr>\
-         <th>theta_i</th>{head}<th>noise</th>{heads}</tr></thead>\n<tbody>{rows}</tbody>\n<tfoot><tr><td>mean</td>{foot}{}{mean}\
-         </tr></tfoot></table></div>\n",
+         masking, with the noise taken off.{}</p>\n{}",
         escaped(&first.model.replace('_', " ")),
         left_out(first.incidences.len()),
-        cell("l1_noise", first.figures.l1_noise, 4)
+        scrolled("Distances from the model", &table)
     )
 }
 
@@ -121,10 +125,13 @@ fn albedos(page: &Page, mark: &str) -> String {
     } else {
         ", from the bins."
     };
+    let table = format!(
+        "<table id=\"albedos{mark}\"><thead><tr><th>theta_i</th>{azimuth}{heads}</tr></thead><tbody>{rows}</tbody></table>"
+    );
     format!(
-        "<h2>Albedo</h2>\n<p>Share of the light that leaves{what}{}</p>\n<div class=\"scroll\"><table id=\"albedos{mark}\">\
-         <thead><tr><th>theta_i</th>{azimuth}{heads}</tr></thead><tbody>{rows}</tbody></table></div>\n",
-        left_out(incidences.len())
+        "<h2>Albedo</h2>\n<p>Share of the light that leaves{what}{}</p>\n{}",
+        left_out(incidences.len()),
+        scrolled("Albedos", &table)
     )
 }
 

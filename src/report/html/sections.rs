@@ -52,6 +52,14 @@ fn convergence_charts(page: &Page) -> Vec<Chart> {
         .collect()
 }
 
+/// A table that is scrolled where the window is narrow, by keys too; `name` is what a screen reader says of it.
+pub(crate) fn scrolled(name: &str, table: &str) -> String {
+    format!(
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{}\">{table}</div>\n",
+        escaped(name)
+    )
+}
+
 pub(crate) fn figures_of(pictures: impl IntoIterator<Item = String>) -> String {
     let figures: String = pictures.into_iter().map(|svg| format!("<figure>{svg}</figure>\n")).collect();
     format!("<div class=\"charts\">\n{figures}</div>\n")
@@ -89,7 +97,7 @@ pub fn specimen(page: &Page) -> String {
     ];
     let rows: String =
         rows.iter().map(|(what, value)| format!("<tr><th>{what}</th><td>{value}</td></tr>")).collect();
-    let [columns, lines] = specimen.cells;
+    let ([columns, lines], name) = (specimen.cells, "Certificate of patch 0");
     let charts: String = [Some(specimen.slopes()), specimen.quantiles()]
         .iter()
         .flatten()
@@ -100,11 +108,11 @@ pub fn specimen(page: &Page) -> String {
          <figcaption>{columns} x {lines} cells of patch 0 from above its corner at the smallest x and y, x to the right, y to the \
          left, lit from the left; heights are drawn {} times {} than they are.</figcaption></figure>\n<figure><canvas id=\"patch\" \
          role=\"img\" aria-label=\"Shaded patch\"></canvas><figcaption>The same from above, x to the right, lit from the upper left; \
-         slopes are scaled to a median of 0.45.</figcaption></figure>\n{}<div class=\"scroll\"><table class=\"facts\"><caption>\
-         Certificate of patch 0</caption>{rows}</table></div></div>",
+         slopes are scaled to a median of 0.45.</figcaption></figure>\n{}{}</div>",
         specimen.relief.times(),
         if specimen.relief.exaggeration < 1.0 { "lower" } else { "higher" },
-        charts
+        charts,
+        scrolled(name, &format!("<table class=\"facts\"><caption>{name}</caption>{rows}</table>"))
     )
 }
 

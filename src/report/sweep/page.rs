@@ -4,7 +4,7 @@ use super::{ParameterSweep, SweptTable};
 use crate::fit::Fit;
 use crate::report::IncidenceSummary;
 use crate::report::html::render::plain_page;
-use crate::report::html::sections::figures_of;
+use crate::report::html::sections::{figures_of, scrolled};
 use crate::report::plot::plots::spread;
 use crate::report::plot::{Chart, ChartAxis, Series, escaped, series_style};
 use crate::validate::compare::{Comparison, Figures};
@@ -144,10 +144,11 @@ impl ParameterSweep {
             )
         };
         let rows: String = self.tables.iter().map(row).collect();
-        format!(
-            "<div class=\"scroll\"><table class=\"facts\"><thead><tr><th>table</th><th>albedo, first light</th><th>noise</th>\
-             <th>from the formula, l1_model</th><th>best fit</th><th>verdict</th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n"
-        )
+        let table = format!(
+            "<table class=\"facts\"><thead><tr><th>table</th><th>albedo, first light</th><th>noise</th>\
+             <th>from the formula, l1_model</th><th>best fit</th><th>verdict</th></tr></thead>\n<tbody>{rows}</tbody></table>"
+        );
+        scrolled("Tables", &table)
     }
 }
 
