@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use sha2::{Digest, Sha256};
 
 use crate::instrument::Region;
+use crate::interchange::read_back::middles_deg;
 use crate::table::BrdfTable;
 
 /// The table's campaign as TOML; `None` where it holds none.
@@ -18,12 +19,18 @@ pub fn name(table: &BrdfTable) -> String {
     own.unwrap_or_else(|| "imported table".into())
 }
 
-/// A UUID that the same campaign with the same values has again.
+/// A UUID that the same campaign with the same values in the same directions has again.
 pub fn uuid(table: &BrdfTable) -> String {
     let mut hash = Sha256::new();
     hash.update(table.campaign.as_bytes());
-    for value in table.colours.iter().flat_map(|colour| &colour.total) {
-        hash.update(value.to_le_bytes());
+    for colour in &table.colours {
+        hash.update(colour.wavelength_nm.unwrap_or_default().to_le_bytes());
+        colour.total.iter().for_each(|value| hash.update(value.to_le_bytes()));
+    }
+    for incidence in 0..table.grid.incidences() {
+        let (theta, phi) = table.grid.incidence_deg(incidence);
+        let sensors = middles_deg(&table.grid, incidence).into_iter().flat_map(|(theta, phi)| [theta, phi]);
+        [theta, phi].into_iter().chain(sensors).for_each(|angle| hash.update(angle.to_le_bytes()));
     }
     let mut bytes = [0; 16];
     bytes.copy_from_slice(&hash.finalize()[..16]);

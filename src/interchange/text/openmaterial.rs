@@ -2,10 +2,9 @@
 //! pair of directions and wavelength, in m, rad and 1/sr.
 //!
 //! The light has azimuth 0 and phi_r counts from it, so the tables are isotropic; rows are sorted by their columns. A null value
-//! is none. Source: the JSON schema of OpenMATERIAL 3D 1.1.0. It leaves open on which side phi_r = 0 lies; here, as its examples
-//! do at pairs of light and sensor in one plane, it is the light's own azimuth, and pi the mirror direction.
+//! is none. Source: OpenMATERIAL 3D 1.1.0, its JSON schema and its Annex A. It leaves open on which side phi_r = 0 lies, and so do
+//! its examples; here it is the light's own azimuth, and pi the mirror direction.
 
-use std::f64::consts::TAU;
 use std::io::Write;
 use std::path::Path;
 
@@ -15,13 +14,12 @@ use serde_json::json;
 use super::identity;
 use super::named_columns::Columns;
 use super::samples::{self, MeasuredPair};
-use super::spectral_rows::{self, SpectralRow, whole_nm};
+use super::spectral_rows::{self, LISTED_NM, SpectralRow, whole_nm};
 use crate::error::wrong;
 use crate::files;
 use crate::interchange::codec::{Codec, Encoded, FileContent, FormatTraits};
 use crate::interchange::read_back::ReadBack;
 use crate::interchange::{Checked, Imported, Options};
-use crate::sphere;
 use crate::table::BrdfTable;
 
 /// How the values are meant.
@@ -29,8 +27,13 @@ const CONVENTION: &str = "a row [wavelength m, theta_i, theta_r, phi_r rad, BRDF
     is the mirror direction; the middle of each bin; no cosine";
 /// The version of the specification.
 const VERSION: &str = "1.1.0";
-/// The largest polar angle that the schema admits, rad.
+/// Where the schema is; Annex A wants it named in the second line.
+const SCHEMA: &str = "https://raw.githubusercontent.com/asam-ev/OpenMATERIAL-3D/refs/tags/v1.1.0/schemas/material_brdf_schema.json";
+/// The largest polar angle and azimuth that the schema admits, rad.
 const MOST_THETA: f64 = 1_570_796.0 / 1e6;
+const MOST_PHI: f64 = 6_283_185.0 / 1e6;
+/// What the digits of degrees that were read from radians may add to them, rad.
+const DIGITS: f64 = 1e-9;
 /// Bytes of memory for each of the file's: a row of 15 bytes or more becomes five numbers, a sample and its place, each
 /// list half empty at worst.
 const MEMORY: u64 = 64;
@@ -59,22 +62,37 @@ impl Codec for OpenMaterial {
                     .into(),
             );
         }
-        let beyond = |theta: &f64| theta.abs().to_radians() > MOST_THETA;
+        let beyond = |theta: &f64| theta.abs().to_radians() > MOST_THETA + DIGITS;
         if let Some(theta) = spectral_rows::polar_angles(table).find(beyond) {
             return Err(wrong!(
                 "a polar angle of {theta} degrees: OpenMATERIAL's end at {MOST_THETA} rad, below 90"
             ));
         }
+        spectral_rows::each_bin(table, |_, directions| {
+            let [_, [_, phi]] = spectral_rows::from_light(directions);
+            if phi.to_radians() <= MOST_PHI + DIGITS {
+                return Ok(());
+            }
+            Err(wrong!(
+                "a sensor {phi} degrees from the light's azimuth: OpenMATERIAL's azimuths end at {MOST_PHI} rad, below 360"
+            ))
+        })?;
         Ok(Encoded {
             content: FileContent::Stream(Box::new(move |out| write(table, &colours, out))),
             convention: CONVENTION.into(),
-            notes: vec!["license and copyrights say NOASSERTION: fill them in".into()],
+            notes: vec![
+                "license and copyrights say NOASSERTION: fill them in; the names of such files end in _brdf.xompt".into(),
+            ],
         })
     }
 
     fn read_back(&self, path: &Path, table: &BrdfTable, options: &Options) -> Checked<Option<ReadBack>> {
-        // The rows' azimuths count from the light's, and so do those of an isotropic table.
-        spectral_rows::compared(table, &colours(table, options)?, &pairs(&files::read(path)?)?.0)
+        let pairs = pairs(&files::read(path)?)?.0;
+        spectral_rows::compared(table, &colours(table, options)?, &pairs, |directions| {
+            // As `pairs` has them.
+            let [light, [theta, phi]] = spectral_rows::from_light(directions);
+            [light, [theta, whole_deg(phi.to_radians().min(MOST_PHI))]]
+        })
     }
 }
 
@@ -89,9 +107,10 @@ fn write(table: &BrdfTable, colours: &[(f64, usize)], out: &mut dyn Write) -> Ch
     // 450/1e9 is the number next to 450 nm; 450e-9 may be its neighbour.
     let metres: Vec<f64> = colours.iter().map(|(nm, _)| nm / 1e9).collect();
     let mut rows: Vec<([f64; 3], usize)> = Vec::new();
-    spectral_rows::each_bin(table, |entry, [light, sensor]| {
-        let phi = sphere::reduced_deg(sensor[1] - light[1]).to_radians().rem_euclid(TAU);
-        rows.push(([light[0].to_radians(), sensor[0].to_radians(), phi], entry));
+    spectral_rows::each_bin(table, |entry, directions| {
+        let [light, sensor] = spectral_rows::from_light(directions);
+        let theta = [light[0], sensor[0]].map(|theta| theta.to_radians().min(MOST_THETA));
+        rows.push(([theta[0], theta[1], sensor[1].to_radians().min(MOST_PHI)], entry));
         Ok(())
     })?;
     rows.sort_by(|(a, _), (b, _)| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal));
@@ -104,7 +123,7 @@ fn write(table: &BrdfTable, colours: &[(f64, usize)], out: &mut dyn Write) -> Ch
     let head = text(&brdf);
     write!(
         out,
-        "{{\"metadata\":{},\n\"brdf\":{},\"lookupTable\":[",
+        "{{\n\"$schema\":\"{SCHEMA}\",\n\"metadata\":{},\n\"brdf\":{},\"lookupTable\":[",
         text(&metadata(table)),
         head.trim_end_matches('}')
     )?;
@@ -133,6 +152,11 @@ fn metadata(table: &BrdfTable) -> serde_json::Value {
         "authors": [format!("gonio {}", table.version)],
         "sources": if table.campaign.is_empty() { "unknown" } else { "simulated" },
     })
+}
+
+/// Radians in degrees to eight digits: what the decimals of such files are worth.
+fn whole_deg(angle: f64) -> f64 {
+    (angle.to_degrees() * 1e8).round() / 1e8
 }
 
 /// What is read of a file.
@@ -165,16 +189,15 @@ fn pairs(bytes: &[u8]) -> Checked<(Vec<MeasuredPair>, Columns)> {
         let &[Some(metres), Some(theta_i), Some(theta_r), Some(phi), _] = row else {
             return Err(wrong!("row {number}: a value without its wavelength or angles"));
         };
-        if !(1e-9..=0.02).contains(&metres) || value < 0.0 {
+        let nm = whole_nm(metres * 1e9);
+        if !LISTED_NM.contains(&nm) || value < 0.0 {
             return Err(wrong!(
                 "row {number}: wavelength {metres} m, BRDF {value} 1/sr: 1e-9 to 0.02, and 0 or more needed"
             ));
         }
-        // Degrees to eight digits: what the decimals of such files are worth.
-        let [theta_i, theta_r, phi] =
-            [theta_i, theta_r, phi].map(|angle| (angle.to_degrees() * 1e8).round() / 1e8);
+        let [theta_i, theta_r, phi] = [theta_i, theta_r, phi].map(whole_deg);
         let (light, sensor) = ([theta_i, 0.0], [theta_r, phi]);
-        rows.push(SpectralRow { number, nm: whole_nm(metres * 1e9), light, sensor, value, error: None });
+        rows.push(SpectralRow { number, nm, light, sensor, value, error: None });
     }
     spectral_rows::pairs(&rows)
 }

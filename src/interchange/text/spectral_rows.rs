@@ -2,6 +2,7 @@
 //! and which rows a table makes.
 
 use std::collections::HashMap;
+use std::ops::RangeInclusive;
 
 use super::named_columns::{ColourValues, Columns};
 use super::samples::{self, MeasuredPair, key};
@@ -9,8 +10,11 @@ use crate::error::wrong;
 use crate::interchange::options::NANOMETRES;
 use crate::interchange::read_back::{ReadBack, middles_deg};
 use crate::interchange::{Checked, Options};
+use crate::sphere;
 use crate::table::BrdfTable;
 
+/// Wavelengths that a list may have, nm: from X-rays to radar.
+pub const LISTED_NM: RangeInclusive<f64> = 1.0..=2e7;
 /// The wavelength of rows that have none.
 pub const NO_WAVELENGTH: f64 = 0.0;
 
@@ -142,17 +146,25 @@ pub fn each_bin(
     Ok(())
 }
 
-/// Compares the pairs of a file, in any order, with the table that it was made of; `colours` as from [`wavelengths`].
+/// Light and sensor with the sensor's azimuth counted from the light's, degrees.
+pub fn from_light([light, sensor]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    [[light[0], 0.0], [sensor[0], sphere::reduced_deg(sensor[1] - light[1])]]
+}
+
+/// Compares the pairs of a file, in any order, with the table that it was made of; `colours` as from [`wavelengths`],
+/// `written` how the file has light and sensor.
 pub fn compared(
     table: &BrdfTable,
     colours: &[(f64, usize)],
     pairs: &[MeasuredPair],
+    written: impl Fn([[f64; 2]; 2]) -> [[f64; 2]; 2],
 ) -> Checked<Option<ReadBack>> {
     let places: HashMap<_, &MeasuredPair> =
         pairs.iter().map(|pair| ((key(pair.light), key(pair.sensor)), pair)).collect();
     let each = |visit: &mut dyn FnMut(MeasuredPair) -> Checked<()>| {
         each_bin(table, |_, [light, sensor]| {
-            let found = places.get(&(key(light), key(sensor)));
+            let [of_light, of_sensor] = written([light, sensor]);
+            let found = places.get(&(key(of_light), key(of_sensor)));
             let found =
                 found.ok_or_else(|| wrong!("no row for light {light:?} and sensor {sensor:?} degrees"))?;
             let mut values: ColourValues = found.values.clone();

@@ -235,6 +235,15 @@ fn the_projects_example_is_read() {
     let (several, notes) = read(&turned).expect("readable");
     assert!(!several.grid.is_isotropic() && several.grid.azimuths() == 2);
     assert!(notes.iter().any(|note| note.contains("light of several azimuths")), "{notes:?}");
+    // A text stands wherever nothing is known.
+    for (metadata, isotropic) in [
+        (json!({ "sample": "NA" }), false),
+        (json!({ "sample": { "properties_symmetry": "Isotropic" } }), true),
+    ] {
+        let mut other = example();
+        other["metadata"] = metadata;
+        assert_eq!(read(&other).expect("readable").0.grid.is_isotropic(), isotropic);
+    }
     // The same in letters.
     let mut letters = example();
     letters["data"]["polarization_i"] =
@@ -270,6 +279,12 @@ fn units_and_uncertainties_of_others_are_read() {
     assert_eq!(read(&listed).expect("readable").0.colours[0].stderr, [0.001, 0.125]);
     listed["data"]["adhoc_variables"] = json!({ "spot": { "unit": "mm", "values": [1, 2] } });
     assert_eq!(read(&listed).expect("readable").1, ["adhoc_variables are not read"]);
+    // What varies there may be what tells two rows apart.
+    for angle in ["theta_r", "phi_r"] {
+        listed["data"][angle]["values"] = json!([0, 0]);
+    }
+    let why = read(&listed).expect_err("two values of one pair");
+    assert!(why.ends_with("and 0.5 here (adhoc_variables are not read)"), "{why}");
 }
 
 #[test]
@@ -284,6 +299,8 @@ fn wrong_bird_files_name_their_value() {
         (json!({ "data": {} }), "data.BRDF is missing: theta_i, phi_i, theta_r, phi_r and BRDF needed"),
         (json!({ "data": { "variables": [], "values": [] } }), "data.variables is of a draft of the format"),
         (json!({}), "no BRDF file of BiRD: missing field `data`"),
+        // Before the drafts: lists of numbers by themselves.
+        (json!({ "data": { "theta_i": [0], "theta_v": [10] } }), "data.theta_v is of BiRD's first files"),
         (with("theta_i", Value::Null), "data.theta_i is missing"),
         (with("theta_i", values("gon", json!([1, 2]))), "data.theta_i.unit = gon: deg, \u{b0}, rad needed"),
         (
@@ -297,8 +314,8 @@ fn wrong_bird_files_name_their_value() {
         (with("uBRDF", values("%", json!([1, -1]))), "value 2: uncertainty -0.005: 0 or more needed"),
         (with("uBRDF", values("%", json!([1]))), "data.uBRDF has 1 values"),
         (
-            with("wavelength_i", values("nm", json!([550, 1]))),
-            "value 2 of wavelength_i: 1 nm: 100 to 1000000 needed",
+            with("wavelength_i", values("nm", json!([550, 0.5]))),
+            "value 2 of wavelength_i: 0.5 nm: 1 to 20000000 needed",
         ),
         (with("wavelength_i", values("nm", json!([550, 560]))), "value 2: light of 560 nm is seen at 550 nm"),
         (

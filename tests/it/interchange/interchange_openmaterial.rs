@@ -17,6 +17,10 @@ fn written(own: &BrdfTable, options: &Options) -> (Value, BrdfTable) {
     let back = interchange::export(own, Format::OpenMaterial, options, &path).expect("written").read_back;
     assert_eq!(back.expect("light").l1, 0.0);
     let bytes = std::fs::read(&path).expect("there");
+    // Annex A of the specification: the schema is named in the second line.
+    let second = bytes.split(|byte| *byte == b'\n').nth(1).expect("lines");
+    let schema = b"\"$schema\":\"https://raw.githubusercontent.com/asam-ev/OpenMATERIAL-3D/refs/tags/v1.1.0/";
+    assert!(second.starts_with(schema) && second.ends_with(b"/material_brdf_schema.json\","));
     let found = interchange::import(&path, Format::OpenMaterial, &Options::default(), None).expect("read").0;
     (serde_json::from_slice(&bytes).expect("JSON"), found)
 }
@@ -93,6 +97,49 @@ fn tables_come_back_from_openmaterial() {
     let brushed = table(&Ggx::new(0.2, 0.5), &hemisphere(steps(30.0, 3), Some(steps(45.0, 8)), 6, 12));
     let one = Options { wavelengths_nm: vec![550.0], ..Options::default() };
     assert!(refused(&brushed, &one).contains("azimuth"), "{}", refused(&brushed, &one));
+}
+
+/// Rows count from the light's azimuth, wherever that is, and angles end where the schema's numbers do.
+#[test]
+fn lights_at_any_azimuth_and_the_last_angles_come_back() {
+    let read = |rows: &str| {
+        let text = format!("theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,550nm\n{rows}");
+        let found = interchange::decode(Format::Csv, &Options::default(), text.as_bytes()).expect("readable");
+        let gonio::interchange::Imported::Table(mut own) = found else { panic!("a table") };
+        own.grid.phi_r_relative = true;
+        own
+    };
+    let mut uuids = vec![];
+    for (rows, phi) in [
+        ("30,180,30,0,0.5\n30,180,10,200,0.25\n", [180.0, 20.0]),
+        ("30,10.1,30,190.1,0.5\n30,10.1,10,20.2,0.25\n", [180.0, 10.1]),
+    ] {
+        let (file, found) = written(&read(rows), &Options::default());
+        is_valid(&file);
+        let row = |sensor: [f64; 2], value: f32| {
+            let at = found.grid.points_deg.iter().position(|point| (point[1] - sensor[1]).abs() < 1e-7);
+            assert_eq!(found.colours[0].total[at.expect("its azimuth")], value, "{sensor:?}");
+        };
+        row([30.0, phi[0]], 0.5);
+        row([10.0, phi[1]], 0.25);
+        uuids.push(file["metadata"]["uuid"].clone());
+    }
+    assert_ne!(uuids[0], uuids[1], "the same values in other directions");
+    // 1.570796 is read as 89.99998128 degrees, whose radians are a little more.
+    let text = "{\"brdf\":{\"lookupTable\":[[9.05e-07,1.570796,1.570796,6.283185,0.5]]}}";
+    let last =
+        interchange::decode(Format::OpenMaterial, &Options::default(), text.as_bytes()).expect("readable");
+    let gonio::interchange::Imported::Table(last) = last else { panic!("a table") };
+    is_valid(&written(&last, &Options::default()).0);
+    let folder = tempfile::tempdir().expect("folder");
+    let beyond = read("30,0,30,359.999999,0.5\n");
+    let why =
+        interchange::export(&beyond, Format::OpenMaterial, &Options::default(), &folder.path().join("a"));
+    let why = why.expect_err("refused").to_string();
+    assert!(
+        why.contains("a sensor 359.999999 degrees from the light's azimuth: OpenMATERIAL's azimuths end"),
+        "{why}"
+    );
 }
 
 /// The form of the specification's own examples: six digits, azimuths 0 and pi, null where nothing is known.

@@ -130,9 +130,13 @@ fn adhoc(table: &BrdfTable) -> Value {
     adhoc
 }
 
+/// Seconds since 1970 at the end of the year 9999, the last that a date of ISO 8601 can say.
+const LAST_SECOND: u64 = 253_402_300_799;
+
 /// Seconds since 1970: those of `SOURCE_DATE_EPOCH` where it is set, so that the same table can give the same bytes.
 fn now() -> u64 {
     let set = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse().ok());
+    let set = set.filter(|&seconds: &u64| seconds <= LAST_SECOND);
     set.unwrap_or_else(|| SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs()))
 }
 

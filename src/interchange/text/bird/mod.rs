@@ -14,7 +14,7 @@ use std::path::Path;
 
 use super::samples;
 use super::spectral_rows::{self, NO_WAVELENGTH};
-use crate::error::wrong;
+use crate::error::{ContentError, wrong};
 use crate::interchange::codec::{self, Codec, Encoded, FileContent, FormatTraits};
 use crate::interchange::read_back::ReadBack;
 use crate::interchange::{Checked, Imported, Options};
@@ -80,7 +80,12 @@ impl Codec for Bird {
 // Tested by tests/it/interchange/interchange_bird.rs.
 pub fn read_with_notes(bytes: &[u8]) -> Checked<(BrdfTable, Vec<String>)> {
     let file = read::rows(bytes)?;
-    let (pairs, columns) = spectral_rows::pairs(&file.rows)?;
+    // What was left out may be why rows seem to be twice there.
+    let said = |why: ContentError| match file.notes.join("; ") {
+        notes if notes.is_empty() => why,
+        notes => wrong!("{why} ({notes})"),
+    };
+    let (pairs, columns) = spectral_rows::pairs(&file.rows).map_err(said)?;
     Ok((samples::table(&pairs, &columns, file.is_isotropic)?, file.notes))
 }
 

@@ -4,14 +4,14 @@ use std::collections::HashMap;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde_json::Value;
 
 use super::metadata::ISOTROPIC;
 use super::units::Unit;
-use crate::error::wrong;
+use crate::error::{ContentError, wrong};
 use crate::interchange::Checked;
-use crate::interchange::options::NANOMETRES;
 use crate::interchange::text::samples::key;
-use crate::interchange::text::spectral_rows::{NO_WAVELENGTH, SpectralRow, whole_nm};
+use crate::interchange::text::spectral_rows::{LISTED_NM, NO_WAVELENGTH, SpectralRow, whole_nm};
 use crate::text_decoding::without_mark;
 
 /// States of polarisation cancel to this.
@@ -20,18 +20,16 @@ const UNPOLARISED: f64 = 1e-6;
 /// What is read of a file.
 #[derive(Deserialize)]
 struct BirdFile {
-    metadata: Option<Metadata>,
+    /// Any of it may be a text such as NA.
+    #[serde(default)]
+    metadata: Value,
     data: Data,
 }
 
+/// The names in a file whose data are of another form.
 #[derive(Deserialize)]
-struct Metadata {
-    sample: Option<Sample>,
-}
-
-#[derive(Deserialize)]
-struct Sample {
-    properties_symmetry: Option<String>,
+struct Names {
+    data: HashMap<String, IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -93,9 +91,9 @@ pub struct BirdRows {
 /// The rows of a file; values of polarised light are put together where they make unpolarised light.
 pub fn rows(bytes: &[u8]) -> Checked<BirdRows> {
     let bytes = without_mark(bytes)?;
-    let file: BirdFile = serde_json::from_slice(&bytes).map_err(|e| wrong!("no BRDF file of BiRD: {e}"))?;
+    let file: BirdFile = serde_json::from_slice(&bytes).map_err(|e| refusal(&bytes, &e))?;
     let data = file.data;
-    let symmetry = file.metadata.and_then(|metadata| metadata.sample?.properties_symmetry);
+    let symmetry = file.metadata.pointer("/sample/properties_symmetry").and_then(Value::as_str);
     let brdf = needed("BRDF", data.brdf.as_ref(), data.variables.is_some())?;
     let count = brdf.values.len();
     let of = |name: &'static str, variable: &Option<Variable>, unit: fn(&str) -> Option<Unit>| {
@@ -152,11 +150,23 @@ pub fn rows(bytes: &[u8]) -> Checked<BirdRows> {
         }
     }
     let one_azimuth = rows.iter().all(|row| row.light[1] == rows[0].light[1]);
-    let is_isotropic = symmetry.is_some_and(|word| word.trim() == ISOTROPIC);
+    let is_isotropic = symmetry.is_some_and(|word| word.trim().eq_ignore_ascii_case(ISOTROPIC));
     if is_isotropic && !one_azimuth {
         notes.push("an isotropic sample under light of several azimuths: read with its azimuths".into());
     }
     Ok(BirdRows { rows, is_isotropic: is_isotropic && one_azimuth, notes })
+}
+
+/// Why a file is none: data of BiRD's first files, or what the parser says.
+fn refusal(bytes: &[u8], error: &serde_json::Error) -> ContentError {
+    let first = ["theta_v", "phi_v", "wavelengths", "pol", "data"];
+    let names = serde_json::from_slice(bytes).map_or(HashMap::new(), |Names { data }| data);
+    match first.iter().find(|name| names.contains_key(**name)) {
+        Some(name) => wrong!(
+            "data.{name} is of BiRD's first files: for each variable an object with unit and values needed, as in version 1.0"
+        ),
+        None => wrong!("no BRDF file of BiRD: {error}"),
+    }
 }
 
 fn needed<'a>(name: &str, variable: Option<&'a Variable>, is_draft: bool) -> Checked<&'a Variable> {
@@ -193,13 +203,13 @@ fn wavelengths(data: &Data, count: usize) -> Checked<Option<Vec<f64>>> {
         let Some(variable) = variable else { return Ok(None) };
         let mut all = numbers(name, variable, Unit::of_wavelength, count)?;
         all.iter_mut().for_each(|nm| *nm = whole_nm(*nm));
-        match all.iter().position(|nm| !NANOMETRES.contains(nm)) {
+        match all.iter().position(|nm| !LISTED_NM.contains(nm)) {
             Some(at) => Err(wrong!(
                 "value {} of {name}: {} nm: {} to {} needed",
                 at + 1,
                 all[at],
-                NANOMETRES.start(),
-                NANOMETRES.end()
+                LISTED_NM.start(),
+                LISTED_NM.end()
             )),
             None => Ok(Some(all)),
         }
