@@ -3,6 +3,7 @@
 pub mod alike;
 pub mod angle_text;
 pub mod arms;
+pub mod bin_edges;
 pub mod bins;
 pub mod cone;
 pub mod grid;
