@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 use crate::measure::{self, Measured, Patches, Plan, Specimen};
 use crate::stats;
 use crate::surface::SlopeCounts;
-use crate::validate::compare::Figures;
+use crate::validate::error_measures::Figures;
 use crate::validate::{Parts, Prediction, expect, verdict};
 
 /// Patches of each row whose slopes are counted.

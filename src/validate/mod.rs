@@ -3,6 +3,7 @@
 pub mod common_grid;
 pub mod compare;
 pub(crate) mod counted_bins;
+pub mod error_measures;
 pub mod expect;
 pub mod geometric;
 pub mod judgement;

@@ -3,8 +3,9 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::compare::{self, ColourFigures, Comparison, Figures, IncidenceComparison, IncidenceData};
+use super::compare::{self, Comparison, IncidenceComparison};
 use super::counted_bins::counted_bins;
+use super::error_measures::{ColourFigures, Figures, IncidenceData};
 use super::expect::{self, Bar};
 use super::geometric::GeometricOptics;
 use super::judgement::{self, Judgement, Ruling};
