@@ -1,11 +1,18 @@
 //! The table against every masking of a model, incidence by incidence, and the nearest of several models. `error_measures`
 //! defines the figures.
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::error_measures::Figures;
+use super::counted_bins::counted_bins;
+use super::error_measures::{ColourFigures, Figures, IncidenceData};
 use super::model_distance;
+use super::parts::Parts;
+use super::prediction::Prediction;
+use crate::campaign::Campaign;
+use crate::instrument::{GridKind, folded_incidences};
 use crate::stats;
+use crate::table::BrdfTable;
 
 /// A model tested against a table.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -68,6 +75,82 @@ impl Comparison {
             incidences,
             by_part,
         }
+    }
+}
+
+/// The number of realisations behind a table: the campaign's (a map's start regions included).
+fn realisations_of(campaign: &Campaign) -> usize {
+    campaign.surface.realisations as usize
+}
+
+/// A table against every masking of a model; realisations and prediction are those of its incidences.
+pub fn compare(
+    table: &BrdfTable,
+    campaign: &Campaign,
+    realisations: Option<Parts>,
+    Prediction { model, means }: &Prediction,
+) -> Vec<Comparison> {
+    let names = model.maskings();
+    let folded = folded_incidences(campaign, &table.grid);
+    let of = |(index, masking): (usize, &&str)| {
+        let of_incidence = |incidence: usize| {
+            compare_incidence(
+                (table, realisations),
+                campaign,
+                (incidence, folded[incidence]),
+                &means[incidence].values[index],
+            )
+        };
+        let incidences = (0..table.grid.incidences()).into_par_iter().map(of_incidence).collect();
+        Comparison::new(&model.name(), masking, incidences)
+    };
+    names.iter().enumerate().map(of).collect()
+}
+
+/// One incidence (and whether it is folded) against the model's means by colour.
+fn compare_incidence(
+    (table, parts): (&BrdfTable, Option<Parts>),
+    campaign: &Campaign,
+    (incidence, folded): (usize, bool),
+    model: &[Vec<f64>],
+) -> IncidenceComparison {
+    let grid = &table.grid;
+    let bins = grid.bins();
+    let here = incidence * bins..(incidence + 1) * bins;
+    let size = grid.sizes(incidence);
+    let counted = counted_bins(grid, incidence, folded);
+    let realisations = realisations_of(campaign);
+    let figures = |(colour, model): (usize, &Vec<f64>)| {
+        let channels = &table.colours[colour];
+        IncidenceData {
+            value: &channels.single[here.clone()],
+            stderr: &channels.stderr_single[here.clone()],
+            hits: &table.hits[here.clone()],
+            model,
+            size: &size,
+            counted: &counted,
+            realisations,
+            parts: parts.map_or(vec![], |parts| parts.single(colour, incidence, bins)),
+        }
+        .figures()
+    };
+    let colours: Vec<ColourFigures> = model.iter().enumerate().map(figures).collect();
+    let count = colours.len() as f64;
+    let bins_judged: usize = colours.iter().map(|c| c.bins).sum();
+    let outside: usize = colours.iter().map(|c| c.outside).sum();
+    let whole = grid.kind == GridKind::Hemisphere;
+    let (theta_i_deg, phi_i_deg) = grid.incidence_deg(incidence);
+    let (figures, by_part) = Figures::mean(colours.iter().map(|c| (&c.figures, &c.by_part[..])));
+    IncidenceComparison {
+        theta_i_deg,
+        phi_i_deg,
+        albedo_model: whole.then(|| colours.iter().map(|c| c.albedo_model).sum::<f64>() / count),
+        figures,
+        max_t: colours.iter().filter_map(|c| c.max_t).reduce(f64::max),
+        share_outside_95: (bins_judged > 0).then(|| outside as f64 / bins_judged as f64),
+        dof: realisations.saturating_sub(1),
+        judged: bins_judged,
+        by_part,
     }
 }
 
