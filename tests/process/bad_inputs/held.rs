@@ -48,10 +48,10 @@ pub const ROWS: &[(&str, &str, &str)] = &[
         "tests/it/measure/energy.rs",
         "every_start_has_one_fate_and_the_light_sums_to_one",
     ),
-    ("reflected and lost light", "src/optics/fresnel.rs", "reflected_and_lost_light_make_one"),
+    ("reflected and lost light", "src/optics/fresnel/mod.rs", "reflected_and_lost_light_make_one"),
     (
         "conductor without absorption",
-        "src/optics/fresnel.rs",
+        "src/optics/fresnel/mod.rs",
         "a_conductor_without_absorption_is_the_dielectric",
     ),
     ("no bins", "src/instrument/grid.rs", "projected_solid_angles_sum_to_pi"),
