@@ -54,7 +54,7 @@ pub const ROWS: &[(&str, &str, &str)] = &[
         "src/optics/fresnel/mod.rs",
         "a_conductor_without_absorption_is_the_dielectric",
     ),
-    ("no bins", "src/instrument/grid.rs", "projected_solid_angles_sum_to_pi"),
+    ("no bins", "src/instrument/region.rs", "projected_solid_angles_sum_to_pi"),
     ("bin without hits", "tests/it/measure/energy.rs", "every_value_has_an_error_bar"),
     ("seeds alike but for a bit", "src/rng.rs", "seeds_that_differ_in_the_top_bit_give_other_streams"),
     ("threads", "tests/it/cli.rs", "results_are_the_same_bytes_for_any_number_of_threads"),
