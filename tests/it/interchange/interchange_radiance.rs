@@ -8,7 +8,7 @@ use gonio::instrument::klems::{Basis, patches};
 use gonio::interchange::radiance::klems;
 use gonio::interchange::radiance::klems::Patchwise;
 use gonio::interchange::radiance::tensor_tree;
-use gonio::interchange::radiance::xml::SampleSide;
+use gonio::interchange::radiance::sample_side::SampleSide;
 use gonio::interchange::resample::nodes;
 use gonio::interchange::{Brdf, Format, Options, import};
 use gonio::sphere::{self, direction_deg};
