@@ -5,9 +5,9 @@
 use glam::DVec3;
 
 use super::colour;
+use super::sample_side::{SampleSide, SideBlocks};
 use super::tensor_square::{COLOURS, Tree, coordinates};
 use super::xml;
-use super::sample_side::{SampleSide, SideBlocks};
 use super::xml::{negative_note, short};
 use crate::error::wrong;
 use crate::interchange::{Brdf, Checked, Colour};
