@@ -9,7 +9,7 @@ use gonio::interchange::numpy::npz;
 use gonio::report::Scene;
 use gonio::report::plot::plots::shown_sweeps;
 use gonio::report::plot::polar::polar;
-use gonio::table::{BrdfTable, RealisationPart, TableRows, realisations, store};
+use gonio::table::{BrdfTable, RealisationPart, TableRows, header, realisations, store};
 use gonio::validate::{Prediction, expect};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -41,7 +41,7 @@ pub fn load<'py>(py: Python<'py>, path: PathBuf, with_realisations: bool) -> PyR
     answer.set_item("npz", PyBytes::new(py, &stored.npz))?;
     answer.set_item("sizes", doubles(py, &table.grid.sizes(0)))?;
     answer.set_item("colours", table.colour_names())?;
-    answer.set_item("convention", store::convention(&table.grid))?;
+    answer.set_item("convention", header::convention(&table.grid))?;
     answer.set_item("parts", stored.parts.len())?;
     answer.set_item("group_size", stored.group_size)?;
     let of = |pick: fn(&RealisationPart) -> &Vec<Vec<f32>>| floats(py, stored.parts.iter().map(pick));

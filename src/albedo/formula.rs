@@ -8,7 +8,7 @@ use crate::optics::Fresnel;
 use crate::optics::reflectance::Reflectance;
 use crate::theory::grains::bare_mirror_flux;
 use crate::theory::{Masking, Microfacet, Ndf};
-use crate::validate::prediction::quadrature::both_orders;
+use crate::validate::prediction::quadrature::gauss_kronrod::both_orders;
 use crate::validate::{Estimate, albedo, transmittance};
 
 /// A rough surface whose albedos of order 1 are known by formula.

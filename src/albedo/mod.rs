@@ -8,6 +8,7 @@
 pub mod files;
 pub mod formula;
 pub mod measured;
+mod quantities;
 pub mod setup;
 pub mod table;
 mod verdict;

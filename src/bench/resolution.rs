@@ -12,8 +12,8 @@ use crate::error::{Error, Result};
 use crate::measure::{self, Measured, Patches, Plan, Specimen};
 use crate::stats;
 use crate::surface::SlopeCounts;
-use crate::validate::compare::Figures;
-use crate::validate::{Parts, Prediction, expect, verdict};
+use crate::validate::error_measures::Figures;
+use crate::validate::{Parts, Prediction, compare, expect};
 
 /// Patches of each row whose slopes are counted.
 const COUNTED_PATCHES: u64 = 4;
@@ -148,7 +148,7 @@ fn row(
 /// The figures against the masking of this name.
 fn discrepancy(measured: &Measured, (truth, masking): (&Prediction, &str)) -> Option<Figures> {
     let parts = Some(Parts { all: &measured.realisations, first_incidence: 0 });
-    let comparisons = verdict::compare(&measured.table, &measured.campaign, parts, truth);
+    let comparisons = compare::compare(&measured.table, &measured.campaign, parts, truth);
     comparisons.iter().find(|comparison| comparison.masking == masking).map(|comparison| comparison.figures)
 }
 

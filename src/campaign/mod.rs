@@ -12,6 +12,7 @@ use crate::text_decoding::decode_text;
 mod difference;
 pub mod key_tables;
 pub mod materials;
+mod optical_constants;
 pub mod parse;
 pub mod presets;
 mod runs;

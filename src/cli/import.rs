@@ -15,7 +15,7 @@ use crate::campaign::parse::height_map;
 use crate::error::{Error, Result};
 use crate::files;
 use crate::instrument::GridKind;
-use crate::interchange::radiance::xml::SampleSide;
+use crate::interchange::radiance::sample_side::SampleSide;
 use crate::interchange::{self, Format, Options, maps};
 use crate::job::paths::already_exists;
 use crate::table::{TableRows, store};

@@ -10,6 +10,7 @@
 //! walks over statistical facets, up to half a hundredth for random patches, whose masking no model has.
 
 pub mod data;
+mod error_propagation;
 pub mod law;
 pub mod microfacet_law;
 mod nearest;

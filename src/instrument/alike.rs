@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::grid::{Grid, Region};
+use super::grid::Grid;
+use super::region::Region;
 use crate::sphere;
 
 /// What a surface's law does not change under.

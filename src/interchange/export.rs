@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::codec::{self, Codec, Encoded, FileContent, Fill, FormatTraits, Sides};
 use super::content::bands::RowBands;
 use super::content::half_difference::as_arms;
-use super::radiance::xml::SampleSide;
+use super::radiance::sample_side::SampleSide;
 use super::resample::gaps::not_measured;
 use super::{AlbedoCurve, COMES_BACK, Format, GONE_THROUGH, Lookup, Options, ReadBack, albedo, luminance};
 use crate::error::{Checked, ContentError, Error, Result, wrong};

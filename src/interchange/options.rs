@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use super::radiance::xml::SampleSide;
+use super::radiance::sample_side::SampleSide;
 use crate::instrument::klems::Basis;
 use crate::table::BrdfTable;
 

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::blocks::arms::BlockArms;
 use super::context::Context;
 use super::optics::FacetWay;
-use super::patches::{Patch, Specimen, grains_of};
+use super::patches::specimen::{Patch, Specimen, grains_of};
 use super::plan::{Apertures, Plan, StartSampler};
 use crate::campaign::{Alpha, Campaign, LightSide};
 use crate::surface::grains::GrainField;

@@ -8,7 +8,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::fresnel::{FacetAngle, f_dielectric};
+use super::fresnel::FacetAngle;
+use super::fresnel::dielectric::f_dielectric;
 
 /// What a facet does.
 #[derive(Debug, Clone, Copy, PartialEq)]

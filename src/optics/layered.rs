@@ -11,7 +11,8 @@ use std::f64::consts::FRAC_PI_2;
 use glam::DVec3;
 
 use super::facet::lambert_direction;
-use super::fresnel::{FacetAngle, f_dielectric, t_dielectric};
+use super::fresnel::FacetAngle;
+use super::fresnel::dielectric::{f_dielectric, t_dielectric};
 
 /// The reflectance of the interface under diffuse light from outside: F_de, the integral of 2 c F(c) dc.
 ///

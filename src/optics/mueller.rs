@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use super::fresnel::{self, FacetAngle, Fresnel};
+use super::fresnel::{FacetAngle, Fresnel, conductor, dielectric};
 
 /// The Mueller matrix of a smooth facet in frames whose s lies across the plane of incidence, over its reflectance (or
 /// transmittance) of unpolarised light: rows (1, a, 0, 0), (a, 1, 0, 0), (0, 0, b, -c), (0, 0, c, b), a^2 + b^2 + c^2 = 1.
@@ -34,8 +34,8 @@ impl PolarisedFacet {
         match *fresnel {
             Fresnel::Dielectric { eta } => Self::dielectric_reflection(angle, eta),
             Fresnel::Conductor { eta, k } => {
-                let polarised = fresnel::f_conductor(angle, eta, k);
-                let z = fresnel::conductor_product(angle, eta, k);
+                let polarised = conductor::f_conductor(angle, eta, k);
+                let z = conductor::conductor_product(angle, eta, k);
                 Self::of(polarised.s, polarised.p, z)
             }
             Fresnel::Perfect | Fresnel::Schlick { .. } | Fresnel::Diffuse { .. } => Self::MIRROR,
@@ -43,7 +43,7 @@ impl PolarisedFacet {
     }
 
     fn dielectric_reflection(angle: FacetAngle, eta: f64) -> Self {
-        if let Some([r_s, r_p]) = fresnel::dielectric_amplitudes(angle, eta) {
+        if let Some([r_s, r_p]) = dielectric::dielectric_amplitudes(angle, eta) {
             return Self::of(r_s * r_s, r_p * r_p, [r_s * r_p, 0.0]);
         }
         let (c, m) = (angle.cos, (eta - 1.0) * (eta + 1.0));

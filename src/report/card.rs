@@ -5,7 +5,7 @@ use super::markdown::{code, fence, listing, plain};
 use super::quality::{Facts, Quality};
 use super::summary::{PlannedSamples, Summary};
 use crate::measure::{Cost, StoppedBy};
-use crate::table::{BrdfTable, store};
+use crate::table::{BrdfTable, header};
 use crate::validate::Judgement;
 
 /// By this a card is recognised as one of ours.
@@ -40,7 +40,7 @@ fn identity(table: &BrdfTable, digest: &str, colours: &str) -> Vec<CardRow> {
     let mut rows = vec![
         row("what", "BRDF without cosine, 1/sr, mean over each bin, with standard errors and hits".into()),
         row("size", format!("{incidences} positions of the light x {bins} bins, channels {colours}")),
-        row("convention", store::convention(&table.grid)),
+        row("convention", header::convention(&table.grid)),
         row("program", format!("gonio {}", plain(&table.version))),
         row("seed", table.seed.to_string()),
         row("table SHA-256", format!("{} (attribute `gonio.digest`)", code(digest))),
@@ -124,6 +124,7 @@ fn limits(facts: &Facts, summary: &Summary) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::report::quality::tests::dim_table;
+    use crate::table::store;
 
     #[test]
     fn a_card_of_a_table_alone_leaves_out_what_only_a_summary_knows() {

@@ -6,6 +6,7 @@ mod content_digest;
 pub mod gaps;
 mod grid_attribute;
 mod halves;
+pub mod header;
 pub mod realisations;
 pub mod recolour;
 pub mod rows;

@@ -14,6 +14,7 @@ use crate::instrument::Grid;
 
 use super::channels::{self, ColourName, DIGEST};
 use super::content_digest::ContentDigest;
+use super::header::{TableHeader, header};
 use super::{BrdfTable, store};
 
 /// An open table.
@@ -36,7 +37,7 @@ impl TableRows {
             return Err(store::several(path, blocks.outlines().len()));
         };
         let mut outline = outline.clone();
-        let store::TableHeader { empty, names, mut warnings } = store::header(&mut outline).map_err(wrong)?;
+        let TableHeader { empty, names, mut warnings } = header(&mut outline).map_err(wrong)?;
         if outline.text(DIGEST).is_none() {
             warnings.push(channels::no_digest());
         }

@@ -13,7 +13,7 @@ use crate::instrument::Grid;
 
 use super::channels::{self, DIGEST};
 use super::content_digest::ContentDigest;
-use super::{BrdfTable, store};
+use super::{BrdfTable, header};
 
 /// A table's unfinished file.
 pub struct TableWriter<W> {
@@ -39,7 +39,7 @@ impl TableWriter<NewFile> {
 impl<W: Write + Seek> TableWriter<W> {
     /// Begins a table of all incidences of `grid`, with the channels and texts of `like`; `path` is for messages.
     pub fn new(out: W, path: &Path, like: &BrdfTable, grid: &Grid) -> Result<Self> {
-        let begin = || store::outline(like, grid, &channels::planes(like, 0)?);
+        let begin = || header::outline(like, grid, &channels::planes(like, 0)?);
         let outline = begin().map_err(refused)?;
         let rows = RowWriter::new(out, outline.clone()).map_err(|e| Error::io(path, e))?;
         let (content, patch_digest) = (ContentDigest::default(), like.patch_digest.clone());

@@ -11,6 +11,7 @@ pub mod diffuse;
 pub mod empirical;
 pub mod gauss_legendre;
 pub mod grains;
+pub mod lambda;
 pub mod microfacet;
 pub mod ndf;
 pub mod smith;

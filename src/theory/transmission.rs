@@ -154,7 +154,7 @@ mod tests {
     use super::*;
     use crate::optics::FacetAngle;
     use crate::optics::facet::split;
-    use crate::optics::fresnel::t_dielectric;
+    use crate::optics::fresnel::dielectric::t_dielectric;
     use crate::rng::{Purpose, StreamId, stream, uniform};
     use crate::sphere::{self, direction_deg};
     use crate::theory::Ndf;

@@ -5,7 +5,8 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::compare::{Comparison, Figures};
+use super::compare::Comparison;
+use super::error_measures::Figures;
 use super::expect::Bar;
 use super::laws::{Energy, Reciprocity};
 use super::seen::SeenLight;

@@ -3,6 +3,7 @@
 pub mod common_grid;
 pub mod compare;
 pub(crate) mod counted_bins;
+pub mod error_measures;
 pub mod expect;
 pub mod geometric;
 pub mod judgement;
@@ -19,7 +20,8 @@ pub mod words;
 pub use geometric::GeometricOptics;
 pub use judgement::{Judgement, Ruling};
 pub use parts::Parts;
+pub use prediction::Prediction;
 pub use prediction::bin_mean::{BinMean, BinMeans, Estimate, albedo, source_nodes};
 pub use prediction::bin_mean_diffuse::diffuse_means;
 pub use prediction::bin_mean_through::{ThroughMean, transmittance};
-pub use verdict::{Examination, Prediction, Verdict, examine, examine_against, examine_rows};
+pub use verdict::{Examination, Verdict, examine, examine_against, examine_rows};

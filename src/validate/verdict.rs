@@ -1,22 +1,20 @@
 //! The verdict on a table: every comparison, every law, and what failed.
 
-use rayon::prelude::*;
 use serde::Serialize;
 
-use super::compare::{self, ColourFigures, Comparison, Figures, IncidenceComparison, IncidenceData};
-use super::counted_bins::counted_bins;
+use super::compare::{self, Comparison, IncidenceComparison};
 use super::expect::{self, Bar};
 use super::geometric::GeometricOptics;
 use super::judgement::{self, Judgement, Ruling};
 use super::laws::{Energy, Reciprocity};
 use super::pairs::PairValues;
 use super::parts::Parts;
-use super::prediction::model::{IncidenceMeans, Model};
+use super::prediction::Prediction;
 use super::seen::SeenLight;
 use super::words;
 use crate::campaign::{Campaign, GrainShape};
 use crate::error::Result;
-use crate::instrument::{Grid, GridKind, folded_incidences};
+use crate::instrument::{Grid, GridKind};
 use crate::surface::grains::mean_count;
 use crate::table::{BrdfTable, Realisations, TableRows};
 
@@ -49,33 +47,6 @@ pub struct Verdict {
     pub bar: Option<Bar>,
     /// Where geometric optics holds; null without a campaign.
     pub geometric_optics: Option<GeometricOptics>,
-}
-
-/// What theory predicts for every incidence and bin of a table.
-pub struct Prediction {
-    /// The model of the table's surface.
-    pub model: Model,
-    /// Its means, incidence by incidence.
-    pub means: Vec<IncidenceMeans>,
-}
-
-impl Prediction {
-    /// The prediction for a table's grid; `None` where theory has nothing to say of the surface.
-    pub fn of(campaign: &Campaign, grid: &Grid) -> Option<Self> {
-        let model = Model::of(campaign)?;
-        let means = model.means(campaign, grid);
-        Some(Prediction { model, means })
-    }
-
-    /// For the bins of a table of this grid on one side of the surface.
-    pub fn half(&self, grid: &Grid, below: bool) -> Option<Self> {
-        let half = grid.half(below)?;
-        let of_bins = |values: &Vec<f64>| half.of(values, 1);
-        let of_incidence = |means: &IncidenceMeans| IncidenceMeans {
-            values: means.values.iter().map(|colours| colours.iter().map(of_bins).collect()).collect(),
-        };
-        Some(Prediction { model: self.model.clone(), means: self.means.iter().map(of_incidence).collect() })
-    }
 }
 
 /// What a comparison of light that comes back is of, and of light that has gone through.
@@ -222,7 +193,7 @@ impl Examination {
         }
         let (Some(campaign), Some(prediction)) = (&self.campaign, prediction) else { return };
         self.model = prediction.model.name();
-        for comparison in compare(band, campaign, realisations, prediction) {
+        for comparison in compare::compare(band, campaign, realisations, prediction) {
             let same =
                 |(of, masking, _): &&mut (&str, String, _)| *of == scope && *masking == comparison.masking;
             match self.compared.iter_mut().find(same) {
@@ -307,80 +278,4 @@ fn independent_facets(campaign: &Campaign) -> Option<f64> {
     }
     let along = f64::from(surface.cells) / surface.correlation_cells;
     surface.kind.is_random_heights().then_some(along * along)
-}
-
-/// The number of realisations behind a table: the campaign's (a map's start regions included).
-fn realisations_of(campaign: &Campaign) -> usize {
-    campaign.surface.realisations as usize
-}
-
-/// A table against every masking of a model; realisations and prediction are those of its incidences.
-pub fn compare(
-    table: &BrdfTable,
-    campaign: &Campaign,
-    realisations: Option<Parts>,
-    Prediction { model, means }: &Prediction,
-) -> Vec<Comparison> {
-    let names = model.maskings();
-    let folded = folded_incidences(campaign, &table.grid);
-    let of = |(index, masking): (usize, &&str)| {
-        let of_incidence = |incidence: usize| {
-            compare_incidence(
-                (table, realisations),
-                campaign,
-                (incidence, folded[incidence]),
-                &means[incidence].values[index],
-            )
-        };
-        let incidences = (0..table.grid.incidences()).into_par_iter().map(of_incidence).collect();
-        Comparison::new(&model.name(), masking, incidences)
-    };
-    names.iter().enumerate().map(of).collect()
-}
-
-/// One incidence (and whether it is folded) against the model's means by colour.
-fn compare_incidence(
-    (table, parts): (&BrdfTable, Option<Parts>),
-    campaign: &Campaign,
-    (incidence, folded): (usize, bool),
-    model: &[Vec<f64>],
-) -> IncidenceComparison {
-    let grid = &table.grid;
-    let bins = grid.bins();
-    let here = incidence * bins..(incidence + 1) * bins;
-    let size = grid.sizes(incidence);
-    let counted = counted_bins(grid, incidence, folded);
-    let realisations = realisations_of(campaign);
-    let figures = |(colour, model): (usize, &Vec<f64>)| {
-        let channels = &table.colours[colour];
-        IncidenceData {
-            value: &channels.single[here.clone()],
-            stderr: &channels.stderr_single[here.clone()],
-            hits: &table.hits[here.clone()],
-            model,
-            size: &size,
-            counted: &counted,
-            realisations,
-            parts: parts.map_or(vec![], |parts| parts.single(colour, incidence, bins)),
-        }
-        .figures()
-    };
-    let colours: Vec<ColourFigures> = model.iter().enumerate().map(figures).collect();
-    let count = colours.len() as f64;
-    let bins_judged: usize = colours.iter().map(|c| c.bins).sum();
-    let outside: usize = colours.iter().map(|c| c.outside).sum();
-    let whole = grid.kind == GridKind::Hemisphere;
-    let (theta_i_deg, phi_i_deg) = grid.incidence_deg(incidence);
-    let (figures, by_part) = Figures::mean(colours.iter().map(|c| (&c.figures, &c.by_part[..])));
-    IncidenceComparison {
-        theta_i_deg,
-        phi_i_deg,
-        albedo_model: whole.then(|| colours.iter().map(|c| c.albedo_model).sum::<f64>() / count),
-        figures,
-        max_t: colours.iter().filter_map(|c| c.max_t).reduce(f64::max),
-        share_outside_95: (bins_judged > 0).then(|| outside as f64 / bins_judged as f64),
-        dof: realisations.saturating_sub(1),
-        judged: bins_judged,
-        by_part,
-    }
 }

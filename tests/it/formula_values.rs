@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
-use gonio::optics::fresnel::{a_conductor, f_conductor, f_dielectric, f_schlick, t_dielectric};
+use gonio::optics::fresnel::conductor::{a_conductor, f_conductor};
+use gonio::optics::fresnel::dielectric::{f_dielectric, t_dielectric};
+use gonio::optics::fresnel::f_schlick;
 use gonio::optics::{FacetAngle, Fresnel};
 use gonio::sphere::{direction_deg, sin_cos_deg};
 use gonio::theory::smith::{g2_correlated, g2_separable, visibility};

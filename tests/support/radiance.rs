@@ -1,6 +1,6 @@
 //! Small files of Radiance: blocks of light that comes back on the +z side.
 
-use gonio::interchange::radiance::xml::SampleSide;
+use gonio::interchange::radiance::sample_side::SampleSide;
 use gonio::interchange::radiance::xml_writer::{Block, write};
 
 /// A file with a block for each channel: its wavelength, and its values as text.

@@ -2,7 +2,8 @@
 
 use super::layout::{columns, wrapped};
 use super::numbers::or_na;
-use crate::validate::compare::{self, Comparison, Figures};
+use crate::validate::compare::{self, Comparison};
+use crate::validate::error_measures::Figures;
 use crate::validate::prediction::model::{DIFFUSE, LAYERED};
 use crate::validate::verdict::{SCOPES, Verdict};
 use crate::validate::{GeometricOptics, words};

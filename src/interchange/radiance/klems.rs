@@ -11,7 +11,8 @@ use super::colour;
 use super::patch_means::means;
 pub use super::patchwise::Patchwise;
 use super::patchwise::{bases_of, grid};
-use super::xml::{DataBlock, Document, SampleSide, negative_note, short};
+use super::sample_side::{SampleSide, SideBlocks};
+use super::xml::{DataBlock, Document, negative_note, short};
 use super::{sides, xml, xml_writer};
 use crate::error::wrong;
 use crate::instrument::GridKind;
@@ -181,7 +182,7 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(BrdfTable, 
             return Err(wrong!("IncidentDataStructure {:?}: Columns or Rows needed", short(other)));
         }
     };
-    let xml::SideBlocks { halves, mut notes } = document.side(COLOURS, side)?;
+    let SideBlocks { halves, mut notes } = document.side(COLOURS, side)?;
     let (mut tables, mut seen) = ([None, None], Counted::default());
     for (table, blocks) in tables.iter_mut().zip(halves) {
         if !blocks.is_empty() {

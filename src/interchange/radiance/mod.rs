@@ -4,6 +4,7 @@ pub(crate) mod colour;
 pub mod klems;
 pub(crate) mod patch_means;
 pub(crate) mod patchwise;
+pub mod sample_side;
 pub(crate) mod sides;
 pub(crate) mod tensor_cells;
 pub(crate) mod tensor_function;

@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-use super::xml::SampleSide;
+use super::sample_side::SampleSide;
 use crate::campaign::LightSide;
 use crate::error::wrong;
 use crate::interchange::codec;

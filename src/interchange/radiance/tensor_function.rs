@@ -5,9 +5,10 @@
 use glam::DVec3;
 
 use super::colour;
+use super::sample_side::{SampleSide, SideBlocks};
 use super::tensor_square::{COLOURS, Tree, coordinates};
 use super::xml;
-use super::xml::{SampleSide, negative_note, short};
+use super::xml::{negative_note, short};
 use crate::error::wrong;
 use crate::interchange::{Brdf, Checked, Colour};
 
@@ -54,7 +55,7 @@ pub fn read_side(bytes: &[u8], side: Option<SampleSide>) -> Checked<(TensorTree,
             ));
         }
     };
-    let xml::SideBlocks { halves: blocks, mut notes } = document.side(COLOURS, side)?;
+    let SideBlocks { halves: blocks, mut notes } = document.side(COLOURS, side)?;
     let (mut halves, mut levels, mut seen) = ([vec![], vec![]], 0, CellCheck::default());
     for (half, blocks) in halves.iter_mut().zip(blocks) {
         for block in blocks {

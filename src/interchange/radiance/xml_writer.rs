@@ -1,6 +1,6 @@
 //! The XML that Radiance and WINDOW read, written: the frame round matrices and tensor trees.
 
-use super::xml::SampleSide;
+use super::sample_side::SampleSide;
 
 /// What the values of light that goes through are.
 const THROUGH: &str = "Transmission: flux per projected solid angle and incident flux, no factor n^2";

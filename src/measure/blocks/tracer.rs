@@ -8,7 +8,7 @@ use rand_pcg::Pcg64Dxsm;
 
 use super::arms::BlockArms;
 use super::ray_counts::RayCounts;
-use crate::measure::accumulate::fresnel_sums::PathWeights;
+use crate::measure::accumulate::fresnel_sums::path_weights::PathWeights;
 use crate::measure::accumulate::tally::{Tally, to_units};
 use crate::measure::context::Context;
 use crate::measure::optics::{FacetWay, PathLight};

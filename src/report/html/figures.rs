@@ -7,7 +7,8 @@ use crate::measure::Cost;
 use crate::report::plot::escaped;
 use crate::report::plot::plots::spread;
 use crate::report::summary::{IncidenceSummary, Summary};
-use crate::validate::compare::{Comparison, Figures};
+use crate::validate::compare::Comparison;
+use crate::validate::error_measures::Figures;
 
 /// Rows of the tables of incidences before the middle is left out.
 const MOST_ROWS: usize = 48;

@@ -13,7 +13,7 @@ use crate::report::plot::polar::polar;
 use crate::report::plot::{Chart, escaped};
 use crate::report::plot::{convergence, ladders, masking};
 use crate::report::slices::Scene;
-use crate::table::store;
+use crate::table::header;
 
 /// The picture's data for the script.
 pub fn picture(specimen: &PatchPicture) -> Value {
@@ -233,6 +233,6 @@ pub fn foot(page: &Page) -> String {
         "<p>gonio {}, seed {}. {}</p>",
         escaped(version),
         table.seed,
-        escaped(&store::convention(page.whole))
+        escaped(&header::convention(page.whole))
     )
 }

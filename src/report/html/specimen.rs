@@ -7,7 +7,7 @@ use super::relief::Relief;
 use crate::campaign::{Campaign, SurfaceKind};
 use crate::error::Result;
 use crate::measure;
-use crate::measure::patches::grains_of;
+use crate::measure::patches::specimen::grains_of;
 use crate::measure::{Patch, Patches};
 use crate::report::plot::{Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style};
 use crate::surface::{Certificate, Heightfield, SlopeLaw};

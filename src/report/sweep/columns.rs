@@ -3,7 +3,8 @@
 use super::{ParameterSweep, SweptTable};
 use crate::fit::Fit;
 use crate::report::IncidenceSummary;
-use crate::validate::compare::{Comparison, Figures};
+use crate::validate::compare::Comparison;
+use crate::validate::error_measures::Figures;
 
 /// A column.
 pub struct Column {

@@ -7,7 +7,8 @@ use crate::report::html::render::plain_page;
 use crate::report::html::sections::{figures_of, scrolled};
 use crate::report::plot::plots::spread;
 use crate::report::plot::{Chart, ChartAxis, Series, escaped, series_style};
-use crate::validate::compare::{Comparison, Figures};
+use crate::validate::compare::Comparison;
+use crate::validate::error_measures::Figures;
 
 /// Curves of one chart at most: more cannot be told apart.
 const MOST_CURVES: usize = 8;

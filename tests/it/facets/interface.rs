@@ -5,7 +5,7 @@ use glam::DVec3;
 use gonio::instrument::Sensor;
 use gonio::measure::Measured;
 use gonio::optics::FacetAngle;
-use gonio::optics::fresnel::f_dielectric;
+use gonio::optics::fresnel::dielectric::f_dielectric;
 use gonio::sphere;
 use gonio::stats::{sidak, student_limit};
 

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use gonio::instrument::klems::{Basis, FULL, middles, patches, patches_of_side};
 use gonio::instrument::{Grid, GridKind, Region};
-use gonio::interchange::radiance::xml::SampleSide;
+use gonio::interchange::radiance::sample_side::SampleSide;
 use gonio::interchange::radiance::xml_writer::{Block, write};
 use gonio::interchange::radiance::{klems, tensor_tree};
 use gonio::interchange::text::{ssdd, zemax};

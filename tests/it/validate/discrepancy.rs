@@ -123,7 +123,7 @@ fn few_patches_show_the_discrepancy_of_many() {
         (ends.0..=ends.1).contains(&pooled)
     });
     let (covered, se) = (covered.count(), se.expect("several seeds"));
-    let old = |f: &gonio::validate::compare::Figures| {
+    let old = |f: &gonio::validate::error_measures::Figures| {
         let (l1, noise) = f.l1.zip(f.l1_noise).expect("8 realisations");
         (l1 * l1 - noise * noise).max(0.0).sqrt()
     };

@@ -4,7 +4,8 @@ use std::sync::LazyLock;
 
 use gonio::campaign::{Alpha, SurfaceKind};
 use gonio::measure::Measured;
-use gonio::validate::compare::{Figures, IncidenceComparison};
+use gonio::validate::compare::IncidenceComparison;
+use gonio::validate::error_measures::Figures;
 use gonio::validate::{Verdict, examine};
 
 use crate::support::measuring::{measured, measured_one};

@@ -6,6 +6,7 @@ pub mod detrend;
 pub mod filter;
 pub mod form;
 pub mod gaps;
+mod least_squares;
 pub mod outliers;
 pub mod refine;
 pub(crate) mod spline;

@@ -1,22 +1,23 @@
 //! The patches of a campaign: made, built or loaded, by realisation.
 
+mod map_regions;
+pub mod specimen;
+
 use std::path::{Path, PathBuf};
 
 use glam::DVec2;
 use rayon::prelude::*;
-use sha2::{Digest, Sha256};
 
-use super::gap_crossings;
+use specimen::{Patch, Specimen};
+
 use super::plan::KEPT_FRACTION;
 use crate::campaign::{
-    Alpha, Campaign, GrainShape, HeightSpectrum, PsdSurface, SmithHeights, SmithNdf, SurfaceKind,
+    Campaign, GrainShape, HeightSpectrum, PsdSurface, SmithHeights, SmithNdf, SurfaceKind,
 };
 use crate::error::{Error, Result};
 use crate::rng::{self, Purpose, StreamId};
 use crate::surface::grains::{self, GrainField};
-use crate::surface::io::import;
-use crate::surface::io::import::ImportedMap;
-use crate::surface::io::prepare::cell_mask::CellMask;
+use crate::surface::io::import::{self, ImportedMap};
 use crate::surface::{Heightfield, SlopeLaw, Synthesiser};
 use crate::trace::Window;
 
@@ -76,50 +77,6 @@ pub enum Patches {
     },
 }
 
-/// What lies in the instrument for one realisation.
-#[derive(Debug, Clone)]
-pub enum Specimen {
-    /// Heights.
-    Patch(Patch),
-    /// Grains, for each coverage.
-    Grains(Vec<(f64, GrainField)>),
-    /// Nothing but a law; groups of paths stand for realisations.
-    Statistical {
-        /// Law of the slopes.
-        law: SmithNdf,
-        /// Whether a path leaves from a height drawn anew.
-        independent_heights: bool,
-    },
-}
-
-impl Specimen {
-    /// The other side of the same surface, in a frame whose z points down.
-    pub fn upside_down(&self) -> Self {
-        match self {
-            Specimen::Patch(patch) => {
-                Specimen::Patch(Patch { field: patch.field.upside_down(), ..patch.clone() })
-            }
-            Specimen::Grains(fields) => Specimen::Grains(
-                fields.iter().map(|(coverage, field)| (*coverage, field.upside_down())).collect(),
-            ),
-            Specimen::Statistical { .. } => self.clone(),
-        }
-    }
-}
-
-/// One realisation's patch.
-#[derive(Debug, Clone)]
-pub struct Patch {
-    /// Canonical heights.
-    pub field: Heightfield,
-    /// World slope per canonical slope where the surface itself says so; else the campaign's alpha counts.
-    pub own_alpha: Option<DVec2>,
-    /// Where paths start.
-    pub window: Window,
-    /// Cells of the window where none does.
-    pub excluded: Option<CellMask>,
-}
-
 impl Patches {
     /// Prepares the patches of a campaign; `notes` gets what an imported map had to say.
     pub fn prepare(campaign: &Campaign, notes: &mut Vec<String>) -> Result<Self> {
@@ -162,39 +119,8 @@ impl Patches {
                 Patches::Exact { field: grooves(), alpha: DVec2::splat(*slope) }
             }
             SurfaceKind::File(height_map) => {
-                let mut map = import::load(height_map)?;
-                notes.append(&mut map.notes);
-                let (low, high) = map.field.range();
-                let steepest = campaign.light.theta_i_deg.iter().copied().fold(0.0, f64::max);
-                let slope = (steepest + campaign.light.aperture_deg).to_radians().tan();
-                let reach = (high - low) * map.alpha_x.max(map.alpha_y) * slope;
-                let shortest = map.field.cells_x().min(map.field.cells_y());
-                let wanted = if map.field.is_periodic() { 0.0 } else { reach.ceil() };
-                let margin = (wanted as usize).min(shortest / 4);
-                if wanted > margin as f64 {
-                    notes.push(format!(
-                        "{}: shadows reach {wanted} cells, starts keep only {margin} from the edge: see `left_map`",
-                        height_map.path
-                    ));
-                }
-                let tiles = height_map.tiles as usize;
-                if (shortest - 2 * margin) < tiles {
-                    return Err(Error::format(
-                        &height_map.resolved_path,
-                        format!("{shortest} cells are too few for {tiles} x {tiles} start regions"),
-                    ));
-                }
-                let empty = (0..tiles * tiles)
-                    .find(|&k| tile(&map, tiles, margin, k).cells_outside(map.excluded.as_ref()) == 0);
-                if let Some(empty) = empty {
-                    let why = format!(
-                        "start region {empty} of {tiles} x {tiles} is all gaps: lower surface.file.tiles, or set \
-                         surface.file.gaps = \"interpolate\""
-                    );
-                    return Err(Error::format(&height_map.resolved_path, why));
-                }
-                notes.extend(gap_crossings::note(&map, margin, campaign));
-                Patches::Map { map: Box::new(map), tiles, margin }
+                let (map, margin) = map_regions::load(height_map, campaign, notes)?;
+                Patches::Map { map: Box::new(map), tiles: height_map.tiles as usize, margin }
             }
         })
     }
@@ -280,7 +206,7 @@ impl Patches {
                 Patch { window, own_alpha: Some(*alpha), excluded: None, field }
             }
             Patches::Map { map, tiles, margin } => Patch {
-                window: tile(map, *tiles, *margin, realisation as usize),
+                window: map_regions::tile(map, *tiles, *margin, realisation as usize),
                 excluded: map.excluded.clone(),
                 own_alpha: Some(DVec2::new(map.alpha_x, map.alpha_y)),
                 field: map.field.clone(),
@@ -316,50 +242,6 @@ fn spectrum(kind: &SurfaceKind) -> HeightSpectrum {
     }
 }
 
-impl Specimen {
-    /// SHA-256 over the heights, or over the grains; `None` where there are none.
-    pub fn digest(&self) -> Option<[u8; 32]> {
-        match self {
-            Specimen::Patch(patch) => Some(patch.digest()),
-            Specimen::Grains(fields) => {
-                let mut hash = Sha256::new();
-                fields.iter().for_each(|(_, field)| hash.update(field.digest()));
-                Some(hash.finalize().into())
-            }
-            Specimen::Statistical { .. } => None,
-        }
-    }
-}
-
-/// Of the grains of all coverages those of a roughness.
-pub fn grains_of(fields: &[(f64, GrainField)], alpha: Option<Alpha>) -> &GrainField {
-    let coverage = alpha.and_then(|alpha| alpha.coverage);
-    let of_table = fields.iter().find(|(known, _)| Some(*known) == coverage);
-    &of_table.unwrap_or(&fields[0]).1
-}
-
-impl Patch {
-    /// Grains as heights of `cells` x `cells` cells.
-    pub fn of_grains(grains: &GrainField, cells: usize) -> Self {
-        let field = grains.as_heights(cells);
-        Patch { window: Window::all(&field), own_alpha: None, excluded: None, field }
-    }
-
-    /// World slope per canonical slope, with the campaign's `alpha` where the surface has none of its own.
-    pub fn alpha(&self, alpha: Option<Alpha>) -> DVec2 {
-        self.own_alpha.unwrap_or_else(|| alpha.map_or(DVec2::ONE, |alpha| DVec2::new(alpha.x, alpha.y)))
-    }
-
-    /// SHA-256 over the heights, little-endian f64 bits, row by row.
-    pub fn digest(&self) -> [u8; 32] {
-        let mut hash = Sha256::new();
-        for height in self.field.heights() {
-            hash.update(height.to_le_bytes());
-        }
-        hash.finalize().into()
-    }
-}
-
 /// The file of one realisation's patch.
 pub fn patch_name(realisation: u64, end: &str) -> String {
     format!("patch_{realisation:03}.{end}")
@@ -382,42 +264,4 @@ fn flat() -> Heightfield {
 /// Ridges of canonical slope +-1 along y: heights 0 and 1 in turn.
 fn grooves() -> Heightfield {
     Heightfield::new(8, 8, true, (0..64).map(|i| f64::from(i % 2)).collect())
-}
-
-/// Start region `index` of tiles x tiles inside the margin: equal ones, or where cells are excluded ones of about as many
-/// cells that are left, so that each group of paths stands for as much of the map.
-fn tile(map: &ImportedMap, tiles: usize, margin: usize, index: usize) -> Window {
-    let field = &map.field;
-    let Some(excluded) = &map.excluded else {
-        let part = |cells: usize, k: usize| {
-            let inner = cells - 2 * margin;
-            (margin + k * inner / tiles, margin + (k + 1) * inner / tiles)
-        };
-        return Window { x: part(field.cells_x(), index % tiles), y: part(field.cells_y(), index / tiles) };
-    };
-    let whole = Window { x: (margin, field.cells_x() - margin), y: (margin, field.cells_y() - margin) };
-    let row = |y: usize| Window { y: (y, y + 1), ..whole }.cells_outside(Some(excluded));
-    let band = Window { y: share(whole.y, tiles, index / tiles, row), ..whole };
-    let column = |x: usize| Window { x: (x, x + 1), ..band }.cells_outside(Some(excluded));
-    Window { x: share(band.x, tiles, index % tiles, column), ..band }
-}
-
-/// Part `k` of `parts` of a range of lines, all of about as many cells as `cells` says that each line has.
-fn share(
-    (first, end): (usize, usize),
-    parts: usize,
-    k: usize,
-    cells: impl Fn(usize) -> usize,
-) -> (usize, usize) {
-    let counts: Vec<usize> = (first..end).map(cells).collect();
-    let all: usize = counts.iter().sum();
-    let cut = |k: usize| {
-        let mut before = 0;
-        let line = counts.iter().position(|count| {
-            before += count;
-            before * parts > k * all
-        });
-        first + if k == 0 { 0 } else { line.unwrap_or(counts.len()) }
-    };
-    (cut(k), if k + 1 == parts { end } else { cut(k + 1) })
 }

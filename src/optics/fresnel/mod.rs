@@ -4,7 +4,13 @@
 //! Output: reflectance in [0, 1]. Every form below avoids the difference of nearly equal numbers, so neither
 //! grazing nor normal incidence, neither a faint interface nor a strong metal needs a special case.
 
+pub mod conductor;
+pub mod dielectric;
+
 use glam::DVec3;
+
+use conductor::f_conductor;
+use dielectric::f_dielectric;
 
 /// The angle between an arm and the facet's normal (theta_d), by its cosine and its squared sine.
 ///
@@ -153,148 +159,10 @@ pub fn f_schlick(angle: FacetAngle, f0: f64) -> f64 {
     f0 + (1.0 - f0) * fifth_power(angle.one_minus_cos())
 }
 
-/// Reflectance of a dielectric: with m = eta^2 - 1 and g = sqrt(m + c^2),
-/// r_s = m/(c + g)^2, r_p = m((eta^2 + 1)c^2 - 1)/(eta^2 c + g)^2 (up to sign), R = r^2.
-///
-/// - `eta`: index relative to the outer medium, > 0; below 1 there is total reflection, which gives exactly 1.
-/// - Numerics: m = (eta - 1)(eta + 1); no difference of cosines, so R is 0 to rounding at eta = 1 and at
-///   Brewster's angle.
-/// - Source: Fresnel's equations, rationalised.
-// Tested by `every_reference_value_is_met`, `brewsters_angle_reflects_no_p_light`.
-pub fn f_dielectric(angle: FacetAngle, eta: f64) -> Polarised {
-    let amplitudes = dielectric_amplitudes(angle, eta);
-    amplitudes.map_or(Polarised { s: 1.0, p: 1.0 }, |[s, p]| Polarised { s: s * s, p: p * p })
-}
-
-/// The amplitudes r_s and r_p of a dielectric, as `f_dielectric` has them, with p = k x s; `None` in total reflection.
-pub(super) fn dielectric_amplitudes(angle: FacetAngle, eta: f64) -> Option<[f64; 2]> {
-    DielectricTerms::new(angle, eta).map(|d| {
-        let r_s = -d.m / (d.across * d.across);
-        let r_p = d.m * ((d.eta2 + 1.0) * d.c * d.c - 1.0) / (d.along * d.along);
-        [r_s, r_p]
-    })
-}
-
-/// What a dielectric transmits, unpolarised: 1 - F = (T_s + T_p)/2 with T_s = 4 c g/(c + g)^2 and
-/// T_p = 4 eta^2 c g/(eta^2 c + g)^2.
-///
-/// - Same domain as `f_dielectric`; 0 in total reflection.
-/// - Numerics: a product, so it keeps its digits at grazing incidence where 1 - F has none.
-// Tested by `every_reference_value_is_met`.
-pub fn t_dielectric(angle: FacetAngle, eta: f64) -> f64 {
-    DielectricTerms::new(angle, eta).map_or(0.0, |d| {
-        let four_cg = 4.0 * d.c * d.g;
-        0.5 * (four_cg / (d.across * d.across) + d.eta2 * four_cg / (d.along * d.along))
-    })
-}
-
-struct DielectricTerms {
-    c: f64,
-    g: f64,
-    m: f64,
-    eta2: f64,
-    /// c + g.
-    across: f64,
-    /// eta^2 c + g.
-    along: f64,
-}
-
-impl DielectricTerms {
-    /// `None` in total reflection.
-    fn new(angle: FacetAngle, eta: f64) -> Option<Self> {
-        debug_assert!(eta > 0.0);
-        let c = angle.cos;
-        let m = (eta - 1.0) * (eta + 1.0);
-        let g2 = m + c * c;
-        if g2 <= 0.0 {
-            return None;
-        }
-        let (g, eta2) = (g2.sqrt(), eta * eta);
-        Some(DielectricTerms { c, g, m, eta2, across: c + g, along: eta2 * c + g })
-    }
-}
-
-/// Reflectance of a conductor of index n = eta + i k: with a + i b = sqrt(n^2 - s2), Q + i u = n^2 - 1,
-/// R_s = |n^2 - 1|^2/|c + a + i b|^4,
-/// R_p = |n^2 - 1|^2 |(n^2 - 1) c^2 + c^2 - s2|^2/|n^2 c + a + i b|^4.
-///
-/// - `eta`, `k`: relative to the outer medium, >= 0 and not both 0. k = 0 with eta > 1 is the dielectric.
-/// - Numerics: the larger of a, b from the root, the smaller as u/2 over it; differences as products. Relative
-///   error within 2^-52 (16 + 4 cond) for k/eta up to 1e7.
-/// - Source: Fresnel's equations, rationalised.
-// Tested by `every_reference_value_is_met`, `a_conductor_without_absorption_is_the_dielectric`.
-pub fn f_conductor(angle: FacetAngle, eta: f64, k: f64) -> Polarised {
-    let t = ConductorTerms::new(angle, eta, k);
-    let (c2, s2) = (t.c * t.c, angle.sin2);
-    let q = (eta - 1.0) * (eta + 1.0) - k * k;
-    let n2_minus_1 = q * q + t.u * t.u;
-    let (x, y) = (q * c2 + (c2 - s2), t.u * c2);
-    Polarised { s: n2_minus_1 / (t.across * t.across), p: n2_minus_1 * (x * x + y * y) / (t.along * t.along) }
-}
-
-/// r_s conj(r_p) of a conductor, [re, im], for a field E exp(-i w t) and p = k x s:
-/// -|n^2 - 1|^2 conj(y w^2 conj(v)^2)/(|w|^4 |v|^4) with y = n^2 c^2 - s2, w = c + a + i b, v = n^2 c + a + i b.
-///
-/// - Same domain and notation as `f_conductor`; |r_s conj(r_p)|^2 = R_s R_p.
-// Tested by `facets_turn_polarised_light_as_reference_values_say` (tests/it/facets/mueller.rs).
-pub(super) fn conductor_product(angle: FacetAngle, eta: f64, k: f64) -> [f64; 2] {
-    let t = ConductorTerms::new(angle, eta, k);
-    let times = |[x, y]: [f64; 2], [p, q]: [f64; 2]| [x * p - y * q, x * q + y * p];
-    let square = |z: [f64; 2]| times(z, z);
-    let q = (eta - 1.0) * (eta + 1.0) - k * k;
-    let y = [q * t.c * t.c + (t.c * t.c - angle.sin2), t.u * t.c * t.c];
-    let (w, v) = ([t.c + t.a, t.b], [t.n2_re * t.c + t.a, t.u * t.c + t.b]);
-    let [re, im] = times(y, times(square(w), square([v[0], -v[1]])));
-    let scale = (q * q + t.u * t.u) / (t.across * t.across * t.along * t.along);
-    [-scale * re, scale * im]
-}
-
-/// What a conductor absorbs, unpolarised: 1 - F = (A_s + A_p)/2 with A_s = 4 a c/((c + a)^2 + b^2) and
-/// A_p = 4 c (Re(n^2) a + u b)/|n^2 c + a + i b|^2.
-///
-/// - Same domain and notation as `f_conductor`.
-/// - Numerics: keeps its digits for metals that reflect all but 1e-9, where 1 - F has none.
-// Tested by `every_reference_value_is_met`.
-pub fn a_conductor(angle: FacetAngle, eta: f64, k: f64) -> f64 {
-    let t = ConductorTerms::new(angle, eta, k);
-    let a_s = 4.0 * t.a * t.c / t.across;
-    let a_p = 4.0 * t.c * (t.n2_re * t.a + t.u * t.b) / t.along;
-    0.5 * (a_s + a_p)
-}
-
-struct ConductorTerms {
-    c: f64,
-    a: f64,
-    b: f64,
-    u: f64,
-    n2_re: f64,
-    /// |c + a + i b|^2.
-    across: f64,
-    /// |n^2 c + a + i b|^2.
-    along: f64,
-}
-
-impl ConductorTerms {
-    fn new(angle: FacetAngle, eta: f64, k: f64) -> Self {
-        debug_assert!(eta >= 0.0 && k >= 0.0 && eta + k > 0.0);
-        let (c, s2) = (angle.cos, angle.sin2);
-        let n2_re = (eta - k) * (eta + k);
-        let (t, u) = (n2_re - s2, 2.0 * eta * k);
-        let m = t.hypot(u);
-        let (a, b) = if t >= 0.0 {
-            let a = (0.5 * (m + t)).sqrt();
-            (a, if a > 0.0 { 0.5 * u / a } else { 0.0 })
-        } else {
-            let b = (0.5 * (m - t)).sqrt();
-            (0.5 * u / b, b)
-        };
-        let (p, q) = (n2_re * c + a, u * c + b);
-        ConductorTerms { c, a, b, u, n2_re, across: (c + a) * (c + a) + b * b, along: p * p + q * q }
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use super::conductor::a_conductor;
+    use super::dielectric::t_dielectric;
     use super::*;
     use crate::sphere::{direction_deg, sin_cos_deg};
 

@@ -4,12 +4,13 @@
 //! polynomial in F0, whose parts (`optics::parts`) are summed: they serve every colour and every material. Fresnel's
 //! equations, and Schlick's formula beyond `HIGHEST` bounces, are worked out for each colour of each material.
 
+pub mod path_weights;
+
 use std::ops::Range;
 
 use crate::campaign::{Campaign, FresnelLaw, Optics};
-use crate::measure::optics::{Kept, PathLight, reflectances_of};
+use crate::measure::optics::{Kept, reflectances_of};
 use crate::optics::fresnel::Fresnel;
-use crate::optics::parts;
 use crate::optics::reflectance::Reflectance;
 
 /// Highest order up to which parts are summed: their number grows with the order.
@@ -64,19 +65,6 @@ pub enum ColourSource {
         /// Its place among the colours of all materials.
         place: usize,
     },
-}
-
-/// The weights of one path, for sums of shares of its flux.
-#[derive(Debug, Clone, Default)]
-pub struct PathWeights {
-    /// Into the sums of its order, from `order_first` on.
-    pub order: Vec<f64>,
-    /// The first of these sums.
-    pub order_first: usize,
-    /// Into the sums of its bins, from `first` on.
-    pub bins: Vec<f64>,
-    /// The first of these sums.
-    pub first: usize,
 }
 
 impl FresnelSums {
@@ -246,45 +234,6 @@ impl FresnelSums {
     /// Every colour of every material.
     pub fn all_colours(&self) -> Vec<ColourSource> {
         (0..self.of_material.len()).flat_map(|material| self.colours(material)).collect()
-    }
-
-    /// The weights of a path which left after `order` facets.
-    pub fn weigh(&self, light: &PathLight, order: u32, weights: &mut PathWeights) {
-        let angles = light.angles();
-        let PathWeights { order: of_order, order_first, bins, first } = weights;
-        bins.clear();
-        of_order.clear();
-        *order_first = 0;
-        let group = if self.by_order { (order as usize).saturating_sub(2) } else { 0 };
-        *first = if order > 1 { self.group(group).start } else { 0 };
-        match self.sums {
-            SumKind::Paths => {
-                of_order.push(1.0);
-                bins.push(1.0);
-                *order_first = light.place();
-                *first += light.place();
-            }
-            SumKind::Counts if order == 1 => {}
-            SumKind::Counts => bins.push(1.0),
-            SumKind::Parts => {
-                parts::of_path(angles, of_order);
-                if order == 1 {
-                    bins.push(of_order[1]);
-                } else {
-                    bins.resize(1 + self.degree(group), 0.0);
-                    parts::add_raised(of_order, self.degree(group), bins);
-                }
-            }
-            SumKind::Colours => {
-                let product = |r: &Reflectance| angles.iter().map(|&angle| r.at(angle)).product::<f64>();
-                of_order.extend(self.reflectances.iter().map(product));
-                if order == 1 {
-                    // What layered facets mirror met no base; no F0 is worked out from their sums.
-                    bins.push(angles.first().map_or(0.0, |angle| angle.schlick_weight()));
-                }
-                bins.extend_from_slice(of_order);
-            }
-        }
     }
 }
 
