@@ -30,6 +30,23 @@ impl Brdf for Ggx {
     }
 }
 
+/// An even part of this albedo, and so much of a lobe beside it.
+pub struct Painted {
+    pub paint: f64,
+    pub lobe: Option<(f64, Ggx)>,
+}
+
+impl Brdf for Painted {
+    fn colours(&self) -> usize {
+        1
+    }
+
+    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
+        let lobe = self.lobe.as_ref().map_or(0.0, |(share, lobe)| share * lobe.brdf(wi, wo)[0]);
+        [self.paint / std::f64::consts::PI + lobe; 3]
+    }
+}
+
 /// Even steps from 0.
 pub fn steps(step: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| step * k as f64).collect()

@@ -181,7 +181,11 @@ fn header_holds(folder: &Path, answer: &Value) {
 
 #[test]
 fn a_table_has_the_same_bytes_for_any_number_of_threads() {
-    let runs = [&GRID[..], &["albedo", "small.toml", "--mu", "0.5,1", "--json"]];
+    // Of clear facets, whose averages cost most: one roughness and one index.
+    let runs = [
+        &["albedo", "--grid", "--mu", "3", "--alpha", "0.5", "--eta", "1.5", "--json"][..],
+        &["albedo", "small.toml", "--mu", "0.5,1", "--json"],
+    ];
     for words in runs {
         let [one, two] = ["1", "2"].map(|threads| {
             let folder = folder(SMALL);

@@ -1,16 +1,14 @@
 //! Promise: an export sends back as much light as its table, between the measured directions of the light too.
 
-use glam::DVec3;
 use gonio::interchange::albedo::AlbedoPoint;
-use gonio::interchange::content::half_difference::HalfDifference;
 use gonio::interchange::mitsuba::rgl;
 use gonio::interchange::radiance::tensor_tree;
 use gonio::interchange::text::zemax;
-use gonio::interchange::{AlbedoCurve, Brdf, Colour, Format, Lookup, Options, export, merl};
+use gonio::interchange::{AlbedoCurve, Brdf, Format, Lookup, Options, export};
 use gonio::sphere;
 use gonio::table::BrdfTable;
 
-use crate::support::analytic::{Ggx, hemisphere, steps, table};
+use crate::support::analytic::{Ggx, Painted, hemisphere, steps, table};
 
 /// Incidences of `[preset] name = "rgl"`.
 fn of_the_preset() -> Vec<f64> {
@@ -19,7 +17,7 @@ fn of_the_preset() -> Vec<f64> {
 
 /// Integral of f cos, midpoints in steps of 0.25 and 1 degrees: an eighth of a lobe of alpha 0.1 as it is seen at
 /// grazing light. Off by 0.1 % at most for what is integrated here.
-fn albedo(brdf: &dyn Brdf, theta_i: f64, phi_i: f64) -> f64 {
+pub fn albedo(brdf: &dyn Brdf, theta_i: f64, phi_i: f64) -> f64 {
     // Up to 60 degrees its half-widths are 2 alpha = 11 degrees and, in azimuth, 2 alpha/tan(60) = 6.6 or more: steps of
     // 0.5 and 2 are a third of them at most.
     let rough = if theta_i < 60.0 { 2.0 } else { 1.0 };
@@ -72,29 +70,12 @@ fn rgl_neither_makes_nor_loses_light_between_incidences() {
 #[test]
 fn a_brushed_table_keeps_its_albedo_between_azimuths() {
     let ggx = Ggx::new(0.1, 0.3);
-    let own = table(&ggx, &hemisphere(steps(15.0, 6), Some(steps(30.0, 12)), 45, 90));
+    let own = table(&ggx, &hemisphere(steps(15.0, 6), Some(steps(45.0, 8)), 45, 90));
     let lookup = Lookup::new(&own).expect("a product");
-    for (theta_i, phi_i) in [(20.0, 15.0), (52.5, 0.0), (52.5, 45.0), (67.0, 75.0), (80.0, 10.0)] {
+    for (theta_i, phi_i) in [(20.0, 15.0), (52.5, 0.0), (67.0, 75.0), (80.0, 10.0)] {
         let (found, wanted) = (albedo(&lookup, theta_i, phi_i), albedo(&ggx, theta_i, phi_i));
         // The bar of the issue; bins of 2 x 4 degrees keep their means.
         assert!((found / wanted - 1.0).abs() <= 0.01, "{theta_i} {phi_i}: {found} {wanted}");
-    }
-}
-
-/// An even part beside a lobe.
-struct Painted {
-    paint: f64,
-    lobe: Option<Ggx>,
-}
-
-impl Brdf for Painted {
-    fn colours(&self) -> usize {
-        1
-    }
-
-    fn brdf(&self, wi: DVec3, wo: DVec3) -> Colour {
-        let lobe = self.lobe.as_ref().map_or(0.0, |lobe| lobe.brdf(wi, wo)[0]);
-        [self.paint / std::f64::consts::PI + 0.5 * lobe; 3]
     }
 }
 
@@ -113,7 +94,7 @@ fn paint_stays_even_between_and_beyond_the_incidences() {
 
 #[test]
 fn a_lobe_on_paint_keeps_its_albedo() {
-    let painted = Painted { paint: 0.4, lobe: Some(Ggx::new(0.1, 0.1)) };
+    let painted = Painted { paint: 0.4, lobe: Some((0.5, Ggx::new(0.1, 0.1))) };
     let own = table(&painted, &hemisphere(steps(15.0, 6), None, 90, 180));
     let lookup = Lookup::new(&own).expect("a product");
     for (theta_i, lobe) in TENTH {
@@ -210,36 +191,27 @@ fn an_export_with_another_albedo_is_refused_unless_allowed() {
 #[test]
 fn every_resampled_file_has_the_albedo_of_its_table() {
     let folder = tempfile::tempdir().expect("folder");
-    let own = table(&Ggx::new(0.3, 0.3), &hemisphere(vec![0.0, 30.0, 60.0, 80.0], None, 45, 90));
-    let lookup = Lookup::new(&own).expect("a product");
-    let read = |format: Format| -> Box<dyn Brdf> {
+    // A tree of a lobe twice as wide has a tenth of the cells. MERL's million cells are in `interchange_merl`.
+    for (format, alpha) in [(Format::Rgl, 0.3), (Format::Zemax, 0.3), (Format::TensorTree, 0.6)] {
+        let own = table(&Ggx::new(alpha, alpha), &hemisphere(vec![0.0, 30.0, 60.0, 80.0], None, 45, 90));
         let path = folder.path().join(format.name());
         let written = export(&own, format, &Options::default(), &path).unwrap_or_else(|why| panic!("{why}"));
-        if format == Format::Merl {
-            // A degree of theta_d is two of the sensor's; up to 1.4 of theta_h, 2.8: 3.5 together, read linearly. A straight line
-            // lies step^2/8 f'' off, and ln f of GGX has along the sensor's angle, half of which is the half vector's, a second
-            // derivative of 1/alpha^2 = 11 at most.
-            let l1 = written.read_back.expect("light").l1;
-            assert!(l1 > 0.0 && l1 <= 3.5f64.to_radians().powi(2) / 8.0 * 11.0, "{l1}");
-        }
         let bytes = std::fs::read(&path).expect("written");
-        match format {
+        let file: Box<dyn Brdf> = match format {
             Format::Rgl => Box::new(rgl::read(&bytes).expect("sound")),
             Format::Zemax => Box::new(zemax::read(&bytes).expect("sound")),
-            Format::TensorTree => Box::new(tensor_tree::read(&bytes).expect("sound")),
-            _ => {
-                let table = merl::read(&bytes, merl::Sampling::Node).expect("sound");
-                Box::new(HalfDifference::new(&table).expect("cells"))
-            }
+            _ => Box::new(tensor_tree::read(&bytes).expect("sound")),
+        };
+        if format == Format::TensorTree {
+            // Divided until the cells' steps make one to two per cent of the sum.
+            let l1 = written.read_back.expect("light").l1;
+            assert!(l1 > 0.0 && l1 <= 0.02, "{l1}");
         }
-    };
-    // Three times as wide a lobe: steps twice as long.
-    let albedo = |brdf: &dyn Brdf, theta_i: f64| albedo_by(brdf, theta_i, 10.0, 0.5, 2.0);
-    let light = [10.0, 40.0, 72.0].map(|theta_i| (theta_i, albedo(&lookup, theta_i)));
-    for format in [Format::Rgl, Format::Zemax, Format::TensorTree, Format::Merl] {
-        let file = read(format);
-        for (theta_i, wanted) in light {
-            let found = albedo(file.as_ref(), theta_i);
+        let lookup = Lookup::new(&own).expect("a product");
+        for theta_i in [10.0, 40.0, 72.0] {
+            // Three times as wide a lobe as above, and wider: steps twice as long.
+            let [found, wanted] =
+                [file.as_ref(), &lookup].map(|brdf| albedo_by(brdf, theta_i, 10.0, 0.5, 2.0));
             // The bar of the issue, and this rule's 0.1 %.
             assert!((found / wanted - 1.0).abs() <= 0.011, "{}, {theta_i}: {found} {wanted}", format.name());
         }

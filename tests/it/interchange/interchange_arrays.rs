@@ -12,6 +12,7 @@ use gonio::interchange::{Format, Options};
 use gonio::table::{BrdfTable, SchlickSums, store};
 
 use crate::support::analytic::{Ggx, hemisphere, measured_looking, points, steps, table};
+use crate::support::long::or_long;
 use crate::support::mutations;
 use crate::support::program::command;
 
@@ -204,10 +205,11 @@ fn damaged_archives(rounds: usize) {
     assert!(refused > rounds / 2, "{refused}");
 }
 
-/// The first tenth of the changes below: each archive is some ten files with headers of their own.
+/// The first of the changes below: each archive is some ten files with headers of their own. What one change in a thousand
+/// meets shows with 1 - e^-4 = 98 %.
 #[test]
 fn damaged_archives_are_refused() {
-    damaged_archives(10_000);
+    damaged_archives(or_long(4_000, 10_000));
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Promise: RGL tensor files have the layout and the values that Mitsuba's `measured` expects. (Mitsuba itself reads
 //! them in tests/interop.)
 
-use gonio::interchange::Lookup;
 use gonio::interchange::mitsuba::rgl;
+use gonio::interchange::{self, Format, Lookup, Options};
 
 use crate::support::analytic::{Ggx, hemisphere, l1, steps, table};
 use crate::support::mutations;
@@ -10,7 +10,7 @@ use crate::support::mutations;
 const LIGHT: [(f64, f64); 5] = [(3.0, 0.0), (20.0, 77.0), (40.0, 200.0), (55.0, 310.0), (68.0, 33.0)];
 
 fn isotropic(alpha: f64) -> Lookup {
-    Lookup::new(&table(&Ggx::new(alpha, alpha), &hemisphere(steps(5.0, 18), None, 60, 120)))
+    Lookup::new(&table(&Ggx::new(alpha, alpha), &hemisphere(steps(10.0, 9), None, 60, 120)))
         .expect("a product")
 }
 
@@ -38,15 +38,20 @@ fn rgl_reads_back() {
     let off = l1(&file, &Ggx::new(alpha, alpha), &LIGHT, 75.0);
     // The bar of the issue for Mitsuba; this reader follows the same scheme.
     assert!(off <= 1e-3, "{off}");
-    // Bins of 2.25 x 6 degrees: less than half of the lobe's half-widths, 2 alpha = 34 degrees and, in azimuth under light
-    // from 68 degrees, 2 alpha/tan(68) = 14.
-    let ggx = Ggx::new(0.3, 0.6);
-    let grid = hemisphere(steps(15.0, 6), Some(steps(30.0, 12)), 40, 60);
-    let aniso = Lookup::new(&table(&ggx, &grid)).expect("a product");
-    let file = rgl::read(&rgl::write(&aniso, None, "").expect("written")).expect("sound");
+    // Bins of 3 x 7.5 degrees: less than half of the lobe's half-widths, 2 alpha = 44 degrees and, in azimuth under light
+    // from 68 degrees, 2 alpha/tan(68) = 18.
+    let ggx = Ggx::new(0.4, 0.6);
+    let own = table(&ggx, &hemisphere(steps(18.0, 5), Some(steps(45.0, 8)), 30, 48));
+    let folder = tempfile::tempdir().expect("folder");
+    let path = folder.path().join("brushed.bsdf");
+    let written = interchange::export(&own, Format::Rgl, &Options::default(), &path).expect("written");
+    let file = rgl::read(&std::fs::read(&path).expect("written")).expect("sound");
     let off = l1(&file, &ggx, &LIGHT, 75.0);
-    let of_table = l1(&aniso, &ggx, &LIGHT, 75.0);
-    assert!(off <= 5e-3, "{off}; of the interpolated table alone {of_table}");
+    assert!(off <= 5e-3, "{off}");
+    // Cells follow the lobe, and bins are read linearly every 7.5 degrees: step^2/8 of a second derivative of ln f of
+    // 1/alpha^2 = 6 at most.
+    let l1 = written.read_back.expect("light").l1;
+    assert!(l1 > 0.0 && l1 <= 7.5f64.to_radians().powi(2) / 8.0 * 6.0, "{l1}");
 }
 
 #[test]
