@@ -1,8 +1,9 @@
 //! Promise: look-up tables of OpenMATERIAL 3D are written as its schema asks, and come back.
 
+use gonio::interchange::text::bird;
 use gonio::interchange::{self, Format, Options};
 use gonio::table::BrdfTable;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::support::analytic::{Ggx, hemisphere, steps, table};
 
@@ -102,26 +103,36 @@ fn tables_come_back_from_openmaterial() {
 /// Rows count from the light's azimuth, wherever that is, and angles end where the schema's numbers do.
 #[test]
 fn lights_at_any_azimuth_and_the_last_angles_come_back() {
-    let read = |rows: &str| {
-        let text = format!("theta_i_deg,phi_i_deg,theta_r_deg,phi_r_deg,550nm\n{rows}");
-        let found = interchange::decode(Format::Csv, &Options::default(), text.as_bytes()).expect("readable");
-        let gonio::interchange::Imported::Table(mut own) = found else { panic!("a table") };
-        own.grid.phi_r_relative = true;
-        own
+    // An isotropic sample, as BiRD's files have it.
+    let read = |light: [f64; 2], theta_r: &[f64], phi_r: &[f64], brdf: &[f64]| {
+        let list = |unit: &str, values: &[f64]| json!({ "unit": unit, "values": values });
+        let same = |unit: &str, value: f64| list(unit, &vec![value; brdf.len()]);
+        let file = json!({
+            "metadata": { "sample": { "properties_symmetry": "isotropic" } },
+            "data": {
+                "wavelength_i": same("nm", 550.0),
+                "theta_i": same("deg", light[0]),
+                "phi_i": same("deg", light[1]),
+                "theta_r": list("deg", theta_r),
+                "phi_r": list("deg", phi_r),
+                "BRDF": list("1/sr", brdf),
+            }
+        });
+        bird::read_with_notes(file.to_string().as_bytes()).expect("readable").0
     };
     let mut uuids = vec![];
-    for (rows, phi) in [
-        ("30,180,30,0,0.5\n30,180,10,200,0.25\n", [180.0, 20.0]),
-        ("30,10.1,30,190.1,0.5\n30,10.1,10,20.2,0.25\n", [180.0, 10.1]),
-    ] {
-        let (file, found) = written(&read(rows), &Options::default());
+    for (phi_i, phi_r, from_light) in
+        [(180.0, [0.0, 200.0], [180.0, 20.0]), (10.1, [190.1, 20.2], [180.0, 10.1])]
+    {
+        let own = read([30.0, phi_i], &[30.0, 10.0], &phi_r, &[0.5, 0.25]);
+        let (file, found) = written(&own, &Options::default());
         is_valid(&file);
         let row = |sensor: [f64; 2], value: f32| {
             let at = found.grid.points_deg.iter().position(|point| (point[1] - sensor[1]).abs() < 1e-7);
             assert_eq!(found.colours[0].total[at.expect("its azimuth")], value, "{sensor:?}");
         };
-        row([30.0, phi[0]], 0.5);
-        row([10.0, phi[1]], 0.25);
+        row([30.0, from_light[0]], 0.5);
+        row([10.0, from_light[1]], 0.25);
         uuids.push(file["metadata"]["uuid"].clone());
     }
     assert_ne!(uuids[0], uuids[1], "the same values in other directions");
@@ -132,7 +143,7 @@ fn lights_at_any_azimuth_and_the_last_angles_come_back() {
     let gonio::interchange::Imported::Table(last) = last else { panic!("a table") };
     is_valid(&written(&last, &Options::default()).0);
     let folder = tempfile::tempdir().expect("folder");
-    let beyond = read("30,0,30,359.999999,0.5\n");
+    let beyond = read([30.0, 0.0], &[30.0], &[359.999999], &[0.5]);
     let why =
         interchange::export(&beyond, Format::OpenMaterial, &Options::default(), &folder.path().join("a"));
     let why = why.expect_err("refused").to_string();
