@@ -91,9 +91,9 @@ def is_here(name, digest):
 
 
 def fetch():
-    """The files that can be had, by their names here, and a line for each distribution that cannot."""
+    """The files that can be had, by their names here, and the distributions that cannot, with the reason."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    had, missing = {}, []
+    had, missing = {}, {}
     for (package, file), wanted in PUBLISHED.items():
         try:
             if not all(is_here(*known) for known in wanted.values()):
@@ -104,5 +104,5 @@ def fetch():
                 raise ValueError(f"{', '.join(changed)}: another SHA-256 than known here")
             had.update({name: FOLDER / name for name, _ in wanted.values()})
         except (OSError, EOFError, ValueError, KeyError, tarfile.TarError, zipfile.BadZipFile) as why:
-            missing.append(f"{file} cannot be had: {why}")
+            missing[file] = why
     return had, missing

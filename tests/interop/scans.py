@@ -158,8 +158,8 @@ def one(folder, path, kind, reader, is_sized):
 def compared(folder):
     """Every file that can be had."""
     had, missing = published.fetch()
-    for line in missing:
-        print(f"scans: skipped, {line}")
+    if missing:
+        print(f"scans: skipped, {', '.join(missing)} cannot be had: {next(iter(missing.values()))}")
     if "jacksboro.npz" in had:
         with zipfile.ZipFile(had["jacksboro.npz"]) as archive:
             (folder / "jacksboro.npy").write_bytes(archive.read("elevation.npy"))
