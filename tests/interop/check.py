@@ -1,4 +1,5 @@
-"""What programs that this project did not write see in its exports. Run by .ci/run; prints one line a figure."""
+"""What programs that this project did not write see in its exports, and what it sees in their scans. Run by .ci/run; prints one
+line a figure."""
 
 import csv
 import pathlib
@@ -12,6 +13,7 @@ import energy
 import measured
 import radiance
 import readers
+import scans
 import through
 import wincalc
 from tables import GONIO, check, ggx, gonio, pairs, table
@@ -165,7 +167,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         parts = (rgl, energy.between, measured.pairs_and_sphere, radiance.matrices, radiance.trees, radiance.normal,
-                 radiance.colours, radiance.tools, through.blocks, wincalc.matrices, plain, albedos, sweep, mesh)
+                 radiance.colours, radiance.tools, through.blocks, wincalc.matrices, plain, albedos, sweep, mesh, scans.compared)
         ok = [part(folder) for part in parts]
     sys.exit(0 if all(ok) else 1)
 

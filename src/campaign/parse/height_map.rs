@@ -67,7 +67,7 @@ pub(crate) fn height_map(table: TableReader<'_>, folder: &Path) -> Option<Height
     let (path, [x, y, unit], ()) = (path?, lengths, needed?);
     Some(HeightMap {
         path: path.to_string(),
-        channel: channel?.map(String::from),
+        channel: channel?,
         resolved_path: resolved(folder, path),
         pitch_x_um: x?,
         pitch_y_um: y?,
@@ -107,12 +107,13 @@ fn preparation([gaps, outliers, s_filter, l_filter]: &[Slot<'_>; 4]) -> Option<P
     Some(Preparation { gaps: gaps?, outliers: outliers?, s_filter_um, l_filter_um })
 }
 
-fn channel_name<'a>(item: &GivenValue<'a>) -> Option<&'a str> {
-    match item.text()? {
-        name if name.is_empty() || name.chars().any(char::is_control) => {
-            item.refuse("must be a title, a number or a channel's name without control characters")
-        }
-        name => Some(name),
+/// `channel`: a title, or a number of either kind.
+fn channel_name(item: &GivenValue<'_>) -> Option<String> {
+    const ALLOWED: &str = "must be a title, a number or a channel's name without control characters";
+    match (item.as_text(), item.as_whole()) {
+        (Some(name), _) if !name.is_empty() && !name.chars().any(char::is_control) => Some(name.to_string()),
+        (None, Some(number)) => Some(number.to_string()),
+        _ => item.refuse(ALLOWED),
     }
 }
 

@@ -61,6 +61,8 @@ fn the_resolved_campaign_reads_back_as_itself() {
         averaged(on(FILE)),
         averaged(on("[surface.file]\npath = 'a \"quoted\" \\ näme.exr'\ndetrend = \"none\"\n")),
         averaged(on("[surface.file]\npath = \"a.exr\"\nrefine = 8\n")),
+        averaged(on("[surface.file]\npath = \"a.gwy\"\nchannel = 3\n")),
+        averaged(on("[surface.file]\npath = \"a.gwy\"\nchannel = \"Z raw\"\n")),
     ];
     for text in texts {
         let campaign = accepted(&text).campaign;

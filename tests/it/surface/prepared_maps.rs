@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use gonio::campaign::{self, Detrend, Gaps, HeightMap, Outliers, Preparation};
+use gonio::campaign::{self, Detrend, Gaps, HeightMap, Outliers, Preparation, SurfaceKind};
 use gonio::measure::Measured;
 use gonio::surface::Heightfield;
 use gonio::surface::io::import::{ImportedMap, load};
@@ -224,9 +224,19 @@ fn keys_of_the_preparation_are_checked_with_their_range() {
         ("s_filter_um = 0", "s_filter_um"),
         ("s_filter_um = 8\nl_filter_um = 8", "must be above s_filter_um = 8"),
         ("channel = \"\"", "must be a title, a number or a channel's name"),
+        ("channel = -1", "must be a title, a number or a channel's name"),
+        ("channel = true", "must be a title, a number or a channel's name"),
     ] {
         let found = faults(keys);
         assert!(found.contains(said), "{keys}: {found}");
+    }
+    // A number names a channel with its quotes and without.
+    for keys in ["channel = 0", "channel = \"0\""] {
+        let campaign = campaign::parse(campaign_text(keys), "c.toml", Path::new("")).expect(keys).campaign;
+        match &campaign.surface.kind {
+            SurfaceKind::File(map) => assert_eq!(map.channel.as_deref(), Some("0"), "{keys}"),
+            other => panic!("{keys}: {other:?}"),
+        }
     }
 }
 

@@ -177,3 +177,58 @@ fn a_channel_is_chosen_by_its_title_its_number_or_its_unit() {
     let why = map_file::read_channel(&sur, Some("Height")).expect_err("one map").to_string();
     assert!(why.contains("SUR holds one map; leave the key out"), "{why}");
 }
+
+/// A container of Gwyddion with a channel for each number, title and unit of height.
+fn gwyddion(channels: &[(usize, &str, &str)]) -> Vec<u8> {
+    let named = |name: &str, kind: &[u8]| [name.as_bytes(), b"\0", kind].concat();
+    let text = |name: &str, value: &str| [named(name, b"s"), named(value, b"")].concat();
+    let object = |name: &str, parts: &[u8]| {
+        let length = u32::try_from(parts.len()).expect("short").to_le_bytes();
+        [&named(name, b"")[..], &length, parts].concat()
+    };
+    let unit =
+        |name: &str, unit: &str| [named(name, b"o"), object("GwySIUnit", &text("unitstr", unit))].concat();
+    let whole = |name: &str, value: u32| [&named(name, b"i")[..], &value.to_le_bytes()].concat();
+    let float = |name: &str, value: f64| [&named(name, b"d")[..], &value.to_le_bytes()].concat();
+    let mut parts = Vec::new();
+    for (number, title, height) in channels {
+        let data: Vec<u8> = (0..4).flat_map(|k| (f64::from(k) + *number as f64).to_le_bytes()).collect();
+        let field = [
+            [whole("xres", 2), whole("yres", 2), float("xreal", 2e-6), float("yreal", 2e-6)].concat(),
+            [unit("si_unit_xy", "m"), unit("si_unit_z", height)].concat(),
+            [&named("data", b"D")[..], &4u32.to_le_bytes(), &data].concat(),
+        ];
+        parts.extend(named(&format!("/{number}/data"), b"o"));
+        parts.extend(object("GwyDataField", &field.concat()));
+        parts.extend(text(&format!("/{number}/data/title"), title));
+    }
+    [&b"GWYP"[..], &object("GwyContainer", &parts)].concat()
+}
+
+/// Microscopes store dozens of channels, and Gwyddion writes 10 before 2: those that may be meant are named, in their order.
+#[test]
+fn of_many_channels_those_of_heights_are_named() {
+    let names: Vec<String> = (0..12).map(|k| format!("Phase {k}")).collect();
+    let mut channels: Vec<(usize, &str, &str)> =
+        (0..12).map(|k| (k, names[k].as_str(), if k == 7 { "V" } else { "" })).collect();
+    let reason = |channels: &[(usize, &str, &str)]| {
+        map_file::read(&gwyddion(channels)).expect_err("several").to_string()
+    };
+    let why = reason(&channels);
+    assert!(
+        why.contains("no channel has a length for its unit: name one of 0 `Phase 0`, 1 `Phase 1`")
+            && why.contains("7 `Phase 7`, .. as"),
+        "{why}"
+    );
+    channels.insert(2, (10, "Z back", "m"));
+    channels.retain(|(number, title, _)| *number != 10 || *title == "Z back");
+    assert_eq!(map_file::read(&gwyddion(&channels)).expect("one").heights[0], 10.0);
+    channels[10] = (9, "Z", "m");
+    let why = reason(&channels);
+    assert!(
+        why.contains("several channels of heights: name one of 9 `Z`, 10 `Z back` as surface.file.channel"),
+        "{why}"
+    );
+    let found = map_file::read_channel(&gwyddion(&channels), Some("9")).expect("a number");
+    assert_eq!((found.heights[0], found.unit_um), (9.0, Some(1e6)));
+}

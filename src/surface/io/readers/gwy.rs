@@ -95,21 +95,29 @@ fn channels(components: Components<'_>) -> Result<Vec<Channel<'_>>, String> {
         }
     }
     channels.retain(|channel| channel.field.is_some());
+    // Gwyddion writes them in the order of their names, 10 before 2.
+    channels.sort_by_key(|channel| channel.number.parse::<u64>().unwrap_or(u64::MAX));
     Ok(channels)
+}
+
+/// Channels as a message names them.
+fn named(channels: &[&Channel<'_>]) -> String {
+    let mut names: Vec<String> = channels.iter().take(MOST_NAMED).map(|channel| channel.called()).collect();
+    if channels.len() > MOST_NAMED {
+        names.push("..".into());
+    }
+    names.join(", ")
 }
 
 /// The channel of a name or a number; without one the only channel of heights.
 fn choose<'a, 'b>(channels: &'b [Channel<'a>], wanted: Option<&str>) -> Result<&'b Channel<'a>, String> {
-    let mut names: Vec<String> = channels.iter().take(MOST_NAMED).map(Channel::called).collect();
-    if channels.len() > MOST_NAMED {
-        names.push("..".into());
-    }
-    let names = names.join(", ");
+    let all: Vec<&Channel> = channels.iter().collect();
     if let Some(wanted) = wanted {
         let titled = channels.iter().find(|channel| channel.title.as_deref() == Some(wanted));
         let found = titled.or_else(|| channels.iter().find(|channel| channel.number == wanted));
-        return found
-            .ok_or_else(|| format!("no channel `{wanted:.40}` among {names}: see surface.file.channel"));
+        return found.ok_or_else(|| {
+            format!("no channel `{wanted:.40}` among {}: see surface.file.channel", named(&all))
+        });
     }
     let mut heights = Vec::new();
     for channel in channels {
@@ -117,16 +125,13 @@ fn choose<'a, 'b>(channels: &'b [Channel<'a>], wanted: Option<&str>) -> Result<&
             heights.push(channel);
         }
     }
+    let how = "as surface.file.channel, by title or number";
     match (&heights[..], channels) {
         ([], []) => Err("no map in the file".into()),
         ([one], _) => Ok(one),
         ([], [one]) => Ok(one),
-        ([], _) => {
-            Err(format!("no channel has a length for its unit: name one of {names} as surface.file.channel"))
-        }
-        _ => {
-            Err(format!("several channels: name one of {names} as surface.file.channel, by title or number"))
-        }
+        ([], _) => Err(format!("no channel has a length for its unit: name one of {} {how}", named(&all))),
+        _ => Err(format!("several channels of heights: name one of {} {how}", named(&heights))),
     }
 }
 

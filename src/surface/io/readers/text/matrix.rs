@@ -1,11 +1,11 @@
-//! Height maps as a matrix of numbers: a row a line, as Gwyddion and many other programs write them, and Arc grids.
+//! Height maps as a matrix of numbers: a row a line, as Gwyddion, SPIP and many other programs write them, and Arc grids.
 //!
-//! Gwyddion's lines `# Width: 12.00 µm`, `# Height: ...` and `# Value units: m` give size and unit; without them the
-//! campaign must. An Arc grid has its size at the head (`ncols`, `nrows`, `cellsize` or `dx`, `dy`, `NODATA_value`);
-//! its first row is the one of largest y, and its cell size is in the unit of its heights. Cells without data become NaN.
+//! The comments of Gwyddion and SPIP (`head`) give size and unit; without them the campaign must. An Arc grid has its size at
+//! the head (`ncols`, `nrows`, `cellsize` or `dx`, `dy`, `NODATA_value`); its first row is the one of largest y, and its cell
+//! size is in the unit of its heights. Cells without data become NaN.
 
 use super::fields::{cells, is_passed_over};
-use crate::surface::io::readers::units;
+use super::head::Head;
 use crate::surface::io::samples::{MapSamples, Stored};
 
 /// Fewest columns of a matrix: fewer are no map.
@@ -16,32 +16,12 @@ const MOST_NAMES: usize = 32;
 
 /// Reads a matrix; the first line is y = 0.
 pub fn read(text: &str) -> Result<MapSamples, String> {
-    let (mut heights, mut columns, mut rows) = (Vec::new(), 0, 0);
-    for (index, line) in text.lines().enumerate().filter(|(_, line)| !is_passed_over(line)) {
-        let before = heights.len();
-        for field in cells(line) {
-            match height(field) {
-                Ok(height) => heights.push(height),
-                // Words above the first row.
-                Err(_) if rows == 0 => break,
-                Err(_) => return Err(format!("matrix: line {}: `{field:.40}` is no number", index + 1)),
-            }
-        }
-        let found = heights.len() - before;
-        if rows == 0 && found < FEWEST_COLUMNS {
-            heights.truncate(before);
-            continue;
-        }
-        if rows > 0 && found != columns {
-            return Err(format!("matrix: line {}: {found} numbers, the first row has {columns}", index + 1));
-        }
-        (columns, rows) = (found, rows + 1);
-    }
-    if rows == 0 {
-        return Err("matrix: no row of numbers".into());
-    }
+    let (columns, heights) = rows(text)?;
+    let rows = heights.len() / columns;
+    let head = Head::of(text);
+    head.check(columns, rows).map_err(|why| format!("matrix: {why}"))?;
     let mut map = MapSamples::new(columns, rows, heights, Stored::Exact);
-    match sizes(text) {
+    match head.sizes() {
         Ok(Some((size, unit_um))) => {
             map.pitch = [Some(size[0] / columns as f64), Some(size[1] / rows as f64)];
             map.unit_um = Some(unit_um);
@@ -52,32 +32,59 @@ pub fn read(text: &str) -> Result<MapSamples, String> {
         }
         Err(why) => map.no_pitch = Some(format!("a matrix of {columns} x {rows} heights: {why}")),
     }
+    if let Some(voids) = head.voids() {
+        map.notes.push(format!(
+            "matrix: {voids} heights are void (voidpixels), which ones is not said: they count as they are"
+        ));
+    }
     Ok(map)
+}
+
+/// The columns and the heights of all rows.
+fn rows(text: &str) -> Result<(usize, Vec<f64>), String> {
+    let (mut heights, mut columns) = (Vec::new(), 0);
+    // Whether a mark ends every row: nothing follows it.
+    let mut ended = true;
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| !is_passed_over(line)) {
+        let before = heights.len();
+        let mut last_is_empty = false;
+        for field in cells(line) {
+            last_is_empty = field.is_empty();
+            match height(field) {
+                Ok(height) => heights.push(height),
+                // Words above the first row.
+                Err(_) if columns == 0 => break,
+                Err(_) => return Err(format!("matrix: line {}: `{field:.40}` is no number", index + 1)),
+            }
+        }
+        let found = heights.len() - before;
+        if columns == 0 && found < FEWEST_COLUMNS {
+            heights.truncate(before);
+            continue;
+        }
+        if columns > 0 && found != columns {
+            return Err(format!("matrix: line {}: {found} numbers, the first row has {columns}", index + 1));
+        }
+        (columns, ended) = (found, ended && last_is_empty);
+    }
+    if columns == 0 {
+        return Err("matrix: no row of numbers".into());
+    }
+    if ended {
+        let mut column = 0;
+        heights.retain(|_| {
+            column = column % columns + 1;
+            column != columns
+        });
+        columns -= 1;
+    }
+    Ok((columns, heights))
 }
 
 /// A height, or NaN where a cell is empty or says that it has none.
 fn height(field: &str) -> Result<f64, std::num::ParseFloatError> {
     const NONE: [&str; 5] = ["", "bad", "n/a", "nodata", "no data"];
     if NONE.iter().any(|word| word.eq_ignore_ascii_case(field)) { Ok(f64::NAN) } else { field.parse() }
-}
-
-/// Width and height in the unit of the values, and that unit in um, of Gwyddion's comments; `None` without them.
-fn sizes(text: &str) -> Result<Option<([f64; 2], f64)>, String> {
-    let comments = text.lines().take_while(|line| is_passed_over(line));
-    let named: Vec<(&str, &str)> =
-        comments.filter_map(|line| line.trim().trim_start_matches('#').trim().split_once(':')).collect();
-    let value = |name: &str| named.iter().find(|(key, _)| *key == name).map(|(_, value)| value.trim());
-    let (Some(width), Some(height)) = (value("Width"), value("Height")) else { return Ok(None) };
-    let Some(unit) = value("Value units") else { return Err("no line `# Value units:`".into()) };
-    let unit_um =
-        1e6 * units::metres(unit).ok_or_else(|| format!("Value units `{unit:.40}` is no length"))?;
-    let length = |name: &str, text: &str| -> Result<f64, String> {
-        let (number, lateral) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-        let number: f64 = number.parse().map_err(|_| format!("{name} `{text:.40}` is no number and unit"))?;
-        Ok(number
-            * units::ratio(lateral.trim(), unit).map_err(|why| format!("{name} `{text:.40}`: {why}"))?)
-    };
-    Ok(Some(([length("Width", width)?, length("Height", height)?], unit_um)))
 }
 
 /// Reads an Arc grid.
@@ -154,6 +161,56 @@ mod tests {
         assert!(volts.no_pitch.is_some_and(|why| why.contains("`V` is no length")));
         let ragged = read(&format!("{first}\n{second} 3\n")).expect_err("ragged");
         assert!(ragged.contains("line 2: 9 numbers, the first row has 8"), "{ragged}");
+    }
+
+    #[test]
+    fn a_matrix_of_spip_has_the_sizes_of_its_head() {
+        // SPIP ends each row with a tab; its lengths are nm.
+        let [first, second] = rows("\t").map(|row| row + "\t");
+        let head = "# File Format = ASCII\n# x-pixels = 8\n# y-pixels = 2\n# x-length = 2000\n# y-length = 1000\n\
+                    # z-unit = nm\n# voidpixels =0\n# description =0:\n# Start of Data:\n";
+        let text = format!("{head}{first}\n{second}\n");
+        let map = read(&text).expect("a matrix");
+        assert_eq!((map.columns, map.rows, &map.heights), (8, 2, &expected()));
+        assert_eq!((map.pitch, map.unit_um), ([Some(250.0), Some(500.0)], Some(1e-3)));
+        assert!(map.notes.is_empty());
+        // Pitches of 0.25 um and 0.5 um in m, and in steps of 0.5 nm: a few quotients and products round.
+        for (unit, lengths, unit_um) in
+            [("# z-unit = m", [0.25e-6, 0.5e-6], 1e6), ("# Bit2nm = 0.5", [500.0, 1000.0], 5e-4)]
+        {
+            let map = read(&text.replace("# z-unit = nm", unit)).expect("a matrix");
+            let found = [map.pitch[0], map.pitch[1], map.unit_um].map(|value| value.expect("said"));
+            for (found, wanted) in found.iter().zip([lengths[0], lengths[1], unit_um]) {
+                assert!((found - wanted).abs() < 8.0 * f64::EPSILON * wanted, "{unit}: {found} {wanted}");
+            }
+        }
+        let void = read(&text.replace("voidpixels =0", "voidpixels = 3")).expect("a matrix");
+        assert!(void.notes[0].contains("3 heights are void"), "{:?}", void.notes);
+        for (from, to, wanted) in [
+            ("# z-unit = nm", "# z-unit = V", "z-unit `V` is no length"),
+            ("# z-unit = nm\n", "", "no line `# z-unit =`"),
+            ("x-length = 2000", "x-length = 0", "x-length = 0, y-length = 1000: not positive"),
+            ("x-length = 2000", "x-length = 2,5", "x-length = 2,5: must be a number"),
+        ] {
+            let why = read(&text.replace(from, to)).expect("a matrix").no_pitch.expect("says so");
+            assert!(why.contains(wanted), "{why}");
+        }
+        for (from, to, wanted) in [
+            ("x-pixels = 8", "x-pixels = 9", "says x-pixels = 9, but 8 columns follow"),
+            ("y-pixels = 2", "y-pixels = 3", "says y-pixels = 3, but 2 rows follow: the file is cut off"),
+        ] {
+            let why = read(&text.replace(from, to)).expect_err("must be refused");
+            assert!(why.contains(wanted), "{why}");
+        }
+    }
+
+    #[test]
+    fn a_mark_at_the_end_of_every_row_ends_it() {
+        for mark in ["\t", ";", ","] {
+            let [first, second] = rows(mark).map(|row| row + mark);
+            let map = read(&format!("{first}\r\n{second}\r\n")).expect("a matrix");
+            assert_eq!((map.columns, map.rows, map.heights), (8, 2, expected()), "{mark:?}");
+        }
     }
 
     #[test]

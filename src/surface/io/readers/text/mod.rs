@@ -5,6 +5,7 @@
 //! `µm` in.
 
 mod fields;
+mod head;
 mod matrix;
 mod xyz;
 
