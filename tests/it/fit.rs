@@ -268,7 +268,10 @@ fn a_students_patch_is_known_by_its_own_law() {
         ("[surface.student_t]\ngamma = 4.0\nalpha = 0.3", "student_t"),
         ("[surface.blinn_phong]\nexponent = 20", "blinn_phong"),
     ] {
-        let measured = measured_one(&PATCHES.replace("[surface.ggx]\nalpha = 0.3", law));
+        // As many correlation lengths on a quarter of the cells.
+        let text =
+            PATCHES.replace("cells = 256\ncorrelation_cells = 8.0", "cells = 128\ncorrelation_cells = 4.0");
+        let measured = measured_one(&text.replace("[surface.ggx]\nalpha = 0.3", law));
         let data = data(&measured);
         let own = FitLaw::of_surface(&measured.campaign.surface.kind, &data);
         let others = FitLaw::all(&data).into_iter().filter(|law| matches!(law, FitLaw::Microfacet(_)));

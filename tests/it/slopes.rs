@@ -104,7 +104,7 @@ fn intervals_hold_the_law_in_95_of_100_cases() {
 #[test]
 fn patches_have_the_law_that_they_were_made_with() {
     for (law, name) in [(SlopeLaw::Ggx, "ggx"), (SlopeLaw::Beckmann, "beckmann")] {
-        let field = Synthesiser::new(law, 256, 4.0).patch(&mut stream(1));
+        let field = Synthesiser::new(law, 128, 2.0).patch(&mut stream(1));
         let fits = slopes::fit(&SlopeTiles::of(&field, DVec2::new(0.2, 0.5), None), &SlopeFamily::all())
             .expect("tilted");
         let fit = named(&fits, name, true);
@@ -112,7 +112,7 @@ fn patches_have_the_law_that_they_were_made_with() {
         holds(fit, "alpha_x", 0.2);
         holds(fit, "alpha_y", 0.5);
         assert_eq!(fits.tiles_per_side, 4);
-        assert!(fits.facets <= 1 << 17 && fits.facets > 1 << 15, "{}", fits.facets);
+        assert_eq!(fits.facets, 1 << 15);
     }
     let flat = gonio::surface::Heightfield::new(8, 8, true, vec![0.0; 64]);
     assert!(slopes::fit(&SlopeTiles::of(&flat, DVec2::ONE, None), &SlopeFamily::all()).is_none());

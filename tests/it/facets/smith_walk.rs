@@ -55,7 +55,7 @@ fn classes(measured: &Measured) -> BTreeMap<Exit, (f64, f64)> {
 
 #[test]
 fn rough_glass_at_all_orders_is_that_of_an_independent_walk() {
-    let samples = or_long(65_536u32, 4_194_304);
+    let samples = or_long(32_768u32, 4_194_304);
     let mut worst = 0.0f64;
     let cases = cases();
     assert_eq!(cases.len(), 24);

@@ -19,7 +19,7 @@ fn furnace(kind: &str, light: &str, optics: &str) -> Vec<Measured> {
         "name = \"furnace\"\nseed = 11\n\
          [surface]\nrealisations = {REALISATIONS}\ncells = 64\ncorrelation_cells = 4\n[surface.{kind}\n\
          [light]\ntheta_i_deg = [0, 45, 75, 85]\n{light}\n\
-         [sensor.hemisphere]\n{optics}\n[trace]\nbounces = 32\n[stop]\nsamples = 16384\n"
+         [sensor.hemisphere]\n{optics}\n[trace]\nbounces = 32\n[stop]\nsamples = 8192\n"
     ))
 }
 
@@ -56,7 +56,7 @@ fn every_start_has_one_fate_and_the_light_sums_to_one() {
             assert_eq!(incidence.orders.len(), 32);
             closures.push(mean_and_se(incidence.closure.iter().copied()));
             for order in &incidence.albedo_by_order {
-                // No more than all orders together, up to the rounding of a sum of 16,384 shares to f64.
+                // No more than all orders together, up to the rounding of a sum of 8,192 shares to f64.
                 let within = |(&albedo, &all): (&f64, &f64)| (0.0..=all + 1e-12).contains(&albedo);
                 assert!(
                     order.iter().zip(&incidence.closure).all(within),

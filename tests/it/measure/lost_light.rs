@@ -6,6 +6,8 @@ use gonio::measure::Measured;
 use crate::support::measuring::measured_in;
 
 const SIDE: usize = 129;
+/// Few samples do: bounds hold for each path.
+const SAMPLES: u64 = 16_384;
 /// A corner, where no path starts.
 const CORNER: (usize, usize) = (2, 3);
 
@@ -21,7 +23,7 @@ fn measured(height: impl Fn(f64, f64) -> f64, spike: f64, rest: &str) -> Measure
     let text = format!(
         "name = \"scan\"\nseed = 3\n[surface.file]\npath = \"scan.npy\"\npitch_x_um = 1\npitch_y_um = 1\n\
          height_unit_um = 1\nperiodic = false\ndetrend = \"none\"\ntiles = 2\nrefine = 1\n[sensor.hemisphere]\n{rest}\n\
-         [stop]\nsamples = 65536\n"
+         [stop]\nsamples = {SAMPLES}\n"
     );
     measured_in(folder.path(), &text).pop().expect("one table")
 }
@@ -44,12 +46,12 @@ fn all_light_of_a_mirror_under_a_spike_is_within_one_error_bar() {
         assert_eq!(table.total[at], 0.0);
         assert_eq!(table.left_map[at], clean.total[at], "bin {at}");
     }
-    // The bound is 1/w and its error bound/sqrt(3); beside it an empty bin's 1.5 hits of 65,536 count for nothing.
+    // The bound is 1/w and its error bound/sqrt(3); beside it an empty bin's 1.5 hits of 16,384 count for nothing.
     let expected = f64::from(clean.total[mirror]) / 3f64.sqrt();
     let found = f64::from(table.stderr[mirror]);
     assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
     let incidence = &spiked.incidences[1];
-    assert_eq!((incidence.left_map, incidence.orders[0]), (4 * 65_536, 0));
+    assert_eq!((incidence.left_map, incidence.orders[0]), (4 * SAMPLES, 0));
     // Every path carries its share of 1 in units of 2^-90.
     assert!((incidence.lost_light[1] - 1.0).abs() < 1e-12, "{:?}", incidence.lost_light);
     let (albedo, se) = incidence.total();

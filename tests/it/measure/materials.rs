@@ -15,15 +15,27 @@ use gonio::table::{BrdfTable, Realisations, realisations, store};
 use gonio::validate::prediction::schlick_error::SchlickError;
 use gonio::validate::{self};
 
-use crate::support::measuring::{measured, measured_in, measured_one, measured_with};
+use crate::support::long::or_long;
+use crate::support::measuring::{by_few, measured, measured_in, measured_one, measured_with};
 use crate::support::program::{exits, gonio, json};
+
+/// What is compared are the same paths: few do.
+const SAMPLES: u64 = 4096;
 
 fn rough(alpha: &str, optics: &str, trace: &str) -> String {
     format!(
         "name = \"metal\"\nseed = 5\n[surface]\nrealisations = 4\ncells = 64\ncorrelation_cells = 4\n\
          [surface.ggx]\nalpha = {alpha}\n[light]\ntheta_i_deg = [0, 60]\n\
-         [sensor.hemisphere]\ntheta_r_bins = 9\nphi_r_bins = 12\n{optics}\n[trace]\n{trace}\n[stop]\nsamples = 65_536\n"
+         [sensor.hemisphere]\ntheta_r_bins = 9\nphi_r_bins = 12\n{optics}\n[trace]\n{trace}\n[stop]\nsamples = {SAMPLES}\n"
     )
+}
+
+/// Measured with materials traced along, not put in afterwards.
+fn traced(text: &str) -> Measured {
+    measured_with(text, |plan| {
+        by_few(plan, SAMPLES);
+        plan.sums = plan.sums.clone().traced();
+    })
 }
 
 fn mirror(theta_i_deg: &str, optics: &str) -> String {
@@ -91,7 +103,7 @@ fn a_recoloured_table_is_the_traced_one() {
     let source = measured_one(&one("material = \"copper\""));
     for keys in ["material = \"gold\"", "f0 = [0.1, 0.55, 0.9]", "material = \"glass\"", "f0 = 0"] {
         let by_sums = measured_one(&one(keys));
-        let by_path = measured_with(&one(keys), |plan| plan.sums = plan.sums.clone().traced());
+        let by_path = traced(&one(keys));
         let text = by_sums.table.campaign.clone();
         let (table, parts) =
             recolour(&source.table, Some(&source.realisations), f0_of(&by_sums), text.clone())
@@ -133,7 +145,7 @@ fn orders_follow_from_their_parts() {
         let one = |keys: &str| rough("1.0", &optics(keys), &trace);
         let source = measured_one(&one("material = \"silver\""));
         for keys in ["material = \"copper\"", "f0 = [0.04, 0.5, 1]"] {
-            let wanted = measured_with(&one(keys), |plan| plan.sums = plan.sums.clone().traced());
+            let wanted = traced(&one(keys));
             let text = wanted.table.campaign.clone();
             let (table, parts) =
                 recolour(&source.table, Some(&source.realisations), f0_of(&wanted), text).expect("has sums");
@@ -219,11 +231,12 @@ fn model_of(measured: &Measured, campaign: &Campaign) -> validate::Verdict {
 
 #[test]
 fn the_model_has_the_fresnel_of_the_campaign() {
+    let samples = or_long(32_768u32, 131_072);
     let smith = |keys: &str| {
         format!(
             "name = \"smith\"\nseed = 2\n[surface]\nrealisations = 16\n[surface.smith]\nalpha = 0.4\n\
              [light]\ntheta_i_deg = [10, 60]\n[sensor.hemisphere]\ntheta_r_bins = 6\nphi_r_bins = 12\n\
-             [optics]\n{keys}\n[stop]\nsamples = 131_072\n"
+             [optics]\n{keys}\n[stop]\nsamples = {samples}\n"
         )
     };
     for keys in ["eta = 0.2\nk = 1.1", "eta = 1.5\npolarisation = \"s\"", "eta = 1.5\npolarisation = \"p\""] {

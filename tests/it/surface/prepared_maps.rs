@@ -51,7 +51,7 @@ fn campaign_text(keys: &str) -> String {
     format!(
         "name = \"scan\"\nseed = 5\n[surface.file]\npath = \"scan.npy\"\npitch_x_um = 1\npitch_y_um = 1\nheight_unit_um = 1\n\
          tiles = 4\n{keys}\n[light]\ntheta_i_deg = [0, 40]\nazimuth = \"absolute\"\nphi_i_deg = [0]\n\
-         [sensor.hemisphere]\ntheta_r_bins = 9\nphi_r_bins = 18\n[stop]\nsamples = 65536\n"
+         [sensor.hemisphere]\ntheta_r_bins = 9\nphi_r_bins = 18\n[stop]\nsamples = 16384\n"
     )
 }
 

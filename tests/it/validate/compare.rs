@@ -10,7 +10,7 @@ use gonio::table::{BrdfTable, ColourChannels, RealisationPart, Realisations, sto
 use gonio::validate::two_tables::{ComparedTable, difference};
 use rand_pcg::Pcg64Dxsm;
 
-use crate::support::long::or_long;
+use crate::support::long::{is_long, or_long};
 use crate::support::measuring::measured_one;
 use crate::support::program::{self, exits, gonio};
 
@@ -261,9 +261,12 @@ fn a_difference_is_read_without_bias() {
             none.abs() < 4.0 * se && above <= 0.05 + share_slack() && held >= 0.95 - share_slack(),
             "{counts:?} {none} {above} {held}"
         );
-        // In 4 of 200 bins, 20 errors and more each: the sign is right, and nothing is lost.
-        let [few, se, _, held] = read_differences(counts, false, |bin| if bin < 4 { 25.0 * d } else { 0.0 });
-        assert!(few.abs() < 4.0 * se && held >= 0.95 - share_slack(), "{counts:?} {few} {held}");
+        // In 4 of 200 bins, 20 errors and more each: the sign is right, and nothing is lost, whatever the counts.
+        if counts == [8, 8] || is_long() {
+            let [few, se, _, held] =
+                read_differences(counts, false, |bin| if bin < 4 { 25.0 * d } else { 0.0 });
+            assert!(few.abs() < 4.0 * se && held >= 0.95 - share_slack(), "{counts:?} {few} {held}");
+        }
         // In all bins, as large as l1_noise: `pull` is off by 14 % at this d (`the_sharpened_sign_is_off_by_no_more_than_is_said`)
         // and Student's t of 7 others by a little.
         let [diffuse, se, _, held] = read_differences(counts, false, |_| d);

@@ -3,11 +3,14 @@
 //! Every law has tables that break it: each is a right table with one thing changed. Power: the changes are many times
 //! the noise of the right table, which passes.
 
+use std::sync::LazyLock;
+
 use gonio::campaign::Campaign;
 use gonio::measure::Measured;
 use gonio::table::{BrdfTable, Realisations};
 use gonio::validate::{Judgement, Ruling, Verdict, examine};
 
+use crate::support::campaign_text::accepted;
 use crate::support::measuring::{measured, measured_one};
 
 fn judged<'a>(verdict: &'a Verdict, law: &str) -> &'a Judgement {
@@ -49,40 +52,47 @@ fn scaled(measured: &Measured, factor: impl Fn(usize, usize, usize) -> f32) -> V
     examine(&table, &measured.campaign, Some(&parts))
 }
 
-/// A statistical Smith surface, of which the formula is exact.
-fn smith(surface: &str, light: &str, rest: &str) -> Measured {
-    measured_one(&format!(
+fn smith_text(surface: &str, light: &str, rest: &str) -> String {
+    format!(
         "name = \"s\"\n[surface]\nrealisations = 16\n{surface}\n[light]\n{light}\n[sensor.hemisphere]\n\
          theta_r_bins = 9\nphi_r_bins = 18\n{rest}\n[stop]\nsamples = 65536\n"
-    ))
+    )
 }
+
+/// A statistical Smith surface, of which the formula is exact.
+fn smith(surface: &str, light: &str, rest: &str) -> Measured {
+    measured_one(&smith_text(surface, light, rest))
+}
+
+/// Correlated heights of alpha 0.3, measured once.
+static SMITH: LazyLock<Measured> = LazyLock::new(|| smith(&format!("{CORRELATED}alpha = 0.3"), LIGHT, ""));
 
 const CORRELATED: &str = "[surface.smith]\nndf = \"ggx\"\nheights = \"correlated\"\n";
 const LIGHT: &str = "theta_i_deg = [0, 30, 60]";
 
 #[test]
 fn a_right_table_passes_and_a_wrong_label_fails() {
-    let measured = smith(&format!("{CORRELATED}alpha = 0.3"), LIGHT, "");
-    let right = verdict_of(&measured);
+    let measured = &*SMITH;
+    let right = verdict_of(measured);
     assert!(right.ok && right.verdict.starts_with("passed"), "{:#?}", right.judgements);
     assert_eq!(ruling(&right, "model"), Ruling::Passed);
     assert_eq!(ruling(&right, "energy"), Ruling::Passed);
     assert_eq!(ruling(&right, "light"), Ruling::Passed);
     // The seed is no physics: another one is as right.
-    assert_eq!(ruling(&relabelled(&measured, |campaign| campaign.seed = 99), "model"), Ruling::Passed);
-    let of = |text: &str| smith(&format!("{CORRELATED}{text}"), LIGHT, "").campaign;
+    assert_eq!(ruling(&relabelled(measured, |campaign| campaign.seed = 99), "model"), Ruling::Passed);
+    let of = |text: &str| accepted(&smith_text(&format!("{CORRELATED}{text}"), LIGHT, "")).campaign;
     for wrong in ["alpha = 0.1", "alpha = 0.31", "alpha = 0.6"] {
         let other = of(wrong);
-        let verdict = relabelled(&measured, |campaign| *campaign = other);
+        let verdict = relabelled(measured, |campaign| *campaign = other);
         assert_eq!(ruling(&verdict, "model"), Ruling::Failed, "{wrong}");
         assert!(!verdict.ok && verdict.verdict.starts_with("failed: "), "{}", verdict.verdict);
     }
     // At alpha 0.8 and 75 degrees separable masking is a fifth of the flux away (docs/physics.md).
     let of = |heights: &str| {
         let surface = format!("[surface.smith]\nndf = \"ggx\"\nheights = \"{heights}\"\nalpha = 0.8");
-        smith(&surface, "theta_i_deg = [75]", "")
+        smith_text(&surface, "theta_i_deg = [75]", "")
     };
-    let (rough, independent) = (of("correlated"), of("independent").campaign);
+    let (rough, independent) = (measured_one(&of("correlated")), accepted(&of("independent")).campaign);
     assert_eq!(ruling(&verdict_of(&rough), "model"), Ruling::Passed);
     let verdict = relabelled(&rough, |campaign| *campaign = independent);
     assert_eq!(ruling(&verdict, "model"), Ruling::Failed, "another masking");
@@ -90,13 +100,13 @@ fn a_right_table_passes_and_a_wrong_label_fails() {
 
 #[test]
 fn wrong_values_of_an_exact_surface_fail() {
-    let measured = smith(&format!("{CORRELATED}alpha = 0.3"), LIGHT, "");
+    let measured = &*SMITH;
     let bins = measured.table.grid.bins();
     let (incidence, brightest) = {
         let values = &measured.table.colours[0].single[bins..2 * bins];
         (1, (0..bins).max_by(|&a, &b| values[a].total_cmp(&values[b])).expect("bins"))
     };
-    let one = scaled(&measured, |s, b, _| if (s, b) == (incidence, brightest) { 1.2 } else { 1.0 });
+    let one = scaled(measured, |s, b, _| if (s, b) == (incidence, brightest) { 1.2 } else { 1.0 });
     assert_eq!(ruling(&one, "model"), Ruling::Failed, "one bin scaled");
     // The cosine of the sensor, taken at the middle of the bin, as a file with f cos would have it.
     let edges = &measured.table.grid.theta_r_edges_deg;
@@ -104,13 +114,13 @@ fn wrong_values_of_an_exact_surface_fail() {
     let cosine =
         |bin: usize| (0.5 * (edges[bin / columns] + edges[bin / columns + 1])).to_radians().cos() as f32;
     assert_eq!(
-        ruling(&scaled(&measured, |_, bin, _| cosine(bin)), "model"),
+        ruling(&scaled(measured, |_, bin, _| cosine(bin)), "model"),
         Ruling::Failed,
         "times the cosine"
     );
     // All flux reflected of a smooth surface is 0.99 or so: a tenth more breaks the law.
-    assert_eq!(ruling(&scaled(&measured, |_, _, _| 1.15), "energy"), Ruling::Failed, "more than it gets");
-    assert_eq!(ruling(&scaled(&measured, |_, _, _| 0.0), "light"), Ruling::Failed, "nothing arrives");
+    assert_eq!(ruling(&scaled(measured, |_, _, _| 1.15), "energy"), Ruling::Failed, "more than it gets");
+    assert_eq!(ruling(&scaled(measured, |_, _, _| 0.0), "light"), Ruling::Failed, "nothing arrives");
 }
 
 #[test]
@@ -181,7 +191,7 @@ fn imported(table: &BrdfTable, value: impl Fn(f32) -> f32) -> BrdfTable {
 /// An imported table has no errors: none are made up, and the limit of the albedo is 1.
 #[test]
 fn an_imported_table_that_reflects_more_than_it_gets_fails() {
-    let measured = smith(&format!("{CORRELATED}alpha = 0.3"), LIGHT, "");
+    let measured = &*SMITH;
     let right = examine(&imported(&measured.table, |f| f), None, None);
     assert_eq!(ruling(&right, "energy"), Ruling::Passed);
     assert_eq!(ruling(&right, "model"), Ruling::NotJudged);

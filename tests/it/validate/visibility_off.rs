@@ -1,24 +1,42 @@
 //! Promise: with shadowing and masking switched off, what is measured is D F/(4 cos cos) of the surface's own normals.
 
-use std::sync::LazyLock;
+use std::path::Path;
+use std::sync::{LazyLock, OnceLock};
 
-use gonio::campaign::{Alpha, SurfaceKind};
-use gonio::measure::Measured;
+use gonio::campaign::{self, Alpha, Campaign, SurfaceKind};
+use gonio::measure::{Measured, Patches, Plan};
 use gonio::validate::compare::IncidenceComparison;
 use gonio::validate::error_measures::Figures;
 use gonio::validate::{Verdict, examine};
 
-use crate::support::measuring::{measured, measured_one};
+use crate::support::long::or_long;
+use crate::support::measuring::{by_few, measured, measured_on};
 
 /// A table measured without shadowing and masking. `light` may give azimuths, `optics` a material.
 fn unobstructed(surface: &str, light: &str, optics: &str) -> Measured {
-    measured_one(&format!(
+    let text = format!(
         "name = \"unobstructed\"\nseed = 5\n\
          [surface]\nrealisations = 8\ncells = 256\n[surface.{surface}\n\
          [light]\ntheta_i_deg = [0, 30, 60, 75]\n{light}\n\
          [sensor.hemisphere]\ntheta_r_bins = 9\nphi_r_bins = 18\nbins = \"aligned\"\n{optics}\n\
          [trace]\nvisibility = false\n[stop]\nsamples = 65_536\n"
-    ))
+    );
+    let held = || {
+        let campaign = campaign::parse(&text, "c.toml", Path::new("")).expect("a good campaign").campaign;
+        Patches::held(&campaign).expect("patches")
+    };
+    // The patches are the same whatever the roughness, the light and the material: made once.
+    static GGX: OnceLock<Patches> = OnceLock::new();
+    let plan = |plan: &Plan, _: &Campaign| {
+        let mut plan = plan.clone();
+        by_few(&mut plan, or_long(32_768, 65_536));
+        Some(plan)
+    };
+    if surface.starts_with("ggx") {
+        measured_on(GGX.get_or_init(held), &text, plan)
+    } else {
+        measured_on(&held(), &text, plan)
+    }
 }
 
 /// Isotropic surfaces of alpha 0.2 and 0.5, measured once.
