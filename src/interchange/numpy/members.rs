@@ -1,10 +1,10 @@
 //! The members of an NPZ archive: arrays by name, checked before room is made for them.
 
-use std::io::{Cursor, Read, Seek};
+use std::io::{self, Cursor, ErrorKind, Read, Seek};
 
 use zip::ZipArchive;
 
-use crate::error::wrong;
+use crate::error::{ContentError, wrong};
 use crate::files::memory;
 use crate::files::npy::{self, Array, NpyValues};
 use crate::instrument::Grid;
@@ -22,6 +22,16 @@ const MOST_ENTRIES: usize = 1 << 12;
 const COPIES: u64 = 8;
 /// The array that names the colours of a spectral table.
 pub const WAVELENGTHS: &str = "wavelength_nm";
+
+/// Data that do not unpack, or have another checksum than the archive says, are the file's fault; all else is the system's.
+fn damaged(error: io::Error) -> ContentError {
+    match error.kind() {
+        ErrorKind::InvalidData | ErrorKind::InvalidInput | ErrorKind::UnexpectedEof => {
+            wrong!("damaged data: {error}")
+        }
+        _ => error.into(),
+    }
+}
 
 /// An archive while it is read.
 pub struct Members<R> {
@@ -59,13 +69,13 @@ impl<R: Read + Seek> Members<R> {
             return Err(wrong!("claims {size} bytes, more than the file can hold"));
         }
         let mut head = Vec::new();
-        member.by_ref().take(npy::LONGEST_HEAD as u64).read_to_end(&mut head)?;
+        member.by_ref().take(npy::LONGEST_HEAD as u64).read_to_end(&mut head).map_err(damaged)?;
         npy::check_length(&head, size)?;
         let mut bytes = memory::room(usize::try_from(size).unwrap_or(usize::MAX))?;
         bytes.append(&mut head);
         // What the archive says is not believed beyond what the data give.
         let rest = (size + 1).saturating_sub(bytes.len() as u64);
-        member.by_ref().take(rest).read_to_end(&mut bytes)?;
+        member.by_ref().take(rest).read_to_end(&mut bytes).map_err(damaged)?;
         Ok(npy::decode(&bytes)?)
     }
 

@@ -121,7 +121,7 @@ impl Chart {
             out.add(format_args!(
                 "<path class=\"grid\" d=\"M{x:.1} 0V{height}\"/>\
                  <text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
-                height + 22.0
+                height + 24.0
             ));
         }
         for (value, label) in self.y.ticks() {
@@ -137,7 +137,7 @@ impl Chart {
              <text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n\
              <text transform=\"translate(-50 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
             width / 2.0,
-            height + 43.0,
+            height + 45.0,
             escaped(&self.x.label),
             height / 2.0,
             escaped(&self.y.label)
