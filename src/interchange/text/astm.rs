@@ -7,8 +7,7 @@ use std::io::{BufRead, ErrorKind, Write};
 use std::path::Path;
 
 use super::named_columns::{Columns, names_of};
-use super::samples;
-use super::samples::MeasuredPair;
+use super::samples::{self, MeasuredPair, whole_deg};
 use crate::error::wrong;
 use crate::interchange::codec::{self, Codec, Encoded, FormatTraits, Sides};
 use crate::interchange::read_back::{ReadBack, middles_deg};
@@ -147,8 +146,7 @@ fn each_sample(
             ));
         }
         for angle in &mut numbers[..4] {
-            // Degrees to eight digits: what twelve digits of radians are worth.
-            *angle = (angle.to_degrees() * 1e8).round() / 1e8;
+            *angle = whole_deg(*angle);
         }
         if let Some(why) = columns.fault(&numbers) {
             return Err(wrong!("line {number}: {why}"));

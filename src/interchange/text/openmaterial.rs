@@ -5,6 +5,7 @@
 //! is none. Source: OpenMATERIAL 3D 1.1.0, its JSON schema and its Annex A. It leaves open on which side phi_r = 0 lies, and so do
 //! its examples; here it is the light's own azimuth, and pi the mirror direction.
 
+use std::collections::HashMap;
 use std::io::Write;
 use std::path::Path;
 
@@ -12,14 +13,15 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::identity;
-use super::named_columns::Columns;
-use super::samples::{self, MeasuredPair};
+use super::named_columns::{ColourValues, Columns};
+use super::samples::{self, MeasuredPair, key, whole_deg};
 use super::spectral_rows::{self, LISTED_NM, SpectralRow, whole_nm};
 use crate::error::wrong;
 use crate::files;
 use crate::interchange::codec::{Codec, Encoded, FileContent, FormatTraits};
 use crate::interchange::read_back::ReadBack;
 use crate::interchange::{Checked, Imported, Options};
+use crate::sphere;
 use crate::table::BrdfTable;
 
 /// How the values are meant.
@@ -69,7 +71,7 @@ impl Codec for OpenMaterial {
             ));
         }
         spectral_rows::each_bin(table, |_, directions| {
-            let [_, [_, phi]] = spectral_rows::from_light(directions);
+            let [_, [_, phi]] = from_light(directions);
             if phi.to_radians() <= MOST_PHI + DIGITS {
                 return Ok(());
             }
@@ -87,12 +89,7 @@ impl Codec for OpenMaterial {
     }
 
     fn read_back(&self, path: &Path, table: &BrdfTable, options: &Options) -> Checked<Option<ReadBack>> {
-        let pairs = pairs(&files::read(path)?)?.0;
-        spectral_rows::compared(table, &colours(table, options)?, &pairs, |directions| {
-            // As `pairs` has them.
-            let [light, [theta, phi]] = spectral_rows::from_light(directions);
-            [light, [theta, whole_deg(phi.to_radians().min(MOST_PHI))]]
-        })
+        compared(table, &colours(table, options)?, &pairs(&files::read(path)?)?.0)
     }
 }
 
@@ -108,7 +105,7 @@ fn write(table: &BrdfTable, colours: &[(f64, usize)], out: &mut dyn Write) -> Ch
     let metres: Vec<f64> = colours.iter().map(|(nm, _)| nm / 1e9).collect();
     let mut rows: Vec<([f64; 3], usize)> = Vec::new();
     spectral_rows::each_bin(table, |entry, directions| {
-        let [light, sensor] = spectral_rows::from_light(directions);
+        let [light, sensor] = from_light(directions);
         let theta = [light[0], sensor[0]].map(|theta| theta.to_radians().min(MOST_THETA));
         rows.push(([theta[0], theta[1], sensor[1].to_radians().min(MOST_PHI)], entry));
         Ok(())
@@ -140,6 +137,11 @@ fn write(table: &BrdfTable, colours: &[(f64, usize)], out: &mut dyn Write) -> Ch
     Ok(())
 }
 
+/// Light and sensor with the sensor's azimuth counted from the light's, degrees.
+fn from_light([light, sensor]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    [[light[0], 0.0], [sensor[0], sphere::reduced_deg(sensor[1] - light[1])]]
+}
+
 /// What is known of the table; the same table has the same UUID.
 fn metadata(table: &BrdfTable) -> serde_json::Value {
     json!({
@@ -152,11 +154,6 @@ fn metadata(table: &BrdfTable) -> serde_json::Value {
         "authors": [format!("gonio {}", table.version)],
         "sources": if table.campaign.is_empty() { "unknown" } else { "simulated" },
     })
-}
-
-/// Radians in degrees to eight digits: what the decimals of such files are worth.
-fn whole_deg(angle: f64) -> f64 {
-    (angle.to_degrees() * 1e8).round() / 1e8
 }
 
 /// What is read of a file.
@@ -200,4 +197,28 @@ fn pairs(bytes: &[u8]) -> Checked<(Vec<MeasuredPair>, Columns)> {
         rows.push(SpectralRow { number, nm, light, sensor, value, error: None });
     }
     spectral_rows::pairs(&rows)
+}
+
+/// Compares the pairs of a file, in any order, with the table that it was made of; `colours` as from [`colours`].
+fn compared(
+    table: &BrdfTable,
+    colours: &[(f64, usize)],
+    pairs: &[MeasuredPair],
+) -> Checked<Option<ReadBack>> {
+    let places: HashMap<_, &MeasuredPair> =
+        pairs.iter().map(|pair| ((key(pair.light), key(pair.sensor)), pair)).collect();
+    let each = |visit: &mut dyn FnMut(MeasuredPair) -> Checked<()>| {
+        spectral_rows::each_bin(table, |_, [light, sensor]| {
+            // As `pairs` has them.
+            let [of_light, [theta, phi]] = from_light([light, sensor]);
+            let of_sensor = [theta, whole_deg(phi.to_radians().min(MOST_PHI))];
+            let found = places.get(&(key(of_light), key(of_sensor)));
+            let found =
+                found.ok_or_else(|| wrong!("no row for light {light:?} and sensor {sensor:?} degrees"))?;
+            let mut values: ColourValues = found.values.clone();
+            colours.iter().zip(&found.values).for_each(|(&(_, colour), value)| values[colour] = *value);
+            visit(MeasuredPair { light, sensor, values, ..(*found).clone() })
+        })
+    };
+    samples::listed(table, 1e-8, each)?.finish()
 }

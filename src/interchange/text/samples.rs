@@ -187,6 +187,11 @@ impl Directions {
     }
 }
 
+/// Radians in degrees to eight digits: what twelve digits of radians are worth.
+pub fn whole_deg(angle: f64) -> f64 {
+    (angle.to_degrees() * 1e8).round() / 1e8
+}
+
 /// A direction to 1e-8 degrees, what twelve digits of radians are worth; azimuths a turn apart are one, those at the
 /// pole are distinguished, as an arm's are.
 pub fn key([theta, phi]: [f64; 2]) -> [i64; 2] {

@@ -8,9 +8,8 @@ use super::named_columns::{ColourValues, Columns};
 use super::samples::{self, MeasuredPair, key};
 use crate::error::wrong;
 use crate::interchange::options::NANOMETRES;
-use crate::interchange::read_back::{ReadBack, middles_deg};
+use crate::interchange::read_back::middles_deg;
 use crate::interchange::{Checked, Options};
-use crate::sphere;
 use crate::table::BrdfTable;
 
 /// Wavelengths that a list may have, nm: from X-rays to radar.
@@ -144,33 +143,4 @@ pub fn each_bin(
         }
     }
     Ok(())
-}
-
-/// Light and sensor with the sensor's azimuth counted from the light's, degrees.
-pub fn from_light([light, sensor]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    [[light[0], 0.0], [sensor[0], sphere::reduced_deg(sensor[1] - light[1])]]
-}
-
-/// Compares the pairs of a file, in any order, with the table that it was made of; `colours` as from [`wavelengths`],
-/// `written` how the file has light and sensor.
-pub fn compared(
-    table: &BrdfTable,
-    colours: &[(f64, usize)],
-    pairs: &[MeasuredPair],
-    written: impl Fn([[f64; 2]; 2]) -> [[f64; 2]; 2],
-) -> Checked<Option<ReadBack>> {
-    let places: HashMap<_, &MeasuredPair> =
-        pairs.iter().map(|pair| ((key(pair.light), key(pair.sensor)), pair)).collect();
-    let each = |visit: &mut dyn FnMut(MeasuredPair) -> Checked<()>| {
-        each_bin(table, |_, [light, sensor]| {
-            let [of_light, of_sensor] = written([light, sensor]);
-            let found = places.get(&(key(of_light), key(of_sensor)));
-            let found =
-                found.ok_or_else(|| wrong!("no row for light {light:?} and sensor {sensor:?} degrees"))?;
-            let mut values: ColourValues = found.values.clone();
-            colours.iter().zip(&found.values).for_each(|(&(_, colour), value)| values[colour] = *value);
-            visit(MeasuredPair { light, sensor, values, ..(*found).clone() })
-        })
-    };
-    samples::listed(table, 1e-8, each)?.finish()
 }

@@ -1,5 +1,7 @@
 //! The units that the schema names, and what they are in the table's: degrees, nanometres, 1/sr.
 
+use crate::interchange::text::samples::whole_deg;
+
 /// A unit of the schema.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Unit {
@@ -52,8 +54,7 @@ impl Unit {
     pub fn own(self, number: f64) -> f64 {
         match self {
             Unit::Own => number,
-            // Degrees to eight digits, what the decimals of such files are worth.
-            Unit::Radian => (number.to_degrees() * 1e8).round() / 1e8,
+            Unit::Radian => whole_deg(number),
             Unit::Micrometre => number * 1e3,
         }
     }
