@@ -1,5 +1,5 @@
-//! Edges of a hemisphere's bins: the row and the column that hold a direction, by comparison with the stored edges. Quick
-//! estimates of the angles decide wherever no edge is near.
+//! Edges of a hemisphere's bins: the row and the column that hold a direction, by comparison with the stored edges. Tables
+//! of directions, and quick estimates of the angles, decide wherever no edge is near.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -53,7 +53,7 @@ pub struct RowsByCosine(Vec<u16>);
 
 /// Ranges of equal width that the cosines above the horizon are parted into, and those below.
 const COSINES: usize = 2048;
-/// No row holds all of a range.
+/// No row, or no column, holds all of a range.
 const SEVERAL: u16 = u16::MAX;
 /// What the angle of a vector, of unit length to 1e-11, and the arc cosine of its z are apart at most where ranges end, in
 /// degrees: 1e-11 cot(theta), and theta >= acos(1 - 1/2048) there but at the poles, where no edge is near.
@@ -87,6 +87,7 @@ pub(super) fn near_polar_deg(wo: DVec3) -> f64 {
 }
 
 /// The row that holds `wo`, of which `above` lie above the horizon; `None` where those of its hemisphere are none.
+#[inline]
 pub(super) fn row(wo: DVec3, theta: &Edges, above: usize, by_cosine: &RowsByCosine) -> Option<usize> {
     by_cosine.row(wo.z).or_else(|| row_by_angle(wo, theta, above))
 }
@@ -101,9 +102,53 @@ fn row_by_angle(wo: DVec3, theta: &Edges, above: usize) -> Option<usize> {
     Some(found.clamp(rows.start, last))
 }
 
-/// The column of a hemisphere that holds `wo`, whose azimuth is about `near`, in [0, 360) degrees.
-pub(super) fn column(wo: DVec3, near: f64, phi: &Edges) -> usize {
-    phi.find_quickly(reduced(near, phi), || reduced(sphere::phi(wo).to_degrees(), phi))
+/// Which column holds directions of an azimuth, where one column holds all of about that azimuth.
+///
+/// Azimuths are told apart by where they meet the square |x| + |y| = 1, without an arc tangent.
+#[derive(Debug, Clone)]
+pub struct ColumnsByAzimuth(Vec<u16>);
+
+/// Ranges of equal length that each side of the square is parted into.
+const RANGES: usize = 1024;
+/// More than rounding makes of an azimuth, degrees.
+const AZIMUTH_ERROR: f64 = 1e-9;
+
+impl ColumnsByAzimuth {
+    pub(super) fn new(phi: &Edges) -> Self {
+        let angle = |range: usize| {
+            let along = (range % RANGES) as f64 / RANGES as f64;
+            90.0 * (range / RANGES) as f64 + along.atan2(1.0 - along).to_degrees()
+        };
+        let column_of = |range: usize| {
+            let ends = [angle(range) - AZIMUTH_ERROR, angle(range + 1) + AZIMUTH_ERROR];
+            let [first, last] = ends.map(|end| phi.find(reduced(end.rem_euclid(360.0), phi)));
+            u16::try_from(first).ok().filter(|_| first == last)
+        };
+        ColumnsByAzimuth((0..4 * RANGES).map(|range| column_of(range).unwrap_or(SEVERAL)).collect())
+    }
+
+    /// The column; `None` where the angle must be looked at.
+    #[inline]
+    fn column(&self, wo: DVec3) -> Option<usize> {
+        let along = wo.y / (wo.x.abs() + wo.y.abs());
+        let begin = if wo.y < 0.0 { 4.0 } else { 0.0 };
+        let along = if wo.x < 0.0 { 2.0 - along } else { begin + along };
+        let range = (along * RANGES as f64) as usize;
+        self.0.get(range).filter(|&&column| column != SEVERAL).map(|&column| usize::from(column))
+    }
+}
+
+/// The column of a hemisphere that holds `wo`.
+#[inline]
+pub(super) fn column(wo: DVec3, phi: &Edges, by_azimuth: &ColumnsByAzimuth) -> usize {
+    by_azimuth.column(wo).unwrap_or_else(|| column_by_angle(wo, phi))
+}
+
+/// The same, by the angle alone.
+#[cold]
+fn column_by_angle(wo: DVec3, phi: &Edges) -> usize {
+    let near = reduced(quick_atan2_deg(wo.y, wo.x), phi);
+    phi.find_quickly(near, || reduced(sphere::phi(wo).to_degrees(), phi))
 }
 
 /// Bound on the error of `quick_atan2_deg`, degrees.
@@ -147,6 +192,35 @@ mod tests {
             let exact = sphere::phi(DVec3::new(cos, sin, 0.0)).to_degrees();
             let off = (quick_atan2_deg(sin, cos) - exact).abs();
             assert!(off.min(360.0 - off) < QUICK_ERROR, "{exact}: {off}");
+        }
+    }
+
+    #[test]
+    fn columns_by_azimuth_are_those_of_the_angles() {
+        let fine: Vec<f64> = (0..=360).map(f64::from).collect();
+        for edges in [&[0.0, 360.0][..], &[-5.0, 5.0, 180.0, 355.0], &[10.0, 45.0, 90.0, 370.0], &fine] {
+            let phi = Edges::new(edges);
+            let by_azimuth = ColumnsByAzimuth::new(&phi);
+            let mut found = 0;
+            // About every edge, where ranges end, and in between.
+            let near = edges.iter().flat_map(|edge| [-1e-7, -1e-13, 0.0, 1e-13, 1e-7].map(|off| edge + off));
+            let sides =
+                (0..4).flat_map(|side| (0..RANGES).map(move |range| (side, range as f64 / RANGES as f64)));
+            let ends =
+                sides.map(|(side, along)| 90.0 * f64::from(side) + along.atan2(1.0 - along).to_degrees());
+            let between = (0..100_000).map(|k| f64::from(k) * 360e-5);
+            for azimuth in near.chain(ends).chain(between) {
+                let wo = sphere::direction_deg(40.0, azimuth);
+                if let Some(quick) = by_azimuth.column(wo) {
+                    assert_eq!(quick, column_by_angle(wo, &phi), "{azimuth}");
+                    found += 1;
+                }
+            }
+            // Nearly all: 1 degree is at least 11 ranges, of which an edge takes at most two.
+            assert!(found > 80_000, "{found}");
+            for pole in [DVec3::Z, DVec3::new(-0.0, 0.0, 1.0), DVec3::new(-1.0, -0.0, 0.0)] {
+                assert_eq!(column(pole, &phi, &by_azimuth), column_by_angle(pole, &phi));
+            }
         }
     }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::bin_edges::{Edges, QUICK_ERROR, RowsByCosine, column, near_polar_deg, quick_atan2_deg, row};
+use super::bin_edges::{ColumnsByAzimuth, Edges, QUICK_ERROR, RowsByCosine, column, near_polar_deg, row};
 use super::grid::{Grid, GridKind};
 use crate::sphere;
 
@@ -20,6 +20,8 @@ pub enum Sensor {
         phi: Edges,
         /// Rows by the cosine of the polar angle.
         by_cosine: RowsByCosine,
+        /// Columns by the azimuth.
+        by_azimuth: ColumnsByAzimuth,
     },
     /// A direction may fall into several apertures, or into none.
     Arm {
@@ -47,12 +49,16 @@ impl Sensor {
     /// The sensor of a grid.
     pub fn new(grid: &Grid) -> Self {
         match grid.kind {
-            GridKind::Hemisphere => Sensor::Hemisphere {
-                theta: Edges::new(&grid.theta_r_edges_deg),
-                above: grid.theta_r_edges_deg[1..].iter().filter(|&&edge| edge <= 90.0).count(),
-                phi: Edges::new(&grid.phi_r_edges_deg),
-                by_cosine: RowsByCosine::new(&grid.theta_r_edges_deg),
-            },
+            GridKind::Hemisphere => {
+                let phi = Edges::new(&grid.phi_r_edges_deg);
+                Sensor::Hemisphere {
+                    theta: Edges::new(&grid.theta_r_edges_deg),
+                    above: grid.theta_r_edges_deg[1..].iter().filter(|&&edge| edge <= 90.0).count(),
+                    by_cosine: RowsByCosine::new(&grid.theta_r_edges_deg),
+                    by_azimuth: ColumnsByAzimuth::new(&phi),
+                    phi,
+                }
+            }
             GridKind::Arm => {
                 let phi = |&t: &f64| grid.phi_r_deg.iter().map(move |&p| (t, p)).collect::<Vec<_>>();
                 Self::arm(grid, grid.theta_r_deg.iter().flat_map(phi))
@@ -96,22 +102,14 @@ impl Sensor {
     }
 
     /// Calls `visit(bin, false)` for every bin that holds `wo`, and `visit(bin, true)` for every one that holds its
-    /// `image`, the mirror image about the plane at the azimuth of half `about_deg`, in [0, 720).
+    /// `image`, the mirror image about an upright plane.
     // Tested by `images_fall_where_they_fall_alone`.
-    pub fn each_bin_of_both(
-        &self,
-        wo: DVec3,
-        image: DVec3,
-        about_deg: f64,
-        mut visit: impl FnMut(usize, bool),
-    ) {
-        if let Sensor::Hemisphere { theta, above, phi, by_cosine } = self {
+    pub fn each_bin_of_both(&self, wo: DVec3, image: DVec3, mut visit: impl FnMut(usize, bool)) {
+        if let Sensor::Hemisphere { theta, above, phi, by_cosine, by_azimuth } = self {
             let Some(row) = row(wo, theta, *above, by_cosine) else { return };
-            let (first, azimuth) = (row * phi.len(), quick_atan2_deg(wo.y, wo.x));
-            let turned = about_deg - azimuth;
-            let mirrored = if turned < 0.0 { turned + 360.0 } else { turned % 360.0 };
-            visit(first + column(wo, azimuth, phi), false);
-            visit(first + column(image, mirrored, phi), true);
+            let first = row * phi.len();
+            visit(first + column(wo, phi, by_azimuth), false);
+            visit(first + column(image, phi, by_azimuth), true);
         } else {
             self.each_bin(wo, |bin| visit(bin, false));
             self.each_bin(image, |bin| visit(bin, true));
@@ -121,10 +119,9 @@ impl Sensor {
     /// Calls `visit(bin)` for every bin that holds `wo`, a unit vector.
     pub fn each_bin(&self, wo: DVec3, mut visit: impl FnMut(usize)) {
         match self {
-            Sensor::Hemisphere { theta, above, phi, by_cosine } => {
+            Sensor::Hemisphere { theta, above, phi, by_cosine, by_azimuth } => {
                 let Some(row) = row(wo, theta, *above, by_cosine) else { return };
-                let azimuth = quick_atan2_deg(wo.y, wo.x);
-                visit(row * phi.len() + column(wo, azimuth, phi));
+                visit(row * phi.len() + column(wo, phi, by_azimuth));
             }
             Sensor::Arm { caps, chord2, reach } => {
                 // Which caps come into question; the chord decides.
@@ -220,8 +217,7 @@ mod tests {
                 let mirrored =
                     sphere::turned(DVec3::new(wo.x, -wo.y, wo.z), sphere::sin_cos_deg(2.0 * azimuth_i));
                 let (mut both, mut alone) = (vec![], vec![]);
-                let about_deg = 2.0 * sphere::reduced_deg(azimuth_i);
-                sensor.each_bin_of_both(wo, mirrored, about_deg, |bin, _| both.push(bin));
+                sensor.each_bin_of_both(wo, mirrored, |bin, _| both.push(bin));
                 [wo, mirrored].into_iter().for_each(|wo| sensor.each_bin(wo, |bin| alone.push(bin)));
                 assert_eq!(both, alone, "{wo} under {azimuth_i}");
             }

@@ -28,8 +28,6 @@ pub struct BlockArms {
     pub to_bins: (f64, f64),
     /// (sin, cos) of twice the light's azimuth in the bins' frame: mirrors an arrival about the plane of incidence.
     pub mirror: (f64, f64),
-    /// Twice that azimuth, in [0, 720) degrees.
-    pub mirror_deg: f64,
     /// For the draws at the facets of the block's paths.
     pub facets_key: u64,
 }
@@ -61,7 +59,6 @@ impl BlockArms {
             image,
             to_bins: sphere::sin_cos_deg(turn_to_bins),
             mirror: sphere::sin_cos_deg(2.0 * phi_in_bins),
-            mirror_deg: 2.0 * sphere::reduced_deg(phi_in_bins),
             facets_key: rng::key(StreamId {
                 purpose: Purpose::Facets,
                 ..starts_stream(campaign, plan, incidence, realisation, block)

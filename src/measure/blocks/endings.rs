@@ -139,7 +139,7 @@ impl BlockTracer<'_> {
         };
         let wo = arms.in_bins(wo);
         if context.plan.folded[self.incidence] {
-            context.sensor.each_bin_of_both(wo, arms.mirrored(wo), arms.mirror_deg, into_bin);
+            context.sensor.each_bin_of_both(wo, arms.mirrored(wo), into_bin);
         } else {
             let mut into_bin = into_bin;
             context.sensor.each_bin(wo, |bin| into_bin(bin, false));
