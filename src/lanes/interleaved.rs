@@ -75,6 +75,10 @@ impl<S: Lanes> Lanes for Interleaved<S> {
         [self.0.gather(table, index[0]), self.0.gather(table, index[1])]
     }
     #[inline(always)]
+    fn look_up(self, table: &[f32; 8], index: Self::I) -> Self::F {
+        [self.0.look_up(table, index[0]), self.0.look_up(table, index[1])]
+    }
+    #[inline(always)]
     fn load(self, from: &[f32]) -> Self::F {
         [self.0.load(from), self.0.load(&from[S::WIDTH..])]
     }

@@ -48,6 +48,7 @@ impl Lanes for One {
         bits(m: Self::M) -> u32 = u32::from(m);
         mask(bits: u32) -> Self::M = bits & 1 != 0;
         gather(table: &Gathered, index: Self::I) -> Self::F = table[index as usize & table.last() as usize];
+        look_up(table: &[f32; 8], index: Self::I) -> Self::F = table[index as usize & 7];
         load(from: &[f32]) -> Self::F = from[0];
         load_i(from: &[i32]) -> Self::I = from[0];
         expand(old: Self::F, bits: u32, from: &[f32]) -> Self::F = if bits & 1 != 0 { from[0] } else { old };

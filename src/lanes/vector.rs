@@ -93,6 +93,8 @@ pub(crate) trait Lanes: Copy {
     fn mask(self, bits: u32) -> Self::M;
     /// `table[index & table.last()]`; the length is a power of two.
     fn gather(self, table: &Gathered, index: Self::I) -> Self::F;
+    /// `table[index & 7]`, without reading memory for each lane.
+    fn look_up(self, table: &[f32; 8], index: Self::I) -> Self::F;
     fn load(self, from: &[f32]) -> Self::F;
     fn load_i(self, from: &[i32]) -> Self::I;
     fn store(self, to: &mut [f32], a: Self::F);

@@ -164,6 +164,12 @@ impl Lanes for Avx512 {
         unsafe { _mm512_setr_ps(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p) }
     }
     #[inline(always)]
+    fn look_up(self, table: &[f32; 8], index: Self::I) -> Self::F {
+        let index = self.and_i(index, self.splat_i(7));
+        // SAFETY: 8 values are read, and none but these picked; `Avx512` exists only where the processor has its features.
+        unsafe { _mm512_permutexvar_ps(index, _mm512_castps256_ps512(_mm256_loadu_ps(table.as_ptr()))) }
+    }
+    #[inline(always)]
     fn load(self, from: &[f32]) -> Self::F {
         let from = &from[..16];
         // SAFETY: 16 values behind the bounds check; `Avx512` exists only where the processor has its features.
@@ -265,6 +271,13 @@ impl Lanes for Avx2 {
         // SAFETY: a number and'ed with the last index, which no table lacks, is no larger than that, and not
         // negative; `Avx2` exists only where the processor has its features.
         unsafe { _mm256_i32gather_ps::<4>(table.as_ptr(), index) }
+    }
+    #[inline(always)]
+    fn look_up(self, table: &[f32; 8], index: Self::I) -> Self::F {
+        // The low 3 bits of an index count.
+        let table = self.load(table);
+        // SAFETY: `Avx2` exists only where the processor has its features.
+        unsafe { _mm256_permutevar8x32_ps(table, index) }
     }
     #[inline(always)]
     fn load(self, from: &[f32]) -> Self::F {

@@ -23,7 +23,9 @@ const KNOTS: usize = OCTAVES * KNOTS_PER_OCTAVE;
 /// the steepest eighth: turning the few steepest by classes of their own aligns needles, and makes the surface shadow
 /// itself unlike Smith's (L1 at alpha 0.5 and 75 degrees 0.057 instead of 0.050).
 const CLASSES_PER_OCTAVE: usize = 2;
+/// No more than the lanes look up at once.
 pub(super) const LENGTH_CLASSES: usize = 7;
+const _: () = assert!(LENGTH_CLASSES <= 8);
 /// The slope, as a share of the correlation length in cells, whose length error is taken back by half. From a half to an
 /// eighth of it the discrepancy on bumps of 4, 8 and 16 cells agrees; the slope law is the closer the larger it is.
 const HELD_SLOPE: f64 = 0.25;
@@ -106,13 +108,15 @@ impl Feedback {
         self.rounds += 1;
     }
 
-    /// 2/k times each harmonic of the turn, class by class, as a table of a power of two; `None` before anything is learnt.
-    pub fn turn_coefficients(&self) -> Option<Vec<f32>> {
-        let scaled = self.turn.as_flattened().iter().enumerate();
-        let scaled = scaled.map(|(k, turn)| 2.0 / HARMONICS[k % TURNS / 2] as f32 * turn);
-        let mut table: Vec<f32> = scaled.collect();
-        table.resize(table.len().next_power_of_two(), 0.0);
-        (self.rounds > 0).then_some(table)
+    /// 2/k times each harmonic of the turn, by length class; `None` before anything is learnt.
+    pub fn turn_coefficients(&self) -> Option<[[f32; 8]; TURNS]> {
+        let mut tables = [[0.0; 8]; TURNS];
+        for (k, table) in tables.iter_mut().enumerate() {
+            for (coefficient, turn) in table.iter_mut().zip(&self.turn) {
+                *coefficient = 2.0 / HARMONICS[k / 2] as f32 * turn[k];
+            }
+        }
+        (self.rounds > 0).then_some(tables)
     }
 
     /// The length gain at rank `u`, linear between the knots.

@@ -1,7 +1,7 @@
 //! The square real FFT in two dimensions and filters on it.
 //!
-//! `realfft` and `rustfft` transform lines; the second dimension is a transposition away. Fields are f32, as the
-//! finished patch is.
+//! `realfft` and `rustfft` transform lines; the second dimension is a transposition away, done while the lines of a few
+//! rows are in the cache. Fields are f32, as the finished patch is.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -10,8 +10,6 @@ use realfft::num_complex::Complex32;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use rustfft::{Fft, FftPlanner};
-
-use crate::surface::transpose::transpose;
 
 /// Transforms of n x n real fields, planned once.
 pub struct SquareFft {
@@ -30,10 +28,14 @@ pub struct Filter {
 
 /// Room for the spectra of one field, used again from filter to filter.
 pub struct Spectra {
+    /// Of `ROWS` rows.
     rows: Vec<Complex32>,
     columns: Vec<Complex32>,
-    line: Vec<Complex32>,
+    scratch: Vec<Complex32>,
 }
+
+/// Rows that are transformed together: their parts of a column are two lines of the cache.
+const ROWS: usize = 16;
 
 impl SquareFft {
     /// Plans the transforms of a `side` x `side` field.
@@ -62,7 +64,7 @@ impl SquareFft {
 
     /// Room for `apply`.
     pub fn spectra(&self) -> Spectra {
-        let modes = vec![Complex32::default(); self.side * self.half()];
+        let room = |length: usize| vec![Complex32::default(); length];
         let scratch = [
             self.forward_rows.get_scratch_len(),
             self.inverse_rows.get_scratch_len(),
@@ -70,31 +72,45 @@ impl SquareFft {
             self.inverse_columns.get_inplace_scratch_len(),
         ];
         let longest = scratch.into_iter().max().unwrap_or(0);
-        Spectra { rows: modes.clone(), columns: modes, line: vec![Complex32::default(); longest] }
+        let (rows, columns) = (room(ROWS * self.half()), room(self.side * self.half()));
+        Spectra { rows, columns, scratch: room(longest) }
     }
 
     /// Multiplies the spectrum of `field` by the filter's gains.
     pub fn apply(&self, filter: &Filter, field: &mut [f32], room: &mut Spectra) {
         let (n, half) = (self.side, self.half());
-        for (line, out) in field.chunks_exact_mut(n).zip(room.rows.chunks_exact_mut(half)) {
-            self.forward_rows.process_with_scratch(line, out, &mut room.line).expect("the plan's own sizes");
-        }
-        transpose(&room.rows, half, &mut room.columns);
-        self.forward_columns.process_with_scratch(&mut room.columns, &mut room.line);
-        for (value, gain) in room.columns.iter_mut().zip(&filter.gains) {
-            *value *= gain;
-        }
-        self.inverse_columns.process_with_scratch(&mut room.columns, &mut room.line);
-        transpose(&room.columns, n, &mut room.rows);
-        for (line, spectrum) in field.chunks_exact_mut(n).zip(room.rows.chunks_exact_mut(half)) {
-            // A real field's spectrum is real at k = 0 and at the Nyquist line; rounding leaves a trace.
-            spectrum[0].im = 0.0;
-            if n.is_multiple_of(2) {
-                spectrum[half - 1].im = 0.0;
+        let Spectra { rows, columns, scratch } = room;
+        for (group, lines) in field.chunks_mut(ROWS * n).enumerate() {
+            for (line, out) in lines.chunks_exact_mut(n).zip(rows.chunks_exact_mut(half)) {
+                self.forward_rows.process_with_scratch(line, out, scratch).expect("the plan's own sizes");
             }
-            self.inverse_rows
-                .process_with_scratch(spectrum, line, &mut room.line)
-                .expect("the plan's own sizes");
+            let count = lines.len() / n;
+            for (x, column) in columns.chunks_exact_mut(n).enumerate() {
+                let part = &mut column[group * ROWS..][..count];
+                part.iter_mut().enumerate().for_each(|(row, mode)| *mode = rows[row * half + x]);
+            }
+        }
+        for (column, gains) in columns.chunks_exact_mut(n).zip(filter.gains.chunks_exact(n)) {
+            self.forward_columns.process_with_scratch(column, scratch);
+            column.iter_mut().zip(gains).for_each(|(mode, gain)| *mode *= gain);
+            self.inverse_columns.process_with_scratch(column, scratch);
+        }
+        for (group, lines) in field.chunks_mut(ROWS * n).enumerate() {
+            let count = lines.len() / n;
+            for (x, column) in columns.chunks_exact(n).enumerate() {
+                let part = &column[group * ROWS..][..count];
+                part.iter().enumerate().for_each(|(row, mode)| rows[row * half + x] = *mode);
+            }
+            for (line, spectrum) in lines.chunks_exact_mut(n).zip(rows.chunks_exact_mut(half)) {
+                // A real field's spectrum is real at k = 0 and at the Nyquist line; rounding leaves a trace.
+                spectrum[0].im = 0.0;
+                if n.is_multiple_of(2) {
+                    spectrum[half - 1].im = 0.0;
+                }
+                self.inverse_rows
+                    .process_with_scratch(spectrum, line, scratch)
+                    .expect("the plan's own sizes");
+            }
         }
     }
 

@@ -19,10 +19,10 @@ pub(super) struct Targets {
 
 /// How far directions are turned.
 struct Turns {
-    /// For each bin of slopes the first of its length class's coefficients; a whole number.
-    first: Gathered,
+    /// The length class of each bin of slopes; a whole number.
+    classes: Gathered,
     /// `Feedback::turn_coefficients`.
-    coefficients: Gathered,
+    coefficients: [[f32; 8]; TURNS],
 }
 
 impl Targets {
@@ -31,7 +31,7 @@ impl Targets {
         let bins = ranking.lengths.number_of_bins();
         let mut reciprocals = vec![0.0f32; 2 * bins];
         let coefficients = feedback.turn_coefficients();
-        let mut first = vec![0.0f32; if coefficients.is_some() { bins } else { 0 }];
+        let mut classes = vec![0.0f32; if coefficients.is_some() { bins } else { 0 }];
         for bin in ranking.lengths.bins() {
             // A level facet is as good as one of 1e-19.
             let reciprocal = |share: f64| {
@@ -42,13 +42,10 @@ impl Targets {
             reciprocals[2 * bin.index] = shortest;
             reciprocals[2 * bin.index + 1] = longest - shortest;
             if coefficients.is_some() {
-                first[bin.index] = (Feedback::length_class(bin.middle()) * TURNS) as f32;
+                classes[bin.index] = Feedback::length_class(bin.middle()) as f32;
             }
         }
-        let turns = coefficients.map(|coefficients| Turns {
-            first: Gathered::new(first),
-            coefficients: Gathered::new(coefficients),
-        });
+        let turns = coefficients.map(|coefficients| Turns { classes: Gathered::new(classes), coefficients });
         Targets { reciprocals: Gathered::new(reciprocals), turns }
     }
 
@@ -82,12 +79,13 @@ impl Turns {
     /// The angles that facets are turned by.
     #[inline(always)]
     fn angle<L: Lanes>(&self, l: L, bin: L::I, facets: &Facets<L>, squared: L::F) -> L::F {
-        let first = l.trunc(l.gather(&self.first, bin));
+        let class = l.trunc(l.gather(&self.classes, bin));
         let mut angle = l.splat(0.0);
-        for (k, [cos, sin]) in powers(l, facets, squared).into_iter().enumerate() {
-            let coefficient =
-                |part: usize| l.gather(&self.coefficients, l.add_i(first, l.splat_i((2 * k + part) as i32)));
-            let turned = l.sub(l.mul(coefficient(0), sin), l.mul(coefficient(1), cos));
+        for ([cos, sin], tables) in
+            powers(l, facets, squared).into_iter().zip(self.coefficients.as_chunks().0)
+        {
+            let [of_sin, of_cos] = tables;
+            let turned = l.sub(l.mul(l.look_up(of_sin, class), sin), l.mul(l.look_up(of_cos, class), cos));
             angle = l.add(angle, turned);
         }
         angle

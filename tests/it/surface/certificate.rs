@@ -68,10 +68,10 @@ fn check_ggx(patches: &[(Heightfield, Certificate)], bounds: &Bounds) {
     );
     assert!(ks_said <= bounds.ks && rank <= bounds.rank_height && rank_squared <= bounds.rank_height_squared);
     for (field, certificate) in patches {
-        // Said and recomputed agree to the rounding of a distribution function.
+        // A length is rounded to 2^-24 of itself, and no unit of its logarithm has more than half of the law.
         let recomputed = ggx_ks(slope_lengths(field));
         assert!(
-            (recomputed - certificate.ks.expect("a law")).abs() < 1e-12,
+            (recomputed - certificate.ks.expect("a law")).abs() < 3.1e-8,
             "{recomputed} {:?}",
             certificate.ks
         );
