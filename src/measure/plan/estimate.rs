@@ -10,7 +10,7 @@ use crate::surface::io::import;
 use crate::trace::{BLOCK, BatchedStarts};
 
 // Measured on one core of about 4 GHz, patches of 1024 x 1024 cells, correlation 8.
-const NS_PER_SYNTHESISED_CELL: f64 = 1600.0;
+const NS_PER_SYNTHESISED_CELL: f64 = 450.0;
 /// A ray in the lanes, and each cell that it crosses.
 const NS_PER_RAY: f64 = 45.0;
 const NS_PER_CROSSED_CELL: f64 = 0.3;
