@@ -71,20 +71,26 @@ pub fn key(id: StreamId) -> u64 {
 /// Uniform numbers of one path by its number in a block: paths may be followed in any order.
 #[derive(Debug, Clone, Copy)]
 pub struct PathDraws {
-    state: u64,
+    block_key: u64,
+    path: u64,
+    /// Numbers that were drawn.
+    drawn: u64,
 }
 
 impl PathDraws {
     /// Those of a path; `block_key` is the [`key`] of its block.
     pub fn new(block_key: u64, path: u64) -> Self {
-        PathDraws { state: mix(block_key ^ mix(path.wrapping_add(SPLIT_STEP))) }
+        PathDraws { block_key, path, drawn: 0 }
     }
 
     /// The next number in [0, 1), of 53 bits: SplitMix64 (Steele, Lea, Flood 2014).
     // Tested by `draws_of_paths_are_uniform_and_independent`.
     pub fn uniform(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(SPLIT_STEP);
-        (mix(self.state) >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
+        self.drawn += 1;
+        // Only here: the facets of most paths draw nothing.
+        let first = mix(self.block_key ^ mix(self.path.wrapping_add(SPLIT_STEP)));
+        (mix(first.wrapping_add(self.drawn.wrapping_mul(SPLIT_STEP))) >> 11) as f64
+            * (1.0 / (1u64 << 53) as f64)
     }
 }
 

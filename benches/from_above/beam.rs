@@ -67,7 +67,8 @@ impl<'a> FromAbove<'a> {
         };
         let ((x, u), (y, v)) = (of(x, field.cells_x(), back.x), of(y, field.cells_y(), back.y));
         let z = self.over.traversal().range().1 + back.z;
-        SurfacePoint { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z }
+        let facet = Facet { x, y, upper: u + v > 1.0 };
+        SurfacePoint { z, ..SurfacePoint::on(field, facet, u, v) }
     }
 
     /// Follows the rays of `wave`, and empties it; returns how many have no answer.

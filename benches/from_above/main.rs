@@ -38,13 +38,11 @@ fn arrivals(
 ) {
     let view_of = vec![0; starts.len()];
     let wave = Wave { surface_samples: starts, view_of: &view_of, views: &[view], bounces: 1 };
-    let (mut seen, mut endings) = (vec![UNSEEN; starts.len()], Vec::new());
-    PathWaves::default().trace(&[*over; 2], &wave, &mut seen, &mut endings);
-    for ending in endings {
+    PathWaves::default().trace(&[*over; 2], &wave, &mut vec![UNSEEN; starts.len()], |_, _, ending| {
         if let PathEnd::Out { wo, .. } = ending {
             arrive(wo, flux);
         }
-    }
+    });
 }
 
 fn main() {
@@ -64,7 +62,7 @@ fn main() {
                 let flux = starts.flux_fraction(BLOCK);
                 let (mut together, mut places) = (BatchedStarts::default(), Vec::new());
                 together.add(&starts, BLOCK, rng);
-                together.each(&index, &field, |_, place| places.push(place));
+                together.each(&index, &field, |facet| over.corners(facet), |_, place| places.push(place));
                 arrivals(&over, view, (&places, flux), arrive);
             });
             above.add(|arrive| {

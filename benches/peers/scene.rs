@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use gonio::surface::Heightfield;
 use gonio::trace::{Facet, GridTraversal, Kernel, MaxPyramid, SimdTraversal, SurfacePoint};
 use rustix::time::{ClockId, clock_gettime};
@@ -137,7 +137,9 @@ pub fn start_of(field: &Heightfield, ray: &[f32; 6]) -> (SurfacePoint, DVec3) {
         upper: u + v > 1.0,
     };
     let [z, dx, dy, dz] = [ray[2], ray[3], ray[4], ray[5]].map(f64::from);
-    (SurfacePoint { facet, u: f64::from(u), v: f64::from(v), z }, DVec3::new(dx, dy, dz))
+    // What a ray meets does not ask for the slope where it starts.
+    let slope = DVec2::ZERO;
+    (SurfacePoint { facet, u: f64::from(u), v: f64::from(v), z, slope }, DVec3::new(dx, dy, dz))
 }
 
 /// The cell of a coordinate, and the place inside it.

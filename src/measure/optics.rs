@@ -140,6 +140,13 @@ impl PathLight {
         PathLight { way, draws, kept, angles: SmallVec::new(), facets: Vec::new() }
     }
 
+    /// Begins anew at a surface sample, with the memory that it has.
+    pub fn begin(&mut self, way: FacetWay, draws: PathDraws, kept: Kept) {
+        (self.way, self.draws, self.kept) = (way, draws, kept);
+        self.angles.clear();
+        self.facets.clear();
+    }
+
     /// The facets that it met, where they are kept; at order 1 without chance none is.
     pub fn facets(&self) -> &[FacetMet] {
         &self.facets

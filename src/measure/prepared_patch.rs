@@ -9,9 +9,10 @@ use super::patches::specimen::{Patch, Specimen, grains_of};
 use super::plan::{Apertures, Plan, StartSampler};
 use crate::campaign::{Alpha, Campaign, LightSide};
 use crate::surface::grains::GrainField;
+use crate::surface::heightfield::Corners;
 use crate::trace::{
-    BatchedStarts, GridTraversal, MaxPyramid, SimdTraversal, SlopeIndex, SmithWalk, TilePeaks, TracedGrains,
-    TracedPatch,
+    BatchedStarts, Facet, GridTraversal, MaxPyramid, SimdTraversal, SlopeIndex, SmithWalk, TilePeaks,
+    TracedGrains, TracedPatch,
 };
 
 /// Cells of a patch for each surface sample that is followed together with others.
@@ -214,6 +215,15 @@ impl Heights<'_> {
     /// The patch as it lies in the instrument for a block.
     pub fn sample(&self, arms: &BlockArms) -> TracedPatch<'_> {
         TracedPatch { traversal: self.traversal, below: self.below, alpha: self.alpha, image: arms.image }
+    }
+
+    /// The corner heights of a facet's cell: from the lanes' smaller copy where there is one, whose rays read it next.
+    #[inline]
+    pub fn corners(&self, facet: &Facet) -> Corners {
+        match &self.lanes {
+            Some([over, _]) => over.corners(facet),
+            None => self.patch.field.corners(facet.x, facet.y),
+        }
     }
 
     /// The fraction of a block's incident flux that one of its samples carries: about that of a block whose samples lie

@@ -4,14 +4,14 @@ use glam::DVec3;
 
 use super::arms::{BlockArms, starts_stream};
 use super::tracer::{BlockTracer, Work};
-use super::waves::with_waves;
+use super::waves::follow_all;
 use crate::measure::accumulate::tally::Tally;
 use crate::measure::context::Context;
 use crate::measure::prepared_patch::{Heights, IntoApertures, PatchSampler, PlacedGrains};
 use crate::rng;
 use crate::trace::{
-    AreaSampler, BatchedStarts, ConeSampler, GrainSampler, RaysFromAbove, SlopeIndex, SlopeSampler,
-    SmithWalk, SurfacePoint, Traced, View,
+    AreaSampler, BatchedStarts, ConeSampler, Facet, GrainSampler, RaysFromAbove, SlopeIndex, SlopeSampler,
+    SmithWalk, Traced, View,
 };
 
 impl Context<'_> {
@@ -94,8 +94,8 @@ impl Context<'_> {
             // A part of an open map may lean away from the light with every facet: nothing falls on it.
             return followed.all_turned_away(plan.block_starts);
         }
-        follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |visit| {
-            starts.each(plan.block_starts, &mut rng, |start| visit(0, start));
+        follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |samples| {
+            starts.each(plan.block_starts, &mut rng, |start| samples.take(0, start));
         });
     }
 
@@ -113,7 +113,10 @@ impl Context<'_> {
             together.add(&starts, count, stream);
             views.push(View { sample, wi: arms.wi });
         }
-        follow_all(&mut followed, heights, &views, |visit| together.each(index, field, visit));
+        follow_all(&mut followed, heights, &views, |samples| {
+            let corners = |facet: &Facet| heights.corners(facet);
+            together.each(index, field, corners, |turn, start| samples.take(turn, start));
+        });
     }
 
     /// Samples on the facets alone that can send light into an aperture; the rest of the block is counted without being
@@ -139,8 +142,8 @@ impl Context<'_> {
         }
         let mut rng = rng::stream(self.starts_stream(work, block));
         let mut followed = BlockTracer::one(self, work, arms, fraction, tally);
-        follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |visit| {
-            selection.each(step, &mut rng, |start| visit(0, start));
+        follow_all(&mut followed, heights, &[View { sample, wi: arms.wi }], |samples| {
+            selection.each(step, &mut rng, |start| samples.take(0, start));
         });
         followed.leave_out_up_to(plan.block_starts);
     }
@@ -151,21 +154,5 @@ impl Context<'_> {
 
     fn starts_stream(&self, work: &Work, block: u64) -> rng::StreamId {
         starts_stream(self.campaign, self.plan, work.incidence, work.realisation, block)
-    }
-}
-
-/// Follows the samples that `each` visits, each under one of `views`, through the lanes where they serve.
-fn follow_all(
-    blocks: &mut BlockTracer,
-    heights: &Heights,
-    views: &[View],
-    each: impl FnOnce(&mut dyn FnMut(usize, SurfacePoint)),
-) {
-    match heights.lanes {
-        Some(over) => with_waves(1, |waves| {
-            each(&mut |turn, start| blocks.follow_later(views, &over, (turn, start), &mut waves[0]));
-            blocks.follow_wave(views, &over, &mut waves[0]);
-        }),
-        None => each(&mut |turn, start| blocks.follow(&views[turn].sample, turn, start)),
     }
 }

@@ -172,11 +172,11 @@ impl Traced for TracedPatch<'_> {
     }
 
     fn slope(&self, place: &SurfacePoint) -> DVec2 {
-        self.traversal.field().corners(place.facet.x, place.facet.y).slope(place.facet.upper)
+        place.slope
     }
 
-    fn normal(&self, place: &SurfacePoint, below: bool) -> Option<DVec3> {
-        Some(self.facet_normal(place, below))
+    fn normal(&self, place: &SurfacePoint, _: bool) -> Option<DVec3> {
+        Some(self.facet_normal(place))
     }
 
     fn other_side(&self, place: &SurfacePoint) -> SurfacePoint {
@@ -201,15 +201,13 @@ impl<'a> TracedPatch<'a> {
         DVec3::new(xy.x, xy.y, w.z)
     }
 
-    /// N = (-ax p, -ay q, 1), not normalised; of the underside (ax p, ay q, 1) in its frame.
-    pub fn facet_normal(&self, place: &SurfacePoint, below: bool) -> DVec3 {
-        let world = self.alpha * self.image.from_field(self.slope(place));
-        let across = if below { world } else { -world };
-        across.extend(1.0)
+    /// N = (-ax p, -ay q, 1) in the frame of the point's side, not normalised.
+    pub fn facet_normal(&self, place: &SurfacePoint) -> DVec3 {
+        (-self.alpha * self.image.from_field(place.slope)).extend(1.0)
     }
 
     /// The mirror direction of `wi` at a facet.
     pub fn reflected(&self, wi: DVec3, place: &SurfacePoint) -> DVec3 {
-        facet::mirrored(wi, self.facet_normal(place, false))
+        facet::mirrored(wi, self.facet_normal(place))
     }
 }

@@ -8,13 +8,20 @@ use crate::trace::ray::surface_point::{Outcome, SurfacePoint};
 use crate::trace::simd::hit_buffer::RayOutcome;
 use crate::trace::simd::traversal::{SimdTraversal, Waves};
 
-/// A path under way: which one, where it is, and a direction, in the frame of the side that it is on.
+/// A path under way: which one, and a direction, in the frame of the side that it is on.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    path: usize,
-    place: SurfacePoint,
-    direction: DVec3,
+    path: u32,
+    /// Whether it is at its surface sample, else at its place of `PathWaves`.
+    at_sample: bool,
     below: bool,
+    direction: DVec3,
+}
+
+impl Step {
+    fn path(&self) -> usize {
+        self.path as usize
+    }
 }
 
 /// A sample under its light: what the paths of one block have in common.
@@ -44,9 +51,11 @@ impl<'a> Wave<'a> {
         &self.views[usize::from(self.view_of[path])]
     }
 
-    /// The direction of a step, seen from the field.
-    fn ray(&self, step: &Step) -> DVec3 {
-        self.view(step.path).sample.to_field(step.direction)
+    /// Where a step is and its direction, seen from the field.
+    #[inline]
+    fn ray<'b>(&'b self, places: &'b [SurfacePoint], step: &Step) -> (&'b SurfacePoint, DVec3) {
+        let place = &(if step.at_sample { self.surface_samples } else { places })[step.path()];
+        (place, self.view(step.path()).sample.to_field(step.direction))
     }
 }
 
@@ -54,6 +63,8 @@ impl<'a> Wave<'a> {
 #[derive(Debug, Default)]
 pub struct PathWaves {
     waves: Waves,
+    /// Where each path is that has left its surface sample, or its upper side, seen from the side that it is on.
+    places: Vec<SurfacePoint>,
     /// At a facet, with the direction back to where the light comes from.
     now: Vec<Step>,
     /// On the way from a facet, above the surface and below it.
@@ -61,8 +72,8 @@ pub struct PathWaves {
 }
 
 impl PathWaves {
-    /// Follows a path from each surface sample of `wave`; `endings` gets their ends in the order of the samples, `facets[k]`
-    /// stands for those that path k meets.
+    /// Follows a path from each surface sample of `wave`; `facets[k]` stands for the facets that path k meets. Calls `end`
+    /// once with each path, its facets and how it ends, those of low orders first.
     ///
     /// `over` are lane traversals of the field of all views, as it is and upside down. Directions are f64; only the question
     /// of what a ray meets is f32's.
@@ -72,19 +83,18 @@ impl PathWaves {
         over: &[SimdTraversal; 2],
         wave: &Wave,
         facets: &mut [B],
-        endings: &mut Vec<PathEnd>,
+        mut end: impl FnMut(usize, &B, PathEnd),
     ) {
         let bounces = wave.bounces;
-        endings.clear();
-        endings.resize(wave.surface_samples.len(), PathEnd::Shadowed);
-        self.light(&over[0], wave, |path| endings[path] = PathEnd::Lost);
+        self.light(&over[0], wave, |path, ending| end(path, &facets[path], ending));
         for order in 1..=bounces {
             let last = order == bounces;
-            self.scatter(wave, last, facets, endings);
+            self.scatter(wave, last, facets, &mut end);
+            let mut end = |step: &Step, ending| end(step.path(), &facets[step.path()], ending);
             if last {
-                self.leave(over, wave, order, |step, end| endings[step.path] = end);
+                self.leave(over, wave, order, end);
             } else {
-                self.find_next_facets(over, wave, order, endings);
+                self.find_next_facets(over, wave, order, &mut end);
             }
         }
     }
@@ -100,59 +110,76 @@ impl PathWaves {
     ) {
         endings.clear();
         endings.resize(wave.surface_samples.len(), SplitEnd::both(PathEnd::Shadowed));
-        self.light(&over[0], wave, |path| endings[path] = SplitEnd::both(PathEnd::Lost));
+        self.light(&over[0], wave, |path, ending| endings[path] = SplitEnd::both(ending));
         self.rays.iter_mut().for_each(Vec::clear);
-        for &Step { path, place, direction, .. } in &self.now {
-            let normal = wave.view(path).sample.facet_normal(&place, false);
-            let (reflectance, [up, down]) = split_rays(direction, normal, eta);
+        for step in &self.now {
+            let (path, place) = (step.path(), &wave.surface_samples[step.path()]);
+            let normal = wave.view(path).sample.facet_normal(place);
+            let (reflectance, [up, down]) = split_rays(step.direction, normal, eta);
             let none = PathEnd::Truncated { down: true };
             endings[path] = SplitEnd { reflectance, reflected: none, refracted: none };
-            let ray = |place, direction, below| Step { path, place, direction, below };
-            self.rays[0].extend(up.map(|w| ray(place, w, false)));
-            self.rays[1].extend(down.map(|w| ray(place.upside_down(), w, true)));
+            self.places[path] = place.upside_down();
+            self.rays[0].extend(up.map(|direction| Step { direction, ..*step }));
+            self.rays[1].extend(down.map(|direction| Step {
+                direction,
+                at_sample: false,
+                below: true,
+                ..*step
+            }));
         }
         self.leave(over, wave, 1, |step, end| {
-            let ending = &mut endings[step.path];
+            let ending = &mut endings[step.path()];
             *(if step.below { &mut ending.refracted } else { &mut ending.reflected }) = end;
         });
     }
 
     /// Keeps the samples that the light sees.
-    fn light(&mut self, over: &SimdTraversal, wave: &Wave, mut lost: impl FnMut(usize)) {
-        let at_sample = |(path, &place): (usize, &SurfacePoint)| {
-            let direction = wave.view(path).wi;
-            Step { path, place, direction, below: false }
-        };
-        let samples = wave.surface_samples.iter().enumerate().map(at_sample);
+    fn light(&mut self, over: &SimdTraversal, wave: &Wave, mut end: impl FnMut(usize, PathEnd)) {
         self.now.clear();
-        let ray = |k: usize| {
-            let View { sample, wi } = wave.view(k);
-            (&wave.surface_samples[k], sample.to_field(*wi))
-        };
+        if self.places.len() < wave.surface_samples.len() {
+            self.places = wave.surface_samples.to_vec();
+        }
+        let lights: Vec<DVec3> = wave.views.iter().map(|View { sample, wi }| sample.to_field(*wi)).collect();
+        let ray = |k: usize| (&wave.surface_samples[k], lights[usize::from(wave.view_of[k])]);
         let outcomes = self.waves.any_hit(over, wave.surface_samples.len(), ray);
-        for (outcome, step) in outcomes.iter().zip(samples) {
+        for (path, outcome) in outcomes.iter().enumerate() {
             match outcome {
-                RayOutcome::Escaped => self.now.push(step),
-                RayOutcome::Blocked => {}
-                RayOutcome::Beyond => lost(step.path),
+                RayOutcome::Escaped => {
+                    let direction = wave.view(path).wi;
+                    self.now.push(Step { path: path as u32, at_sample: true, below: false, direction });
+                }
+                RayOutcome::Blocked => end(path, PathEnd::Shadowed),
+                RayOutcome::Beyond => end(path, PathEnd::Lost),
             }
         }
     }
 
     /// From every facet onwards.
-    fn scatter<B: Scatter>(&mut self, wave: &Wave, last: bool, facets: &mut [B], endings: &mut [PathEnd]) {
-        self.rays.iter_mut().for_each(Vec::clear);
-        for &Step { path, place, direction, below } in &self.now {
-            let normal = wave.view(path).sample.facet_normal(&place, below);
-            let Onward { to, through } = facets[path].scatter(direction, normal, below);
-            let (wo, below) = (upside_down_if(through, to), below != through);
+    fn scatter<B: Scatter>(
+        &mut self,
+        wave: &Wave,
+        last: bool,
+        facets: &mut [B],
+        mut end: impl FnMut(usize, &B, PathEnd),
+    ) {
+        let PathWaves { places, now, rays, .. } = self;
+        rays.iter_mut().for_each(Vec::clear);
+        for step in now {
+            let path = step.path();
+            let place = if step.at_sample { &wave.surface_samples[path] } else { &places[path] };
+            let normal = wave.view(path).sample.facet_normal(place);
+            let Onward { to, through } = facets[path].scatter(step.direction, normal, step.below);
+            let (direction, below) = (upside_down_if(through, to), step.below != through);
             // A path that goes down must hit again: at the last order there is nothing left to find out.
-            if last && wo.z <= 0.0 {
-                endings[path] = PathEnd::Truncated { down: true };
-            } else {
-                let place = if through { place.upside_down() } else { place };
-                self.rays[usize::from(below)].push(Step { path, place, direction: wo, below });
+            if last && direction.z <= 0.0 {
+                end(path, &facets[path], PathEnd::Truncated { down: true });
+                continue;
             }
+            if through {
+                places[path] = place.upside_down();
+            }
+            let at_sample = step.at_sample && !through;
+            rays[usize::from(below)].push(Step { path: step.path, at_sample, below, direction });
         }
     }
 
@@ -164,9 +191,9 @@ impl PathWaves {
         order: u32,
         mut end: impl FnMut(&Step, PathEnd),
     ) {
-        for (rays, over) in self.rays.iter().zip(over) {
-            let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
-            let outcomes = self.waves.any_hit(over, rays.len(), ray);
+        let PathWaves { waves, places, rays, .. } = self;
+        for (rays, over) in rays.iter().zip(over) {
+            let outcomes = waves.any_hit(over, rays.len(), |k| wave.ray(places, &rays[k]));
             for (step, outcome) in rays.iter().zip(outcomes) {
                 let ending = match outcome {
                     RayOutcome::Escaped => {
@@ -186,23 +213,27 @@ impl PathWaves {
         over: &[SimdTraversal; 2],
         wave: &Wave,
         order: u32,
-        endings: &mut [PathEnd],
+        mut end: impl FnMut(&Step, PathEnd),
     ) {
-        let (all, now) = (&self.rays, &mut self.now);
+        let PathWaves { waves, places, now, rays } = self;
         now.clear();
-        for (rays, over) in all.iter().zip(over) {
-            let ray = |k: usize| (&rays[k].place, wave.ray(&rays[k]));
-            self.waves.closest_hit(over, rays.len(), ray, |k, outcome| {
-                let Step { path, direction, below, .. } = rays[k];
+        for (rays, over) in rays.iter().zip(over) {
+            waves.find_hits(over, rays.len(), |k| wave.ray(places, &rays[k]));
+            for (k, step) in rays.iter().enumerate() {
+                let outcome = waves.met(over, k, || wave.ray(places, step));
+                let Step { direction, below, .. } = *step;
                 let seen = upside_down_if(below, direction);
                 match outcome {
-                    Outcome::Hit(place) => now.push(Step { path, place, direction: -direction, below }),
-                    Outcome::Escaped => endings[path] = PathEnd::Out { wo: seen, order },
+                    Outcome::Hit(place) => {
+                        places[step.path()] = place;
+                        now.push(Step { at_sample: false, direction: -direction, ..*step });
+                    }
+                    Outcome::Escaped => end(step, PathEnd::Out { wo: seen, order }),
                     // Lanes hold periodic fields alone; what else there is ends as one path by itself does.
-                    Outcome::LeftDomain => endings[path] = left_domain(direction, seen, order, order + 1),
-                    Outcome::Lost => endings[path] = PathEnd::Lost,
+                    Outcome::LeftDomain => end(step, left_domain(direction, seen, order, order + 1)),
+                    Outcome::Lost => end(step, PathEnd::Lost),
                 }
-            });
+            }
         }
     }
 }

@@ -1,6 +1,9 @@
 //! Facets, points on them, and what a ray meets.
 
+use glam::DVec2;
+
 use crate::surface::Heightfield;
+use crate::surface::heightfield::Corners;
 
 /// One facet of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -24,23 +27,31 @@ pub struct SurfacePoint {
     pub v: f64,
     /// Height.
     pub z: f64,
+    /// The facet's slope (dz/dx, dz/dy), canonical: whoever finds a point has its heights at hand.
+    pub slope: DVec2,
 }
 
 impl SurfacePoint {
     /// The same point of the field upside down.
     pub fn upside_down(&self) -> Self {
-        SurfacePoint { z: -self.z, ..*self }
+        SurfacePoint { z: -self.z, slope: -self.slope, ..*self }
     }
 
     /// The point (u, v) of a facet, its height from the facet's plane.
     pub fn on(field: &Heightfield, facet: Facet, u: f64, v: f64) -> Self {
-        let c = field.corners(facet.x, facet.y);
+        SurfacePoint::between(field.corners(facet.x, facet.y), facet, u, v)
+    }
+
+    /// The same from the corner heights of the facet's cell.
+    #[inline]
+    pub fn between(corners: Corners, facet: Facet, u: f64, v: f64) -> Self {
+        let slope = corners.slope(facet.upper);
         let z = if facet.upper {
-            c.h11 + (1.0 - u) * (c.h01 - c.h11) + (1.0 - v) * (c.h10 - c.h11)
+            corners.h11 - (1.0 - u) * slope.x - (1.0 - v) * slope.y
         } else {
-            c.h00 + u * (c.h10 - c.h00) + v * (c.h01 - c.h00)
+            corners.h00 + u * slope.x + v * slope.y
         };
-        SurfacePoint { facet, u, v, z }
+        SurfacePoint { facet, u, v, z, slope }
     }
 }
 

@@ -19,10 +19,11 @@ const WHOLE: f64 = 4_503_599_627_370_496.0;
 /// Facets sorted by slope.
 #[derive(Debug, Clone)]
 pub struct SlopeIndex {
-    cells_x: u32,
+    /// Places of columns in the number of a facet: bits.
+    log_columns: u32,
     /// Facets of bin b are `facets[first[b]..first[b + 1]]`.
     first: Vec<u32>,
-    /// 2 (y nx + x), and 1 for the upper one; in a bin by row and column.
+    /// The row, the column, and 1 for the upper one, each in bits of its own; in a bin by row and column.
     facets: Vec<u32>,
     /// Sum of the slopes of each bin's facets.
     sums: Vec<DVec2>,
@@ -49,11 +50,12 @@ impl Slopes {
 }
 
 impl SlopeIndex {
-    /// Sorts the facets of `field`, by counting; `None` for an open field, or one with more than 2^32 facets.
+    /// Sorts the facets of `field`, by counting; `None` for an open field, or one whose facets have no numbers of 32 bits.
     // Tested by `every_facet_stands_in_the_bin_of_its_slope`.
     pub fn new(field: &Heightfield) -> Option<Self> {
         let (cells_x, cells_y) = (field.cells_x(), field.cells_y());
-        let count = u32::try_from(2 * cells_x * cells_y).ok().filter(|_| field.is_periodic())?;
+        let log_columns = cells_x.next_power_of_two().trailing_zeros();
+        u32::try_from((2 * cells_y) << log_columns).ok().filter(|_| field.is_periodic())?;
         let mut bins = vec![[0u16; 2]; cells_x * cells_y];
         let (mut near, mut far) = (vec![0.0; cells_x + 1], vec![0.0; cells_x + 1]);
         copy_heights(field, 0, 0, &mut far);
@@ -76,14 +78,17 @@ impl SlopeIndex {
             first[bin + 1] += first[bin];
         }
         let mut next = first.clone();
-        let mut facets = vec![0u32; count as usize];
-        for (facet, &bin) in (0..count).zip(bins.as_flattened()) {
-            let at = &mut next[usize::from(bin)];
-            facets[*at as usize] = facet;
-            *at += 1;
+        let mut facets = vec![0u32; 2 * bins.len()];
+        for (y, row) in bins.chunks_exact(cells_x).enumerate() {
+            let first = 2 * ((y as u32) << log_columns);
+            for (number, &bin) in (first..).zip(row.as_flattened()) {
+                let at = &mut next[usize::from(bin)];
+                facets[*at as usize] = number;
+                *at += 1;
+            }
         }
         let edges = (0..=SIDE).map(|k| edge(k).clamp(-steepest, steepest)).collect();
-        Some(SlopeIndex { cells_x: cells_x as u32, first, facets, sums, edges })
+        Some(SlopeIndex { log_columns, first, facets, sums, edges })
     }
 
     /// Number of bins.
@@ -96,6 +101,16 @@ impl SlopeIndex {
         size_of_val(&*self.first) + size_of_val(&*self.facets) + size_of_val(&*self.sums)
     }
 
+    /// Rows of bins.
+    pub fn rows(&self) -> usize {
+        SIDE
+    }
+
+    /// Facets of the bins of a row, and of those before it, have places below this.
+    pub fn end_of_row(&self, row: usize) -> u32 {
+        self.first[(row + 1) * SIDE]
+    }
+
     /// Number of facets in a bin.
     #[inline]
     pub fn count(&self, bin: usize) -> usize {
@@ -105,20 +120,27 @@ impl SlopeIndex {
     /// Facet `k` of a bin.
     #[inline]
     pub fn facet(&self, bin: usize, k: usize) -> Facet {
-        self.at(self.number(bin, k))
+        self.at(self.number(self.place(bin, k)))
     }
 
-    /// The number of facet `k` of a bin: facets are numbered row by row.
+    /// The place of facet `k` of a bin among all of them by slope.
     #[inline]
-    pub fn number(&self, bin: usize, k: usize) -> u32 {
-        self.facets[self.first[bin] as usize + k]
+    pub fn place(&self, bin: usize, k: usize) -> u32 {
+        self.first[bin] + k as u32
+    }
+
+    /// The number of the facet at a place.
+    #[inline]
+    pub fn number(&self, place: u32) -> u32 {
+        self.facets[place as usize]
     }
 
     /// The facet of a number.
     #[inline]
     pub fn at(&self, number: u32) -> Facet {
-        let cell = number / 2;
-        Facet { x: (cell % self.cells_x) as usize, y: (cell / self.cells_x) as usize, upper: number % 2 == 1 }
+        let cell = (number / 2) as usize;
+        let x = cell & ((1 << self.log_columns) - 1);
+        Facet { x, y: cell >> self.log_columns, upper: number % 2 == 1 }
     }
 
     /// Sum of the slopes of a bin's facets.
@@ -142,6 +164,18 @@ impl SlopeIndex {
             low: DVec2::new(edges[column], edges[row]),
             high: DVec2::new(edges[column + 1], edges[row + 1]),
         }
+    }
+
+    /// The largest and the smallest product of `part` with a slope, for each column or row.
+    pub fn along(&self, part: f64) -> Vec<[f64; 2]> {
+        let products = self.edges.windows(2).map(|ends| [part * ends[0], part * ends[1]]);
+        products.map(|[low, high]| [low.max(high), low.min(high)]).collect()
+    }
+
+    /// What `by` has for the column and for the row of a bin.
+    #[inline]
+    pub fn across<T: Copy>(&self, bin: usize, [by_column, by_row]: &[Vec<T>; 2]) -> [T; 2] {
+        [by_column[bin % SIDE], by_row[bin / SIDE]]
     }
 
     /// Calls `visit` with every bin that holds slopes of `wanted`.

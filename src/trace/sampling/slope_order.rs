@@ -13,6 +13,7 @@ use super::slope_index::SlopeIndex;
 use super::systematic_steps::SystematicSteps;
 use crate::rng;
 use crate::surface::Heightfield;
+use crate::surface::heightfield::Corners;
 use crate::trace::ray::surface_point::{Facet, SurfacePoint};
 
 /// The facets of a field, sorted by slope, under one light.
@@ -21,16 +22,14 @@ pub struct SlopeSampler<'a> {
     field: &'a Heightfield,
     /// Canonical light direction in field coordinates.
     light: DVec3,
+    /// The light's part of the product with the slopes of each column, and of each row.
+    along: [Vec<[f64; 2]>; 2],
     bins: Vec<VisibleBin>,
 }
 
 /// A bin of the index whose facets face the light, at least in part.
 struct VisibleBin {
-    bin: usize,
-    /// No facet of it has a larger projected area.
-    most: f64,
-    /// Nor a smaller one.
-    least: f64,
+    bin: u32,
     /// Running sum of the area up to its end.
     end: f64,
 }
@@ -63,7 +62,8 @@ impl<'a> SlopeSampler<'a> {
         light: DVec3,
         (step, offset): (usize, usize),
     ) -> Self {
-        let mut starts = SlopeSampler { index, field, light, bins: Vec::new() };
+        let along = [light.x, light.y].map(|part| index.along(part));
+        let mut starts = SlopeSampler { index, field, light, along, bins: Vec::new() };
         // How many facets are passed over until the next is looked at.
         let mut wait = offset;
         for bin in index.in_rows_there_and_back() {
@@ -71,7 +71,7 @@ impl<'a> SlopeSampler<'a> {
             if count == 0 {
                 continue;
             }
-            let [least, most] = index.slopes(bin).projected_areas(light);
+            let [least, most] = starts.projected_areas(bin);
             if most <= 0.0 {
                 continue;
             }
@@ -84,10 +84,17 @@ impl<'a> SlopeSampler<'a> {
             };
             if area > 0.0 {
                 let end = starts.total() + area;
-                starts.bins.push(VisibleBin { bin, most, least, end });
+                starts.bins.push(VisibleBin { bin: bin as u32, end });
             }
         }
         starts
+    }
+
+    /// As [`Slopes::projected_areas`](super::slope_index::Slopes::projected_areas) has them of a bin's slopes.
+    #[inline]
+    fn projected_areas(&self, bin: usize) -> [f64; 2] {
+        let [[most_x, least_x], [most_y, least_y]] = self.index.across(bin, &self.along);
+        [most_x + most_y, least_x + least_y].map(|along| 0.5 * (self.light.z - along))
     }
 
     /// The projected area of a facet, in cells.
@@ -106,31 +113,39 @@ impl<'a> SlopeSampler<'a> {
         self.total() / (self.light.z * cells as f64 * count as f64)
     }
 
-    /// The facets of `count` samples, by slope.
-    fn facets(&self, count: u64, rng: &mut Pcg64Dxsm) -> Vec<u32> {
+    /// The places in the index of the facets of `count` samples, by slope.
+    ///
+    /// Places, not facets: whoever looks all of them up together does not wait for each.
+    fn places(&self, count: u64, rng: &mut Pcg64Dxsm) -> Vec<u32> {
         let mut steps = SystematicSteps::new(count, self.total() / count as f64, rng::uniform(rng));
-        let mut facets = Vec::with_capacity(count as usize);
+        let mut places = Vec::with_capacity(count as usize);
         let mut begin = 0.0;
         for (k, bin) in self.bins.iter().enumerate() {
             // Rounding may leave a step beyond the sum: it belongs to the last bin.
             let last = k + 1 == self.bins.len();
-            while let Some(position) = steps.take(if last { f64::INFINITY } else { bin.end }) {
-                facets.push(self.facet(bin, (position - begin) / (bin.end - begin), rng));
+            let end = if last { f64::INFINITY } else { bin.end };
+            if steps.is_before(end) {
+                let areas = self.projected_areas(bin.bin as usize);
+                while let Some(position) = steps.take(end) {
+                    let share = (position - begin) / (bin.end - begin);
+                    places.push(self.place(bin.bin as usize, areas, share, rng));
+                }
             }
             begin = bin.end;
         }
-        facets
+        places
     }
 
-    /// A facet of a bin with a chance in proportion to its area; `share` in [0, 1) chooses the first candidate.
-    fn facet(&self, bin: &VisibleBin, share: f64, rng: &mut Pcg64Dxsm) -> u32 {
-        let count = self.index.count(bin.bin);
+    /// The place of a facet of a bin, each with a chance in proportion to its area, of which the bin has from `least` to
+    /// `most`; `share` in [0, 1) chooses the first candidate.
+    fn place(&self, bin: usize, [least, most]: [f64; 2], share: f64, rng: &mut Pcg64Dxsm) -> u32 {
+        let count = self.index.count(bin);
         let mut share = share;
         loop {
-            let candidate = self.index.number(bin.bin, ((share * count as f64) as usize).min(count - 1));
-            let wanted = rng::uniform(rng) * bin.most;
+            let candidate = self.index.place(bin, ((share * count as f64) as usize).min(count - 1));
+            let wanted = rng::uniform(rng) * most;
             // Most are taken unseen.
-            if wanted < bin.least || wanted < self.projected_area(&self.index.at(candidate)) {
+            if wanted < least || wanted < self.projected_area(&self.index.at(self.index.number(candidate))) {
                 return candidate;
             }
             share = rng::uniform(rng);
@@ -142,15 +157,14 @@ impl<'a> SlopeSampler<'a> {
 /// heights, whichever block they belong to.
 #[derive(Default)]
 pub struct BatchedStarts {
-    starts: Vec<Start>,
-    /// Samples of each tile.
-    counts: Vec<u32>,
+    /// The places in the index of each block's facets, by slope.
+    places: Vec<Vec<u32>>,
     /// What is left of each block's stream.
     streams: Vec<Pcg64Dxsm>,
 }
 
 /// One sample.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Start {
     facet: u32,
     tile: u16,
@@ -166,53 +180,71 @@ const MOST_TILES: usize = 256;
 impl BatchedStarts {
     /// Blocks that can be followed together.
     pub const MOST_BLOCKS: usize = 1 << 8;
-    /// Bytes of a sample, and as many again where it is put in order.
-    pub const BYTES: usize = 2 * size_of::<Start>();
+    /// Bytes of a sample: its place, and twice what it is put in order by.
+    pub const BYTES: usize = size_of::<u32>() + 2 * size_of::<Start>();
 
     /// Adds `count` samples of equal flux; its number is how many blocks there were before. How many of them a bin of
     /// the index gets follows from equal steps; which of its facets, from their areas, by rejection.
     pub fn add(&mut self, starts: &SlopeSampler, count: u64, mut stream: Pcg64Dxsm) {
-        let (cells_x, cells_y) = (starts.field.cells_x(), starts.field.cells_y());
-        let side = TILE.max(cells_x.max(cells_y).div_ceil(MOST_TILES)) as u32;
-        let tiles_x = cells_x.div_ceil(side as usize);
-        self.counts.resize(tiles_x * cells_y.div_ceil(side as usize), 0);
-        let block = self.streams.len() as u16;
-        self.starts.extend(starts.facets(count, &mut stream).into_iter().map(|facet| {
-            let Facet { x, y, .. } = starts.index.at(facet);
-            let tile = (y as u32 / side) as usize * tiles_x + (x as u32 / side) as usize;
-            self.counts[tile] += 1;
-            Start { facet, tile: tile as u16, block }
-        }));
+        self.places.push(starts.places(count, &mut stream));
         self.streams.push(stream);
     }
 
     /// Calls `visit` with every sample and its block, in the order of the places: for each block the same samples in the
     /// same order as if it were alone.
+    ///
+    /// `corners` are the heights of a facet's cell.
     // Tested by `blocks_together_start_where_each_starts_alone`.
-    pub fn each(self, index: &SlopeIndex, field: &Heightfield, mut visit: impl FnMut(usize, SurfacePoint)) {
-        let (starts, mut streams) = (in_tiles(self.starts, self.counts), self.streams);
-        for Start { facet, block, .. } in starts {
+    pub fn each(
+        mut self,
+        index: &SlopeIndex,
+        field: &Heightfield,
+        corners: impl Fn(&Facet) -> Corners,
+        mut visit: impl FnMut(usize, SurfacePoint),
+    ) {
+        let streams = &mut std::mem::take(&mut self.streams);
+        for Start { facet, block, .. } in self.in_tiles(index, field) {
             let (facet, block) = (index.at(facet), usize::from(block));
             let (u, v) = point_in(facet.upper, &mut streams[block]);
-            visit(block, SurfacePoint::on(field, facet, u, v));
+            visit(block, SurfacePoint::between(corners(&facet), facet, u, v));
         }
     }
-}
 
-/// Samples by tile, those of a tile in the order in which they are, by counting: there are `counts` in each tile.
-fn in_tiles(starts: Vec<Start>, counts: Vec<u32>) -> Vec<Start> {
-    let mut places = counts;
-    let mut before = 0;
-    for place in &mut places {
-        before += std::mem::replace(place, before);
+    /// The samples by tile, those of a block in a tile in the order in which they are, by counting.
+    fn in_tiles(self, index: &SlopeIndex, field: &Heightfield) -> Vec<Start> {
+        let (cells_x, cells_y) = (field.cells_x(), field.cells_y());
+        let side = TILE.max(cells_x.max(cells_y).div_ceil(MOST_TILES)).next_power_of_two();
+        let (log_side, tiles_x) = (side.trailing_zeros(), cells_x.div_ceil(side));
+        let mut first = vec![0u32; tiles_x * cells_y.div_ceil(side)];
+        let mut starts = Vec::with_capacity(self.places.iter().map(Vec::len).sum());
+        // Row by row of the index, of which all blocks read the same part then.
+        let mut left: Vec<&[u32]> = self.places.iter().map(Vec::as_slice).collect();
+        for row in 0..index.rows() {
+            for (block, left) in left.iter_mut().enumerate() {
+                let (here, later) =
+                    left.split_at(left.partition_point(|&place| place < index.end_of_row(row)));
+                *left = later;
+                starts.extend(here.iter().map(|&place| {
+                    let facet = index.number(place);
+                    let Facet { x, y, .. } = index.at(facet);
+                    let tile = (y >> log_side) * tiles_x + (x >> log_side);
+                    first[tile] += 1;
+                    Start { facet, tile: tile as u16, block: block as u16 }
+                }));
+            }
+        }
+        let mut before = 0;
+        for first in &mut first {
+            before += std::mem::replace(first, before);
+        }
+        let mut sorted = vec![Start::default(); starts.len()];
+        for start in starts {
+            let next = &mut first[usize::from(start.tile)];
+            sorted[*next as usize] = start;
+            *next += 1;
+        }
+        sorted
     }
-    let mut sorted = starts.clone();
-    for start in starts {
-        let place = &mut places[usize::from(start.tile)];
-        sorted[*place as usize] = start;
-        *place += 1;
-    }
-    sorted
 }
 
 #[cfg(test)]
@@ -268,7 +300,8 @@ mod tests {
                 together.add(&SlopeSampler::new(&index, &field, lights[block], &mut stream), 500, stream);
             }
             let mut starts = vec![Vec::new(); blocks.len()];
-            together.each(&index, &field, |block, place| starts[block].push(place));
+            let corners = |facet: &Facet| field.corners(facet.x, facet.y);
+            together.each(&index, &field, corners, |block, place| starts[block].push(place));
             starts
         };
         let alone = [0, 1, 2].map(|block| starts_of(&[block]).concat());

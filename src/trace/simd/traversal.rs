@@ -54,7 +54,9 @@ impl<'a> SimdTraversal<'a> {
         };
         let (x, u) = moved(start.facet.x, start.u, d.x, field.cells_x());
         let (y, v) = moved(start.facet.y, start.v, d.y, field.cells_y());
-        SurfacePoint { facet: Facet { x, y, upper: u + v > 1.0 }, u, v, z: start.z + t * d.z }
+        let facet = Facet { x, y, upper: u + v > 1.0 };
+        let slope = self.corners(&facet).slope(facet.upper);
+        SurfacePoint { facet, u, v, z: start.z + t * d.z, slope }
     }
 
     /// Bytes of the lanes' tables.
@@ -90,7 +92,7 @@ impl<'a> SimdTraversal<'a> {
         let t = if t > from { t.min(to) } else { from };
         // The ends are known to 2^-23 of the ray's length: a point of the facet's edge may come out beyond it.
         let (u, v) = ((u + t * d.x).clamp(0.0, 1.0), (v + t * d.y).clamp(0.0, 1.0));
-        SurfacePoint { facet, u, v, z: base + slope.x * u + slope.y * v }
+        SurfacePoint { facet, u, v, z: base + slope.x * u + slope.y * v, slope }
     }
 }
 
@@ -176,21 +178,40 @@ impl Waves {
         ray: impl Fn(usize) -> (&'p SurfacePoint, DVec3),
         mut visit: impl FnMut(usize, Outcome),
     ) {
+        self.find_hits(over, count, &ray);
+        for index in 0..count {
+            visit(index, self.met(over, index, || ray(index)));
+        }
+    }
+
+    /// Finds what each of `count` rays meets first, for `met`.
+    pub(crate) fn find_hits<'p>(
+        &mut self,
+        over: &SimdTraversal,
+        count: usize,
+        ray: impl Fn(usize) -> (&'p SurfacePoint, DVec3),
+    ) {
         self.load(count, &ray);
         over.kernel.closest_hit(over.lanes, &self.rays, &mut self.hits);
-        for (index, (outcome, hit)) in self.hits.outcomes.iter().zip(&self.hits.hits).enumerate() {
-            let outcome = match outcome {
-                RayOutcome::Escaped => Outcome::Escaped,
-                RayOutcome::Blocked => {
-                    let (start, d) = ray(index);
-                    Outcome::Hit(over.place(start, d, hit))
-                }
-                RayOutcome::Beyond => {
-                    let (start, d) = ray(index);
-                    over.traverse_long(start, d)
-                }
-            };
-            visit(index, outcome);
+    }
+
+    /// What `ray`, number `index` of those that hits were found for, meets.
+    pub(crate) fn met<'p>(
+        &self,
+        over: &SimdTraversal,
+        index: usize,
+        ray: impl FnOnce() -> (&'p SurfacePoint, DVec3),
+    ) -> Outcome {
+        match self.hits.outcomes[index] {
+            RayOutcome::Escaped => Outcome::Escaped,
+            RayOutcome::Blocked => {
+                let (start, d) = ray();
+                Outcome::Hit(over.place(start, d, &self.hits.hits[index]))
+            }
+            RayOutcome::Beyond => {
+                let (start, d) = ray();
+                over.traverse_long(start, d)
+            }
         }
     }
 

@@ -41,8 +41,8 @@ fn split_light_in_lanes_is_that_of_single_paths() {
         let way = FacetWay { kind: FacetKind::Dielectric { eta }, light: LightSide::Front, place: 0 };
         let light = |k: usize| PathLight::new(way, PathDraws::new(9, k as u64), Kept::default());
         let mut lights: Vec<PathLight> = (0..starts.len()).map(light).collect();
-        let mut endings = Vec::new();
-        paths.trace(&over, &wave, &mut lights, &mut endings);
+        let mut endings = vec![PathEnd::Lost; starts.len()];
+        paths.trace(&over, &wave, &mut lights, |path, _, ending| endings[path] = ending);
         let (mut differ, mut through) = ([0; 2], 0);
         for (k, start) in starts.iter().enumerate() {
             differ[0] += usize::from(splits[k] != sample.trace_split(start, wi, eta));

@@ -167,7 +167,7 @@ fn paths_in_waves_are_paths() {
         let wi = sphere::direction_deg(theta, 77.0);
         let starts = lit_inside(&mut rng, &field, sample.to_field(wi), 30_000);
         let mut visits = vec![Bounces::default(); starts.len()];
-        let mut endings = Vec::new();
+        let mut endings = vec![PathEnd::Lost; starts.len()];
         paths.trace(
             &over,
             &Wave {
@@ -177,7 +177,7 @@ fn paths_in_waves_are_paths() {
                 bounces,
             },
             &mut visits,
-            &mut endings,
+            |path, _, ending| endings[path] = ending,
         );
         let mut differ = 0;
         for ((&place, ending), visit) in starts.iter().zip(&endings).zip(&visits) {
@@ -221,7 +221,7 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
         let wi = sphere::direction_deg(theta, 131.0);
         let starts = lit_inside(&mut rng, &field, sample.to_field(wi), 100_000);
         let mut visits = vec![Bounces::default(); starts.len()];
-        let mut endings = Vec::new();
+        let mut endings = vec![PathEnd::Lost; starts.len()];
         paths.trace(
             &over,
             &Wave {
@@ -231,7 +231,7 @@ fn tables_by_lanes_are_those_of_the_f64_walk() {
                 bounces: 4,
             },
             &mut visits,
-            &mut endings,
+            |path, _, ending| endings[path] = ending,
         );
         let mut tables = [[0i64; BINS.0 * BINS.1]; 2];
         for (&place, ending) in starts.iter().zip(&endings) {
