@@ -23,13 +23,12 @@ const COPIES: u64 = 8;
 /// The array that names the colours of a spectral table.
 pub const WAVELENGTHS: &str = "wavelength_nm";
 
-/// Data that do not unpack, or have another checksum than the archive says, are the file's fault; all else is the system's.
+/// What the system fails in has a number of the system's, or is a lack of memory; all else is the file's fault: data that do
+/// not unpack, another checksum than the archive says, a kind of block that is not known.
 fn damaged(error: io::Error) -> ContentError {
-    match error.kind() {
-        ErrorKind::InvalidData | ErrorKind::InvalidInput | ErrorKind::UnexpectedEof => {
-            wrong!("damaged data: {error}")
-        }
-        _ => error.into(),
+    match (error.raw_os_error(), error.kind()) {
+        (Some(_), _) | (None, ErrorKind::OutOfMemory) => error.into(),
+        (None, _) => wrong!("damaged data: {error}"),
     }
 }
 
