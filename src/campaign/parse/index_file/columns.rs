@@ -2,6 +2,7 @@
 
 use super::SHORTEST_NM;
 use super::dispersion::{Curve, Dispersion, Points};
+use crate::campaign::parse::faults::one_line;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +48,7 @@ pub(crate) fn parse(text: &str) -> Result<Dispersion, String> {
         }
         let ColumnHeader { columns, unit } = heading.get_or_insert_with(|| unnamed(fields.len()));
         if numbers.len() != fields.len() || numbers.len() != columns.len() {
-            return Err(format!("line {number}: `{line}` is not {}", named(columns)));
+            return Err(format!("line {number}: `{}` is not {}", one_line(line), named(columns)));
         }
         let wavelength = columns.iter().position(|&column| column == Column::Wavelength);
         let nm = numbers[wavelength.unwrap_or(0)] * unit.unwrap_or(1.0);
@@ -80,7 +81,7 @@ pub(crate) fn spectrum(text: &str, name: &str) -> Result<Curve, String> {
         let fields = fields_of(style, line);
         let numbers: Vec<f64> = fields.iter().filter_map(|field| number_of(style, field)).collect();
         let (&[nm, value], 2) = (&numbers[..], fields.len()) else {
-            return Err(format!("line {number}: `{line}` is not a wavelength in nm and a value"));
+            return Err(format!("line {number}: `{}` is not a wavelength in nm and a value", one_line(line)));
         };
         if nm < SHORTEST_NM {
             return Err(micrometres(number, nm));
@@ -118,7 +119,8 @@ fn style_of(text: &str) -> Result<Separator, String> {
     let inside = |word: &str| word.trim_end_matches(',').contains(',');
     if line.contains(' ') && line.split(' ').any(inside) {
         return Err(format!(
-            "line {number}: `{line}`: is the comma a decimal point? Write points, or put ; between the columns"
+            "line {number}: `{}`: is the comma a decimal point? Write points, or put ; between the columns",
+            one_line(line)
         ));
     }
     Ok(Separator::Commas)
@@ -168,12 +170,13 @@ fn heading_of(fields: &[&str]) -> Result<ColumnHeader, String> {
             "k" | "kappa" => Column::K,
             _ => {
                 return Err(format!(
-                    "the column `{field}` is not known; wavelength_nm or wavelength_um (wl: um), n and k are"
+                    "the column `{}` is not known; wavelength_nm or wavelength_um (wl: um), n and k are",
+                    one_line(field)
                 ));
             }
         };
         if heading.columns.contains(&column) {
-            return Err(format!("the column `{field}` is there twice"));
+            return Err(format!("the column `{}` is there twice", one_line(field)));
         }
         if column == Column::Wavelength {
             let cut_off =
@@ -186,7 +189,7 @@ fn heading_of(fields: &[&str]) -> Result<ColumnHeader, String> {
     if known(Column::Wavelength) && (known(Column::N) || known(Column::K)) {
         Ok(heading)
     } else {
-        Err(format!("`{}` names no wavelength, or neither n nor k", fields.join(",")))
+        Err(format!("`{}` names no wavelength, or neither n nor k", one_line(&fields.join(","))))
     }
 }
 
@@ -234,6 +237,7 @@ mod tests {
         // Half way: exact in binary.
         assert_eq!(found.at(500.25), Some(medium(500.25, 0.875, 1.25)));
         assert_eq!((found.at(449.0), found.at(551.0)), (None, None));
+        let long = format!("450 1,5 {}\n", "2".repeat(5000));
         for (text, phrase) in [
             ("", "holds no line"),
             ("450,1.5,2,3\n", "line 1"),
@@ -243,6 +247,8 @@ mod tests {
             ("450,nan,1\n", "line 1: n = NaN must be finite"),
             ("450,1.1,1\n450,1.1,1\n", "line 2: 450 nm after 450 nm"),
             ("450 1,5 2\n", "is the comma a decimal point?"),
+            (&long, "line 1: `450 1,5 222"),
+            (&long, "222...`: is the comma"),
             ("400,1,5\n500,1,52\n", "no number has a point"),
             ("0.45,1.5,0\n0.65,1.5,0\n", "these look like micrometres"),
             ("wavelength_nm,R\n450,0.3\n", "the column `R` is not known"),
