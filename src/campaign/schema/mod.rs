@@ -3,6 +3,7 @@
 //! `campaign::read` is the only place that makes a `Campaign`; whoever holds one may rely on every range below.
 
 mod alpha;
+mod height_map;
 pub(crate) mod optics;
 pub(crate) mod psd;
 pub(crate) mod sample;
@@ -11,6 +12,7 @@ pub(crate) mod uncertainty;
 use serde::Serialize;
 
 pub use alpha::Alpha;
+pub use height_map::{Detrend, Gaps, HeightMap, Outliers, Preparation};
 pub use optics::{Dielectric, FresnelLaw, LightSide, Medium, Optics, Polarisation, RefractiveIndex};
 pub use psd::{PhysicalScale, PsdSurface};
 pub use sample::*;

@@ -1,6 +1,7 @@
 //! Surface samples, where paths begin: points on the facets, in proportion to their projected area.
 
 pub mod areas;
+pub mod batched_starts;
 pub mod cones;
 pub(crate) mod half_sphere;
 pub mod slope_index;
