@@ -111,16 +111,18 @@ impl<'s> Report<'s> {
 
 /// `text` with every run of white space as one blank, control characters escaped, cut to a readable length.
 pub(crate) fn one_line(text: &str) -> String {
-    // A character escapes to at most ten, so this much input is always enough to fill the quotation.
+    // Blanks may be most of it.
     let head: String = text.chars().take(20 * QUOTED).collect();
     let words: Vec<&str> = head.split_whitespace().collect();
-    let mut line = String::new();
-    for (length, c) in words.join(" ").chars().enumerate() {
-        if length == QUOTED {
+    let (mut line, mut length) = (String::new(), 0);
+    for c in words.join(" ").chars() {
+        let seen = if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+        length += seen.chars().count();
+        if length > QUOTED {
             line.push_str("...");
             break;
         }
-        if c.is_control() { line.extend(c.escape_default()) } else { line.push(c) }
+        line.push_str(&seen);
     }
     line
 }
@@ -165,6 +167,8 @@ mod tests {
         assert_eq!(one_line("[\n  1,\n  2,\n]"), "[ 1, 2, ]");
         assert_eq!(one_line("a\u{7}b"), "a\\u{7}b");
         assert_eq!(one_line(&"x".repeat(5000)).len(), QUOTED + 3);
+        // Sixteen of five characters each.
+        assert_eq!(one_line(&"\u{7}".repeat(QUOTED)), format!("{}...", "\\u{7}".repeat(16)));
     }
 
     #[test]
