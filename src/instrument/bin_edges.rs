@@ -158,7 +158,7 @@ pub(super) const QUICK_ERROR: f64 = 2e-3;
 ///
 /// Source: Hastings 1955, "Approximations for digital computers": the odd polynomial of degree 11.
 // Tested by `the_quick_angle_keeps_its_bound`.
-pub(super) fn quick_atan2_deg(y: f64, x: f64) -> f64 {
+fn quick_atan2_deg(y: f64, x: f64) -> f64 {
     let (a, b) = (x.abs(), y.abs());
     let t = a.min(b) / a.max(b);
     let t2 = t * t;
