@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::{LazyLock, Mutex};
 
 use gonio::campaign::{self, Campaign};
-use gonio::error::{ContentError, Error};
+use gonio::error::{ContentError, Error, is_unseen};
 use gonio::files::sealed;
 use gonio::interchange::{self, Format, Options, merl, utia};
 use gonio::measure::persist::header::KIND;
@@ -78,7 +78,7 @@ fn answered<T>(answer: Result<T, Error>) -> Option<T> {
 }
 
 fn line(why: &str) {
-    assert!(!why.is_empty() && !why.contains('\n') && why.chars().count() <= 500, "{why:?}");
+    assert!(!why.is_empty() && !why.contains(is_unseen) && why.chars().count() <= 500, "{why:?}");
 }
 
 /// The path that messages name.

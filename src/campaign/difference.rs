@@ -1,14 +1,13 @@
 //! The first key in which two resolved campaigns differ.
 
-/// Longest value in a message, characters.
-const LONGEST: usize = 60;
+use super::quoted;
 
-/// A key with other values in two campaigns; no value where it is not there.
+/// A key with other values in two campaigns, as messages quote them; no value where it is not there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyDifference {
     /// Dotted key, as `surface.ggx.alpha`.
     pub key: String,
-    /// Its value in the first campaign, as text.
+    /// Its value in the first campaign.
     pub first: Option<String>,
     /// Its value in the second.
     pub second: Option<String>,
@@ -24,8 +23,8 @@ pub fn differences(first: &str, second: &str) -> Vec<KeyDifference> {
     let keys = second.iter().chain(gone).map(|(key, _)| key);
     let differing = keys.filter_map(|key| {
         let (a, b) = (value(&first, key), value(&second, key));
-        let [first, second] = [&a, &b].map(|value| value.as_deref().map(shown));
-        (a != b).then(|| KeyDifference { key: key.clone(), first, second })
+        let [first, second] = [&a, &b].map(|value| value.as_deref().map(quoted));
+        (a != b).then(|| KeyDifference { key: quoted(key), first, second })
     });
     differing.collect()
 }
@@ -46,13 +45,6 @@ fn leaves(text: &str) -> Vec<(String, String)> {
         }
     }
     leaves
-}
-
-fn shown(value: &str) -> String {
-    match value.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}...", &value[..end]),
-        None => value.into(),
-    }
 }
 
 #[cfg(test)]

@@ -25,6 +25,8 @@ pub use runs::{CampaignRun, CampaignRuns, read_runs};
 pub use schema::*;
 pub use to_toml::{to_toml, uncertainty_to_toml};
 
+pub(crate) use parse::faults::quoted;
+
 use parse::campaign::CampaignFile;
 use parse::faults::Report;
 use parse::lists::run_lists::RunLists;
@@ -151,7 +153,7 @@ fn parse_with(bytes: &[u8], name_for_messages: &str, folder: &Path, lists: &RunL
 
 /// A fault of the text before it is TOML, at the key that its line seems to set.
 fn syntax_fault(report: &Report<'_>, text: &str, error: &toml::de::Error) {
-    let said = parse::faults::one_line(error.message());
+    let said = quoted(error.message());
     let advice = if said.starts_with("duplicate") {
         "each key and each table once"
     } else {
@@ -173,7 +175,7 @@ fn assignment_at(text: &str, at: usize) -> Option<(String, String)> {
             let (key, value) = line.split_once('=').map(|(key, value)| (key.trim(), value.trim()))?;
             let separator = if heading.is_empty() { "" } else { "." };
             let named = is_bare_key(key).then(|| format!("{heading}{separator}{key}"))?;
-            return Some((named, parse::faults::one_line(value)));
+            return Some((named, quoted(value)));
         }
         let inner = line.trim().strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
         heading = inner.filter(|inner| is_bare_key(inner)).unwrap_or(heading);

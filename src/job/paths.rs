@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::watcher::Watcher;
-use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind};
+use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind, quoted};
 use crate::error::{Error, Result};
 use crate::files::{self, Claim};
 use crate::report::card;
@@ -130,7 +130,8 @@ impl TablePaths {
             return Err(already_exists(&self.table, "was measured by another campaign or seed"));
         }
         if finished && header.version != env!("CARGO_PKG_VERSION") {
-            watcher.warn(&format!("{} was measured by version {}", self.table.display(), header.version));
+            let version = quoted(&header.version);
+            watcher.warn(&format!("{} was measured by version {version}", self.table.display()));
         }
         if !finished {
             self.spare_others()?;

@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use std::collections::HashSet;
 use std::ops::Range;
 
-use crate::error::Fault;
+use crate::error::{Fault, is_unseen};
 
 /// Faults that are listed; a file with more is not a campaign, and its report stays readable.
 const LISTED: usize = 1000;
@@ -77,7 +77,7 @@ impl<'s> Report<'s> {
 
     /// The user's own text at `span`, on one line and cut where it is long.
     pub fn quote(&self, span: &Range<usize>) -> Option<String> {
-        self.source.get(span.clone()).filter(|text| !text.is_empty()).map(one_line)
+        self.source.get(span.clone()).filter(|text| !text.is_empty()).map(quoted)
     }
 
     /// All faults in the order of the file (those without a place last), and all notes.
@@ -96,7 +96,7 @@ impl<'s> Report<'s> {
 
     fn located(&self, key: &str, at: Option<usize>, value: Option<String>, allowed: String) -> Fault {
         let (line, column) = at.map(|at| self.line_and_column(at)).unzip();
-        let (path, key) = (self.path.to_string(), one_line(key));
+        let (path, key) = (self.path.to_string(), quoted(key));
         Fault { path, line, column, key, value, allowed, too_large: false }
     }
 
@@ -109,14 +109,15 @@ impl<'s> Report<'s> {
     }
 }
 
-/// `text` with every run of white space as one blank, control characters escaped, cut to a readable length.
-pub(crate) fn one_line(text: &str) -> String {
+/// A text of a file as a message quotes it: every run of white space as one blank, characters that are not seen
+/// ([`is_unseen`]) escaped, cut to a readable length.
+pub(crate) fn quoted(text: &str) -> String {
     // Blanks may be most of it.
     let head: String = text.chars().take(20 * QUOTED).collect();
     let words: Vec<&str> = head.split_whitespace().collect();
     let (mut line, mut length) = (String::new(), 0);
     for c in words.join(" ").chars() {
-        let seen = if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+        let seen = if is_unseen(c) { c.escape_default().to_string() } else { c.to_string() };
         length += seen.chars().count();
         if length > QUOTED {
             line.push_str("...");
@@ -164,11 +165,11 @@ mod tests {
 
     #[test]
     fn a_quotation_is_one_short_line() {
-        assert_eq!(one_line("[\n  1,\n  2,\n]"), "[ 1, 2, ]");
-        assert_eq!(one_line("a\u{7}b"), "a\\u{7}b");
-        assert_eq!(one_line(&"x".repeat(5000)).len(), QUOTED + 3);
+        assert_eq!(quoted("[\n  1,\n  2,\n]"), "[ 1, 2, ]");
+        assert_eq!(quoted("a\u{7}b\u{202e}c"), "a\\u{7}b\\u{202e}c");
+        assert_eq!(quoted(&"x".repeat(5000)).len(), QUOTED + 3);
         // Sixteen of five characters each.
-        assert_eq!(one_line(&"\u{7}".repeat(QUOTED)), format!("{}...", "\\u{7}".repeat(16)));
+        assert_eq!(quoted(&"\u{7}".repeat(QUOTED)), format!("{}...", "\\u{7}".repeat(16)));
     }
 
     #[test]

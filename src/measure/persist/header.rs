@@ -66,7 +66,7 @@ impl RunHeader {
         if self.version != version {
             let allowed =
                 format!("{version} cannot resume what another version measured; --force starts again");
-            return vec![fault(at, "version", Some(self.version.clone()), allowed)];
+            return vec![fault(at, "version", Some(campaign::quoted(&self.version)), allowed)];
         }
         let mine = Some(self.part).filter(|part| part.is_shard());
         if mine != shard {

@@ -2,7 +2,7 @@
 
 use super::SHORTEST_NM;
 use super::dispersion::{Curve, Dispersion, Points};
-use crate::campaign::parse::faults::one_line;
+use crate::campaign::parse::faults::quoted;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub(crate) fn parse(text: &str) -> Result<Dispersion, String> {
         }
         let ColumnHeader { columns, unit } = heading.get_or_insert_with(|| unnamed(fields.len()));
         if numbers.len() != fields.len() || numbers.len() != columns.len() {
-            return Err(format!("line {number}: `{}` is not {}", one_line(line), named(columns)));
+            return Err(format!("line {number}: `{}` is not {}", quoted(line), named(columns)));
         }
         let wavelength = columns.iter().position(|&column| column == Column::Wavelength);
         let nm = numbers[wavelength.unwrap_or(0)] * unit.unwrap_or(1.0);
@@ -81,7 +81,7 @@ pub(crate) fn spectrum(text: &str, name: &str) -> Result<Curve, String> {
         let fields = fields_of(style, line);
         let numbers: Vec<f64> = fields.iter().filter_map(|field| number_of(style, field)).collect();
         let (&[nm, value], 2) = (&numbers[..], fields.len()) else {
-            return Err(format!("line {number}: `{}` is not a wavelength in nm and a value", one_line(line)));
+            return Err(format!("line {number}: `{}` is not a wavelength in nm and a value", quoted(line)));
         };
         if nm < SHORTEST_NM {
             return Err(micrometres(number, nm));
@@ -120,7 +120,7 @@ fn style_of(text: &str) -> Result<Separator, String> {
     if line.contains(' ') && line.split(' ').any(inside) {
         return Err(format!(
             "line {number}: `{}`: is the comma a decimal point? Write points, or put ; between the columns",
-            one_line(line)
+            quoted(line)
         ));
     }
     Ok(Separator::Commas)
@@ -171,12 +171,12 @@ fn heading_of(fields: &[&str]) -> Result<ColumnHeader, String> {
             _ => {
                 return Err(format!(
                     "the column `{}` is not known; wavelength_nm or wavelength_um (wl: um), n and k are",
-                    one_line(field)
+                    quoted(field)
                 ));
             }
         };
         if heading.columns.contains(&column) {
-            return Err(format!("the column `{}` is there twice", one_line(field)));
+            return Err(format!("the column `{}` is there twice", quoted(field)));
         }
         if column == Column::Wavelength {
             let cut_off =
@@ -189,7 +189,7 @@ fn heading_of(fields: &[&str]) -> Result<ColumnHeader, String> {
     if known(Column::Wavelength) && (known(Column::N) || known(Column::K)) {
         Ok(heading)
     } else {
-        Err(format!("`{}` names no wavelength, or neither n nor k", one_line(&fields.join(","))))
+        Err(format!("`{}` names no wavelength, or neither n nor k", quoted(&fields.join(","))))
     }
 }
 

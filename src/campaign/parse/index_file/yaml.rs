@@ -5,7 +5,7 @@
 //! squared. Source: the database's own description of its formulae.
 
 use super::dispersion::{Curve, Dispersion, Points};
-use crate::campaign::parse::faults::one_line;
+use crate::campaign::parse::faults::quoted;
 
 /// Whether a text is such a file.
 pub(crate) fn looks_like(text: &str) -> bool {
@@ -37,7 +37,7 @@ pub(crate) fn parse(text: &str) -> Result<Dispersion, String> {
             other => {
                 return Err(at(format!(
                     "type `{}` is not read; tabulated nk, n and k and formula 1 and 2 are",
-                    one_line(other)
+                    quoted(other)
                 )));
             }
         };
@@ -81,7 +81,7 @@ fn entries(text: &str) -> Result<Vec<DataEntry<'_>>, String> {
             Some(("wavelength_range" | "range", range)) => entry.range = trimmed(range),
             Some(("coefficients", all)) => entry.coefficients = trimmed(all),
             Some(("data", _)) => {}
-            Some((key, _)) => return Err(format!("line {number}: the key `{}` is not known", one_line(key))),
+            Some((key, _)) => return Err(format!("line {number}: the key `{}` is not known", quoted(key))),
             None => entry.rows.push((number, bare)),
         }
     }
@@ -103,8 +103,7 @@ fn table(entry: &DataEntry, names: &[&str]) -> Result<Option<Curve>, String> {
     let mut points = Points::default();
     for &(line, row) in &entry.rows {
         let all = numbers(row).filter(|all| all.len() == columns);
-        let all =
-            all.ok_or_else(|| format!("line {line}: `{}` is no row of {}", one_line(row), entry.kind))?;
+        let all = all.ok_or_else(|| format!("line {line}: `{}` is no row of {}", quoted(row), entry.kind))?;
         points.push(line, 1e3 * all[0], names[0], all[at])?;
     }
     Ok(points.curve())
@@ -113,12 +112,11 @@ fn table(entry: &DataEntry, names: &[&str]) -> Result<Option<Curve>, String> {
 fn formula(entry: &DataEntry, pole: fn(f64) -> f64) -> Result<Curve, String> {
     let range =
         numbers(entry.range).filter(|range| range.len() == 2 && range[0] > 0.0 && range[0] < range[1]);
-    let range = range.ok_or_else(|| {
-        format!("wavelength_range `{}` is not two wavelengths in um", one_line(entry.range))
-    })?;
+    let range = range
+        .ok_or_else(|| format!("wavelength_range `{}` is not two wavelengths in um", quoted(entry.range)))?;
     let all = numbers(entry.coefficients).filter(|all| all.len() % 2 == 1 && all.len() <= 17);
     let all = all.ok_or_else(|| {
-        format!("coefficients `{}` are not one number and pairs of numbers", one_line(entry.coefficients))
+        format!("coefficients `{}` are not one number and pairs of numbers", quoted(entry.coefficients))
     })?;
     let terms = all[1..].chunks(2).map(|pair| (pair[0], pole(pair[1]))).collect();
     Ok(Curve::Sellmeier { first: all[0], terms, range: [1e3 * range[0], 1e3 * range[1]] })
