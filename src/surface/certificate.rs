@@ -53,29 +53,32 @@ impl Certificate {
     }
 
     fn scaled(field: &Heightfield, law: Option<SlopeLaw>, alpha: DVec2) -> Self {
-        let (mut slopes, heights) = facets(field);
-        slopes.iter_mut().for_each(|slope| *slope *= alpha);
-        let lengths: Vec<f64> = slopes.iter().map(|s| s.length()).collect();
-        let by_length = in_order(&lengths);
-        let mean_height = mean(&heights);
-        // Their squares have the same ranks.
-        let distances: Vec<f64> = heights.iter().map(|h| (h - mean_height).abs()).collect();
+        // Made anew for each question: a patch of many cells has room for few numbers a facet.
+        let slopes = || facets(field).map(|(slope, _)| slope * alpha);
+        let heights = || facets(field).map(|(_, height)| height);
+        let by_length = in_order(slopes().map(|slope| slope.length()));
+        let ks = law.map(|law| ks_distance(&by_length, |length| law.length_cdf(length)));
+        let median_slope = f64::from(by_length[by_length.len() / 2].0);
         let length_ranks = ranks(&by_length);
-        let centre = mean(field.heights());
-        let moment = |k: i32| mean_of(field.heights(), |h| (h - centre).powi(k));
+        drop(by_length);
+        let mean_height = mean(heights());
+        // Their squares have the same ranks.
+        let distances = heights().map(|height| (height - mean_height).abs());
+        let centre = mean(field.heights().iter().copied());
+        let moment = |k: i32| mean(field.heights().iter().map(|h| (h - centre).powi(k)));
         let variance = moment(2);
         let (low, high) = field.range();
         Certificate {
-            ks: law.map(|law| ks_distance(&by_length, |length| law.length_cdf(length))),
-            azimuth_histogram: azimuth_histogram(&slopes),
-            azimuth_harmonics: azimuth_harmonics(&slopes),
-            rank_correlation_height: correlation(&length_ranks, &ranks(&in_order(&heights))),
-            rank_correlation_height_squared: correlation(&length_ranks, &ranks(&in_order(&distances))),
+            ks,
+            azimuth_histogram: azimuth_histogram(slopes()),
+            azimuth_harmonics: azimuth_harmonics(slopes()),
+            rank_correlation_height: correlation(&length_ranks, &ranks(&in_order(heights()))),
+            rank_correlation_height_squared: correlation(&length_ranks, &ranks(&in_order(distances))),
             height_skewness: ratio(moment(3), variance.powf(1.5)),
             height_kurtosis: ratio(moment(4), variance * variance),
             height_range: high - low,
-            mean_slope: mean_of_slopes(&slopes),
-            median_slope: f64::from(by_length[by_length.len() / 2].0),
+            mean_slope: mean_slope(slopes()),
+            median_slope,
         }
     }
 
@@ -101,8 +104,7 @@ impl SlopeCounts {
 
     /// Counts the facets of a patch.
     pub fn add(&mut self, field: &Heightfield) {
-        for (x, y) in cells(field) {
-            let corners = field.corners(x, y);
+        for corners in cells(field) {
             for slope in [corners.lower_slope(), corners.upper_slope()] {
                 let below = self.law.length_cdf(slope.length());
                 self.counts[((below * SLOPE_BINS as f64) as usize).min(SLOPE_BINS - 1)] += 1;
@@ -134,29 +136,26 @@ impl SlopeCounts {
     }
 }
 
-fn cells(field: &Heightfield) -> impl Iterator<Item = (usize, usize)> {
-    let (columns, rows) = (field.cells_x(), field.cells_y());
-    (0..rows).flat_map(move |y| (0..columns).map(move |x| (x, y)))
+fn cells(field: &Heightfield) -> impl Iterator<Item = Corners> {
+    (0..field.cells_y()).flat_map(move |y| (0..field.cells_x()).map(move |x| field.corners(x, y)))
 }
 
 /// Slopes and mean heights of all facets.
-fn facets(field: &Heightfield) -> (Vec<DVec2>, Vec<f64>) {
-    let both = |c: Corners| {
+fn facets(field: &Heightfield) -> impl Iterator<Item = (DVec2, f64)> {
+    cells(field).flat_map(|c| {
         [(c.lower_slope(), (c.h00 + c.h10 + c.h01) / 3.0), (c.upper_slope(), (c.h11 + c.h10 + c.h01) / 3.0)]
-    };
-    cells(field).flat_map(|(x, y)| both(field.corners(x, y))).unzip()
+    })
 }
 
-fn mean(values: &[f64]) -> f64 {
-    mean_of(values, |v| v)
+/// Their mean; there is one at least.
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0u32), |(sum, count), value| (sum + value, count + 1));
+    sum / f64::from(count)
 }
 
-fn mean_of(values: &[f64], f: impl Fn(f64) -> f64) -> f64 {
-    values.iter().map(|&v| f(v)).sum::<f64>() / values.len() as f64
-}
-
-fn mean_of_slopes(slopes: &[DVec2]) -> [f64; 2] {
-    (slopes.iter().sum::<DVec2>() / slopes.len() as f64).to_array()
+fn mean_slope(slopes: impl Iterator<Item = DVec2>) -> [f64; 2] {
+    let (sum, count) = slopes.fold((DVec2::ZERO, 0u32), |(sum, count), slope| (sum + slope, count + 1));
+    (sum / f64::from(count)).to_array()
 }
 
 /// `a / b`, 0 where a flat patch makes both 0.
@@ -165,8 +164,8 @@ fn ratio(a: f64, b: f64) -> f64 {
 }
 
 /// Values in f32, each with its place, the smallest first: a part in 1e7 of a value is no matter of its law or rank.
-fn in_order(values: &[f64]) -> Vec<(f32, u32)> {
-    let mut order: Vec<(f32, u32)> = values.iter().enumerate().map(|(i, &v)| (v as f32, i as u32)).collect();
+fn in_order(values: impl Iterator<Item = f64>) -> Vec<(f32, u32)> {
+    let mut order: Vec<(f32, u32)> = (0..).zip(values).map(|(place, value)| (value as f32, place)).collect();
     radsort::sort_by_key(&mut order, |&(value, _)| value);
     order
 }
@@ -181,26 +180,27 @@ fn ks_distance(order: &[(f32, u32)], cdf: impl Fn(f64) -> f64) -> f64 {
     order.iter().enumerate().map(distance).fold(0.0, f64::max)
 }
 
-/// Rank of each value, 0 for the smallest; equal values share the mean of their ranks.
-fn ranks(order: &[(f32, u32)]) -> Vec<f64> {
-    let mut ranks = vec![0.0; order.len()];
+/// Twice the rank of each value, 0 for the smallest; equal values share the mean of their ranks.
+fn ranks(order: &[(f32, u32)]) -> Vec<u32> {
+    let mut ranks = vec![0; order.len()];
     let mut first = 0;
     for equal in order.chunk_by(|a, b| a.0 == b.0) {
-        let rank = first as f64 + 0.5 * (equal.len() - 1) as f64;
+        let twice = 2 * first + equal.len() as u32 - 1;
         for (_, index) in equal {
-            ranks[*index as usize] = rank;
+            ranks[*index as usize] = twice;
         }
-        first += equal.len();
+        first += equal.len() as u32;
     }
     ranks
 }
 
-/// Pearson's correlation; of ranks it is Spearman's.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let (mean_a, mean_b) = (mean(a), mean(b));
+/// Spearman's correlation, from ranks or equal multiples of them.
+fn correlation(a: &[u32], b: &[u32]) -> f64 {
+    // The same numbers in another order.
+    let middle = mean(a.iter().map(|&rank| f64::from(rank)));
     let (mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0);
-    for (x, y) in a.iter().zip(b) {
-        let (dx, dy) = (x - mean_a, y - mean_b);
+    for (&x, &y) in a.iter().zip(b) {
+        let (dx, dy) = (f64::from(x) - middle, f64::from(y) - middle);
         aa += dx * dx;
         bb += dy * dy;
         ab += dx * dy;
@@ -208,25 +208,37 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     ratio(ab, (aa * bb).sqrt())
 }
 
-fn azimuth_histogram(slopes: &[DVec2]) -> Vec<f64> {
+fn azimuth_histogram(slopes: impl Iterator<Item = DVec2>) -> Vec<f64> {
+    const QUARTER: usize = AZIMUTH_BINS / 4;
+    let edges: [f64; QUARTER - 1] =
+        std::array::from_fn(|k| (TAU * (k + 1) as f64 / AZIMUTH_BINS as f64).tan());
     let mut counts = [0u64; AZIMUTH_BINS];
     for slope in slopes {
-        let turn = (slope.y.atan2(slope.x) / TAU).rem_euclid(1.0);
-        counts[((turn * AZIMUTH_BINS as f64) as usize).min(AZIMUTH_BINS - 1)] += 1;
+        // Turned into the first quarter, where the edges are told by their slopes.
+        let (quarter, along, across) = match slope {
+            DVec2 { x, y } if x <= 0.0 && y > 0.0 => (1, y, -x),
+            DVec2 { x, y } if x < 0.0 => (2, -x, -y),
+            DVec2 { x, y } if y < 0.0 => (3, -y, x),
+            DVec2 { x, y } => (0, x, y),
+        };
+        let passed: usize = edges.iter().map(|edge| usize::from(across > edge * along)).sum();
+        counts[quarter * QUARTER + passed] += 1;
     }
-    let mean = slopes.len() as f64 / AZIMUTH_BINS as f64;
-    counts.iter().map(|&c| c as f64 / mean).collect()
+    let all: u64 = counts.iter().sum();
+    let mean = all as f64 / AZIMUTH_BINS as f64;
+    counts.iter().map(|&count| count as f64 / mean).collect()
 }
 
 /// Means of (cos k psi, sin k psi), k = 1, 2, without any trigonometry: powers of the unit slope as a complex number.
-fn azimuth_harmonics(slopes: &[DVec2]) -> [[f64; 2]; 2] {
-    let (mut first, mut second) = (DVec2::ZERO, DVec2::ZERO);
+fn azimuth_harmonics(slopes: impl Iterator<Item = DVec2>) -> [[f64; 2]; 2] {
+    let (mut first, mut second, mut count) = (DVec2::ZERO, DVec2::ZERO, 0u32);
     for slope in slopes {
         let unit = slope.normalize_or_zero();
         first += unit;
         second += DVec2::new(unit.x * unit.x - unit.y * unit.y, 2.0 * unit.x * unit.y);
+        count += 1;
     }
-    let n = slopes.len() as f64;
+    let n = f64::from(count);
     [(first / n).to_array(), (second / n).to_array()]
 }
 
@@ -240,6 +252,24 @@ mod tests {
     }
 
     #[test]
+    fn a_slope_is_counted_where_its_azimuth_is() {
+        let counted = |slope: DVec2| {
+            let shares = azimuth_histogram(std::iter::once(slope));
+            shares.iter().position(|&share| share > 0.0).expect("counted")
+        };
+        for bin in 0..AZIMUTH_BINS {
+            for within in [0.01, 0.5, 0.99] {
+                let azimuth = TAU * (bin as f64 + within) / AZIMUTH_BINS as f64;
+                assert_eq!(counted(3.0 * DVec2::from_angle(azimuth)), bin);
+            }
+        }
+        // On the axes the next bin begins; what has no azimuth is in the first one.
+        let axes = [(1.0, 0.0), (0.0, 2.0), (-1.0, 0.0), (-1.0, -0.0), (0.0, -2.0), (-0.0, -2.0), (0.0, 0.0)];
+        let found = axes.map(|(x, y)| counted(DVec2::new(x, y)));
+        assert_eq!(found, [0, 9, 18, 18, 27, 27, 0]);
+    }
+
+    #[test]
     fn pooled_counts_give_the_distance_of_all_facets() {
         for law in [SlopeLaw::Ggx, SlopeLaw::Beckmann] {
             let one = |phase: f64| {
@@ -249,9 +279,9 @@ mod tests {
             };
             let mut both = one(0.3);
             both.merge(&one(7.0));
-            let lengths = |phase: f64| facets(&field(phase)).0.into_iter().map(|slope| slope.length());
-            let all: Vec<f64> = lengths(0.3).chain(lengths(7.0)).collect();
-            let exact = ks_distance(&in_order(&all), |length| law.length_cdf(length));
+            let fields = [field(0.3), field(7.0)];
+            let lengths = fields.iter().flat_map(facets).map(|(slope, _)| slope.length());
+            let exact = ks_distance(&in_order(lengths), |length| law.length_cdf(length));
             let pooled = both.ks().expect("there are facets");
             // Lengths are rounded to 6e-8 of themselves, where at most 0.6 of the law lies in a unit of their logarithm.
             assert!(pooled <= exact + 1e-7 && pooled >= exact - 1e-4, "{law:?}: {pooled}, exactly {exact}");
