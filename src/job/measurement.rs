@@ -295,7 +295,7 @@ impl<'a> Measurement<'a> {
         }
         let found = resume::find(kept, self.resume, self.force, self.watcher)?;
         found.check(&self.campaign, Some(shard), &self.source)?;
-        let (measured, _) = self.of(&self.campaign, &plan, kept).measure(found)?;
+        let (measured, _) = self.of(&self.campaign, &plan, kept).measure(found, &|_| ())?;
         kept.remove()?;
         let cost = measured.cost(&plan);
         Ok(Written::Shard {

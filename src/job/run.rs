@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, OnceLock};
 
 use super::paths::TablePaths;
 use super::tables::{TableWriting, realisations_fit};
@@ -9,8 +10,10 @@ use super::watcher::Watcher;
 use crate::campaign::Campaign;
 use crate::error::Result;
 use crate::files;
-use crate::measure::{Disk, MeasuredRun, Pace, PartsRun, Patches, Plan, ResumableRun, RunFiles, Session};
-use crate::report::html::specimen;
+use crate::measure::{
+    Disk, MeasuredRun, Pace, PartsRun, Patches, Plan, ResumableRun, RunFiles, Session, Specimen,
+};
+use crate::report::html::specimen::{self, PatchFacts, PatchPicture};
 
 /// What is measured in one run, and how.
 pub(super) struct Run<'a> {
@@ -30,7 +33,12 @@ static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Run<'_> {
     /// Measures what is missing, after what was found.
-    pub fn measure(&self, found: ResumableRun) -> Result<(MeasuredRun, Patches)> {
+    /// `first` is called with the first realisation's specimen when it is made.
+    pub fn measure(
+        &self,
+        found: ResumableRun,
+        first: &(dyn Fn(&Specimen) + Sync),
+    ) -> Result<(MeasuredRun, Patches)> {
         let Run { campaign, plan, files, watcher, .. } = *self;
         let number = found.under_way.as_ref().map_or(0, |checkpoint| checkpoint.kept.header.number);
         let newest = found.headers().next().map(|(path, _)| path.to_path_buf());
@@ -43,6 +51,7 @@ impl Run<'_> {
         let session = Session {
             progress: &|samples| watcher.samples(samples),
             stage: &|text| watcher.stage(text),
+            first,
             note: &|text| watcher.warn(&text),
             interrupted: watcher.interrupted().unwrap_or(&NEVER),
             checkpoint: Some((&files.checkpoint, number)),
@@ -56,11 +65,22 @@ impl Run<'_> {
 
     /// Measures all incidences, and writes their tables, in bands where these do not fit the memory.
     pub fn measure_and_write(&self, found: ResumableRun, open: &[&TablePaths]) -> Result<()> {
-        let (mut run, patches) = self.measure(found)?;
+        // Of several roughnesses all pages show the same heights, and making them again would take longer than all else
+        // of a page.
+        let first = OnceLock::new();
+        let look = |specimen: &Specimen| {
+            if let Specimen::Patch(patch) = specimen {
+                first.get_or_init(|| Arc::new(PatchFacts::of(patch, self.campaign)));
+            }
+        };
+        let (mut run, patches) = self.measure(found, &look)?;
         let Run { campaign, plan, memory, realisations_limit, watcher, .. } = *self;
         TableWriting { plan, open, memory, realisations_limit, watcher }.write(
             |band| run.tables(campaign, plan, band),
-            |table| specimen::of_patches(&patches, &table.campaign),
+            |table| match first.get() {
+                Some(facts) => Ok(Ok(PatchPicture::of(Arc::clone(facts), &table.campaign))),
+                None => specimen::of_patches(&patches, &table.campaign),
+            },
         )
     }
 

@@ -161,7 +161,13 @@ impl RunRounds<'_> {
         let clock = Instant::now();
         let made = realisations.par_iter().map(|&k| self.patches.realisation(k));
         let made = made.collect::<Result<Vec<Specimen>>>()?;
-        let digests: Vec<_> = made.par_iter().map(Specimen::digest).collect();
+        let digest = |(&k, made): (&u64, &Specimen)| {
+            if k == 0 {
+                (self.context.session.first)(made);
+            }
+            made.digest()
+        };
+        let digests: Vec<_> = realisations.par_iter().zip(&made).map(digest).collect();
         for (&k, digest) in realisations.iter().zip(digests) {
             self.context.note_digest(k, digest)?;
         }

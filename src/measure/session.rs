@@ -6,6 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::cost::{Cost, cpu_seconds};
+use super::patches::specimen::Specimen;
 use super::persist::checkpoint::Checkpoint;
 use super::persist::run_state::RunState;
 use super::plan::Plan;
@@ -69,6 +70,8 @@ pub struct Session<'a> {
     pub progress: &'a (dyn Fn(u64) + Sync),
     /// Called with what is done now besides tracing, as `making patches 3 to 4 of 16`; empty: nothing.
     pub stage: &'a (dyn Fn(&str) + Sync),
+    /// Called with the first realisation's specimen when it is made.
+    pub first: &'a (dyn Fn(&Specimen) + Sync),
     /// Called with what the user should know.
     pub note: &'a (dyn Fn(String) + Sync),
     /// Once this is set, no further blocks are begun, and running ones finished if they are short.
@@ -90,6 +93,7 @@ impl<'a> Session<'a> {
         Session {
             progress,
             stage: &|_| (),
+            first: &|_| (),
             note: &|_| (),
             interrupted: &NEVER,
             checkpoint: None,

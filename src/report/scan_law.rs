@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::html::quantiles::SlopeQuantiles;
 use super::html::render::plain_page;
 use super::html::sections::{figures_of, scrolled};
+use super::html::specimen::quantiles::SlopeQuantiles;
 use super::plot::plots::spread;
 use super::plot::{
     Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, escaped, model_style, series_style,

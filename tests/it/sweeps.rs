@@ -67,6 +67,10 @@ fn a_sweep_has_its_figures_in_one_file() {
     let netcdf = fs::read(at.join("out/small/small.sweep.nc")).expect("written");
     let title = |name: &str| netcdf_of(&fs::read(at.join(name)).expect("written")).1;
     assert_eq!(title("again.nc"), netcdf_of(&netcdf).1);
+    // All pages show the heights that were there while the first patch was measured: the last one as if it were alone.
+    exits(&gonio(at, &["report", &tables[2], "-o", "alone.html"]), 0);
+    let page = |name: &str| fs::read_to_string(at.join(name)).expect("written");
+    assert!(page("alone.html") == page("out/small/small_alpha_0.3.html"), "another page than the run's");
     let why = gonio(at, &words);
     exits(&why, 2);
     assert!(stderr(&why).contains("-o FILE.html, or FILE.csv or FILE.nc"), "{}", stderr(&why));

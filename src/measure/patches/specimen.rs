@@ -75,6 +75,11 @@ pub fn grains_of(fields: &[(f64, GrainField)], alpha: Option<Alpha>) -> &GrainFi
     &of_table.unwrap_or(&fields[0]).1
 }
 
+/// World slope per canonical slope: the surface's own, else that of a campaign's `alpha`.
+pub fn world_slope(own: Option<DVec2>, alpha: Option<Alpha>) -> DVec2 {
+    own.unwrap_or_else(|| alpha.map_or(DVec2::ONE, |alpha| DVec2::new(alpha.x, alpha.y)))
+}
+
 impl Patch {
     /// Grains as heights of `cells` x `cells` cells.
     pub fn of_grains(grains: &GrainField, cells: usize) -> Self {
@@ -84,7 +89,7 @@ impl Patch {
 
     /// World slope per canonical slope, with the campaign's `alpha` where the surface has none of its own.
     pub fn alpha(&self, alpha: Option<Alpha>) -> DVec2 {
-        self.own_alpha.unwrap_or_else(|| alpha.map_or(DVec2::ONE, |alpha| DVec2::new(alpha.x, alpha.y)))
+        world_slope(self.own_alpha, alpha)
     }
 
     /// SHA-256 over the heights, little-endian f64 bits, row by row.

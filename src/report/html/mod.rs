@@ -5,8 +5,6 @@ pub(crate) mod figures;
 pub(crate) mod head;
 pub mod inline;
 pub mod page;
-pub mod quantiles;
-mod relief;
 pub mod render;
 pub(crate) mod sections;
 pub(crate) mod shown;

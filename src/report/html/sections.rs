@@ -71,7 +71,7 @@ pub fn specimen(page: &Page) -> String {
         Ok(specimen) => specimen,
         Err(why) => return format!("<p id=\"no-patch\">{}</p>", escaped(why)),
     };
-    let c = &specimen.certificate;
+    let c = &specimen.facts.certificate;
     let (least, most) = c.azimuth_extremes();
     let rows = [
         (
@@ -85,13 +85,13 @@ pub fn specimen(page: &Page) -> String {
             "skewness and kurtosis of the heights",
             format!("{:.3}, {:.3}", c.height_skewness, c.height_kurtosis),
         ),
-        if specimen.of_map {
+        if specimen.facts.of_map {
             ("lowest to highest, unit of the map", format!("{:.4e}", c.height_range))
         } else {
             ("lowest to highest, cells (alpha = 1)", format!("{:.2}", c.height_range))
         },
         (
-            if specimen.of_map { "median slope" } else { "median slope, units of alpha" },
+            if specimen.facts.of_map { "median slope" } else { "median slope, units of alpha" },
             format!("{:.4}", c.median_slope),
         ),
     ];

@@ -1,29 +1,35 @@
 //! What lay on the stage, for the eye: a shaded piece of the first patch and its slopes against their law.
 
+mod facts;
+pub mod quantiles;
+mod relief;
+
+use std::sync::Arc;
+
 use glam::DVec2;
 
-use super::quantiles::{self, SlopeQuantiles};
-use super::relief::Relief;
+pub use facts::PatchFacts;
+
+use facts::{MOST_CELLS, SLOPE_BINS};
+use relief::Relief;
+
 use crate::campaign::{Campaign, SurfaceKind};
 use crate::error::Result;
 use crate::measure;
-use crate::measure::patches::specimen::grains_of;
+use crate::measure::patches::specimen::{grains_of, world_slope};
 use crate::measure::{Patch, Patches};
 use crate::report::plot::{Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style};
-use crate::surface::{Certificate, Heightfield, SlopeLaw};
+use crate::surface::Heightfield;
 
-/// Cells along the longer side of the picture at most.
-const MOST_CELLS: f64 = 224.0;
 const FEWEST_CELLS: usize = 24;
 /// Median slope that the picture is drawn with: the true one would show nothing, or nothing but shadow.
 const SHOWN_SLOPE: f64 = 0.45;
-/// Bins of the slope histogram, and their end in median slopes.
-const SLOPE_BINS: usize = 40;
-const LONGEST: f64 = 4.0;
 
-/// The first patch, ready to be shown.
+/// The first patch, ready to be shown under the roughness of a table.
 #[derive(Debug, Clone)]
 pub struct PatchPicture {
+    /// What is the same under every roughness.
+    pub facts: Arc<PatchFacts>,
     /// Columns and rows of the picture, in cells.
     pub cells: [usize; 2],
     /// Width of a cell over its height: 1/alpha_x to 1/alpha_y.
@@ -32,14 +38,6 @@ pub struct PatchPicture {
     pub shades: Vec<u8>,
     /// Its heights.
     pub relief: Relief,
-    /// What the patch really has.
-    pub certificate: Certificate,
-    /// Whether slopes are ratios of lengths, as those of a measured map are, and heights in the map's unit.
-    pub of_map: bool,
-    law: Option<SlopeLaw>,
-    histogram: Vec<f64>,
-    quantiles: Vec<SlopeQuantiles>,
-    longest: f64,
 }
 
 /// The specimen, or why there is none.
@@ -47,11 +45,12 @@ pub type ShownSpecimen = std::result::Result<PatchPicture, String>;
 
 /// The first patch of a campaign, made from its seed (or read from where its patches lie).
 pub fn of_patches(patches: &Patches, campaign: &Campaign) -> Result<ShownSpecimen> {
+    let picture = |patch: &Patch| PatchPicture::of(PatchFacts::of(patch, campaign).into(), campaign);
     Ok(match patches.realisation(0)? {
-        measure::Specimen::Patch(patch) => Ok(PatchPicture::of(&patch, campaign)),
+        measure::Specimen::Patch(patch) => Ok(picture(&patch)),
         measure::Specimen::Grains(fields) => {
             let grains = grains_of(&fields, campaign.alphas().first().copied().flatten());
-            Ok(PatchPicture::of(&Patch::of_grains(grains, campaign.surface.cells as usize), campaign))
+            Ok(picture(&Patch::of_grains(grains, campaign.surface.cells as usize)))
         }
         measure::Specimen::Statistical { .. } => {
             Err("A statistical Smith surface has no heights: there is no patch to show.".into())
@@ -71,55 +70,33 @@ pub fn remade(campaign: &Campaign) -> Result<ShownSpecimen> {
 
 impl PatchPicture {
     /// A patch as its campaign's roughness makes it.
-    pub fn of(patch: &Patch, campaign: &Campaign) -> Self {
-        let alpha = patch.alpha(campaign.alphas().first().copied().flatten());
-        let grains = campaign.surface.kind.explicit_grains().and_then(|grains| grains.alphas[0].coverage);
-        let law = grains.map(|coverage| SlopeLaw::Grains { coverage }).or_else(|| Patches::law(campaign));
-        let of_map = matches!(campaign.surface.kind, SurfaceKind::File(_));
-        // Slopes as they are shown, and what is left of the canonical ones' alpha for the picture.
-        let (shown, left) = if of_map { (alpha, DVec2::ONE) } else { (DVec2::ONE, alpha) };
-        let certificate = match law {
-            None if of_map => Certificate::of_map(&patch.field, alpha),
-            law => Certificate::of(&patch.field, law),
-        };
-        let cells = piece(&patch.field, alpha.x / alpha.y);
-        // Of grains, the median without the plane is that of half-spheres.
-        let median = if grains.is_some() { 1.0 } else { certificate.median_slope };
-        let scale = SHOWN_SLOPE / (median.max(1e-9) * (left.x * left.y).sqrt());
-        let shades = shades(&patch.field, cells, [alpha.x * scale, alpha.y * scale]);
-        let longest = LONGEST * if median > 0.0 { median } else { 1.0 };
-        let histogram = histogram(&patch.field, shown, longest);
+    pub fn of(facts: Arc<PatchFacts>, campaign: &Campaign) -> Self {
+        let alpha = world_slope(facts.own_alpha, campaign.alphas().first().copied().flatten());
+        // What of it the median does not have yet.
+        let left = if facts.of_map { DVec2::ONE } else { alpha };
+        let cells = piece(&facts.corner, alpha.x / alpha.y);
+        let scale = SHOWN_SLOPE / (facts.median.max(1e-9) * (left.x * left.y).sqrt());
+        let shades = shades(&facts.corner, cells, [alpha.x * scale, alpha.y * scale]);
         let pitch_um = match &campaign.surface.kind {
             SurfaceKind::File(map) => map.pitch_x_um,
             SurfaceKind::Psd(psd) => Some(psd.pitch_um),
             _ => campaign.scale.pitch_um,
         };
-        let relief = Relief::new(&patch.field, cells, alpha.x, scale, pitch_um);
-        let quantiles = law.map_or(Vec::new(), |law| quantiles::of(&patch.field, law));
-        PatchPicture {
-            cells,
-            aspect: alpha.y / alpha.x,
-            shades,
-            relief,
-            quantiles,
-            certificate,
-            of_map,
-            law,
-            histogram,
-            longest,
-        }
+        let relief = Relief::new(&facts.corner, cells, alpha.x, scale, pitch_um);
+        PatchPicture { cells, aspect: alpha.y / alpha.x, shades, relief, facts }
     }
 
     /// Share of the facets per unit of slope length, and the same of the law, bin by bin.
     pub fn slopes(&self) -> Chart {
-        let width = self.longest / SLOPE_BINS as f64;
+        let PatchFacts { histogram, longest, law, of_map, .. } = &*self.facts;
+        let width = longest / SLOPE_BINS as f64;
         let middle = |bin: usize| (bin as f64 + 0.5) * width;
-        let points = self.histogram.iter().enumerate().map(|(bin, share)| [middle(bin), share / width]);
+        let points = histogram.iter().enumerate().map(|(bin, share)| [middle(bin), share / width]);
         let points: Vec<[f64; 2]> = points.collect();
         let mut highest = points.iter().map(|point| point[1]).fold(0.0, f64::max);
         let style = SeriesStyle { marker: Marker::Ring, line: false, ..MEASURED };
         let mut series = vec![Series::new("facets of patch 0", points, style)];
-        if let Some(law) = self.law {
+        if let Some(law) = law {
             let share = |bin: usize| {
                 let [low, high] = [bin as f64 * width, (bin + 1) as f64 * width];
                 [middle(bin), (law.length_cdf(high) - law.length_cdf(low)) / width]
@@ -132,8 +109,8 @@ impl PatchPicture {
         Chart {
             title: "Slopes of the patch".into(),
             x: ChartAxis::linear(
-                if self.of_map { "slope" } else { "slope length, units of alpha" },
-                [0.0, self.longest],
+                if *of_map { "slope" } else { "slope length, units of alpha" },
+                [0.0, *longest],
             ),
             y: ChartAxis::linear("density", [0.0, (1.08 * highest).max(1e-6)]),
             series,
@@ -144,13 +121,13 @@ impl PatchPicture {
 impl PatchPicture {
     /// Quantiles of the slopes against the law's, where one is wanted.
     pub fn quantiles(&self) -> Option<Chart> {
-        quantiles::chart(&self.quantiles)
+        quantiles::chart(&self.facts.quantiles)
     }
 }
 
 /// Cells along x and y that make a square piece of the world, as far as the patch has them.
 fn piece(field: &Heightfield, x_over_y: f64) -> [usize; 2] {
-    let [most_x, most_y] = [MOST_CELLS * x_over_y.min(1.0), MOST_CELLS / x_over_y.max(1.0)];
+    let [most_x, most_y] = [x_over_y.min(1.0), 1.0 / x_over_y.max(1.0)].map(|part| MOST_CELLS as f64 * part);
     let cells = |most: f64, there: usize| (most.round() as usize).max(FEWEST_CELLS).min(there);
     [cells(most_x, field.cells_x()), cells(most_y, field.cells_y())]
 }
@@ -166,37 +143,9 @@ fn shades(field: &Heightfield, [columns, rows]: [usize; 2], scale: [f64; 2]) -> 
     (0..rows).rev().flat_map(|y| (0..columns).map(move |x| shade(x, y))).collect()
 }
 
-/// Share of all facets by slope length; longer ones are in no bin. `alpha`: slope of one unit of height a cell.
-fn histogram(field: &Heightfield, alpha: DVec2, longest: f64) -> Vec<f64> {
-    let mut counts = vec![0u64; SLOPE_BINS];
-    for y in 0..field.cells_y() {
-        for x in 0..field.cells_x() {
-            let corners = field.corners(x, y);
-            for slope in [corners.lower_slope(), corners.upper_slope()] {
-                if let Some(count) =
-                    counts.get_mut(((slope * alpha).length() / longest * SLOPE_BINS as f64) as usize)
-                {
-                    *count += 1;
-                }
-            }
-        }
-    }
-    let facets = 2.0 * (field.cells_x() * field.cells_y()) as f64;
-    counts.into_iter().map(|count| count as f64 / facets).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Ridges along y of slope +-1: every facet has slope length 1.
-    #[test]
-    fn the_histogram_counts_every_facet_once() {
-        let field = Heightfield::new(8, 8, true, (0..64).map(|i| f64::from(i % 2)).collect());
-        let shares = histogram(&field, DVec2::ONE, 4.0);
-        // Slope 1 is the lower edge of bin 10 of 40 up to 4.
-        assert_eq!((shares[10], shares.iter().sum::<f64>()), (1.0, 1.0));
-    }
 
     #[test]
     fn a_brushed_piece_is_square_in_the_world() {
