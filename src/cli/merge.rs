@@ -15,7 +15,7 @@ use crate::files::lock::Lock;
 use crate::job::{self, SweepPaths, TablePaths, TableWriting, Watcher, paths};
 use crate::measure::persist::shards;
 use crate::measure::{self, Disk, Merge, Part, Shards};
-use crate::report::html::specimen;
+use crate::report::html::specimen::FirstPatch;
 use crate::table::realisations;
 
 /// Put the shards of a campaign together: the very bytes of one run
@@ -82,8 +82,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     job::realisations_fit(Disk::of(&campaign, merge.plan(), realisations_limit), memory)?;
     let writing =
         TableWriting { plan: merge.plan(), open: &open, memory, realisations_limit, watcher: &terminal };
-    writing
-        .write(|incidences| merge.tables(&campaign, incidences), |table| specimen::remade(&table.campaign))?;
+    let first = FirstPatch::default();
+    writing.write(|incidences| merge.tables(&campaign, incidences), |table| first.remade(&table.campaign))?;
     if let Some(sweep) = SweepPaths::of(&campaign.name, &folder, &all) {
         if !arguments.force {
             sweep.spare_foreign()?;

@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::files::{self, STANDARD};
 use crate::job::paths;
 use crate::report;
-use crate::report::html::specimen;
+use crate::report::html::specimen::FirstPatch;
 use crate::report::summary::SCHEMA;
 use crate::report::sweep::{CSV_MARK, NETCDF_MARK, ParameterSweep, SweptTable};
 use crate::report::{Facts, IncidenceSummary, Page, Summary};
@@ -254,7 +254,8 @@ fn page_of(
     benches: &[BenchAnswer],
 ) -> Result<String> {
     let _shown = Stage::begin("making the page");
-    let specimen = campaign.map_or(Ok(Err(NO_CAMPAIGN.into())), specimen::remade)?;
+    let specimen =
+        campaign.map_or(Ok(Err(NO_CAMPAIGN.into())), |campaign| FirstPatch::default().remade(campaign))?;
     let look = report::html::appearance::shown(table, parts);
     let page = Page::of(table, campaign, prediction, summary, specimen);
     Ok(report::page(&Page { benches, appearance: look.as_ref(), ..page }))

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, OnceLock};
 
 use super::paths::TablePaths;
 use super::tables::{TableWriting, realisations_fit};
@@ -13,7 +12,7 @@ use crate::files;
 use crate::measure::{
     Disk, MeasuredRun, Pace, PartsRun, Patches, Plan, ResumableRun, RunFiles, Session, Specimen,
 };
-use crate::report::html::specimen::{self, PatchFacts, PatchPicture};
+use crate::report::html::specimen::FirstPatch;
 
 /// What is measured in one run, and how.
 pub(super) struct Run<'a> {
@@ -65,23 +64,11 @@ impl Run<'_> {
 
     /// Measures all incidences, and writes their tables, in bands where these do not fit the memory.
     pub fn measure_and_write(&self, found: ResumableRun, open: &[&TablePaths]) -> Result<()> {
-        // Of several roughnesses all pages show the same heights, and making them again would take longer than all else
-        // of a page.
-        let first = OnceLock::new();
-        let look = |specimen: &Specimen| {
-            if let Specimen::Patch(patch) = specimen {
-                first.get_or_init(|| Arc::new(PatchFacts::of(patch, self.campaign)));
-            }
-        };
-        let (mut run, patches) = self.measure(found, &look)?;
+        let first = FirstPatch::default();
+        let (mut run, patches) = self.measure(found, &|specimen| first.look(specimen, self.campaign))?;
         let Run { campaign, plan, memory, realisations_limit, watcher, .. } = *self;
-        TableWriting { plan, open, memory, realisations_limit, watcher }.write(
-            |band| run.tables(campaign, plan, band),
-            |table| match first.get() {
-                Some(facts) => Ok(Ok(PatchPicture::of(Arc::clone(facts), &table.campaign))),
-                None => specimen::of_patches(&patches, &table.campaign),
-            },
-        )
+        TableWriting { plan, open, memory, realisations_limit, watcher }
+            .write(|band| run.tables(campaign, plan, band), |table| first.shown(&patches, &table.campaign))
     }
 
     /// The patches, with what is to be said of the campaign before it runs.

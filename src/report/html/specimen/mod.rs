@@ -4,7 +4,7 @@ mod facts;
 pub mod quantiles;
 mod relief;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec2;
 
@@ -15,9 +15,8 @@ use relief::Relief;
 
 use crate::campaign::{Campaign, SurfaceKind};
 use crate::error::Result;
-use crate::measure;
 use crate::measure::patches::specimen::{grains_of, world_slope};
-use crate::measure::{Patch, Patches};
+use crate::measure::{Patch, Patches, Specimen};
 use crate::report::plot::{Chart, ChartAxis, MEASURED, Marker, Series, SeriesStyle, model_style};
 use crate::surface::Heightfield;
 
@@ -43,28 +42,52 @@ pub struct PatchPicture {
 /// The specimen, or why there is none.
 pub type ShownSpecimen = std::result::Result<PatchPicture, String>;
 
-/// The first patch of a campaign, made from its seed (or read from where its patches lie).
-pub fn of_patches(patches: &Patches, campaign: &Campaign) -> Result<ShownSpecimen> {
-    let picture = |patch: &Patch| PatchPicture::of(PatchFacts::of(patch, campaign).into(), campaign);
-    Ok(match patches.realisation(0)? {
-        measure::Specimen::Patch(patch) => Ok(picture(&patch)),
-        measure::Specimen::Grains(fields) => {
-            let grains = grains_of(&fields, campaign.alphas().first().copied().flatten());
-            Ok(picture(&Patch::of_grains(grains, campaign.surface.cells as usize)))
-        }
-        measure::Specimen::Statistical { .. } => {
-            Err("A statistical Smith surface has no heights: there is no patch to show.".into())
-        }
-    })
-}
+/// The first patch of a run, for the pages of all its tables: those of several roughnesses show the same heights, and making
+/// these again would take longer than all else of a page.
+#[derive(Debug, Default)]
+pub struct FirstPatch(OnceLock<Arc<PatchFacts>>);
 
-/// The first patch, made anew from campaign and seed alone where the surface follows from them.
-pub fn remade(campaign: &Campaign) -> Result<ShownSpecimen> {
-    match &campaign.surface.kind {
-        SurfaceKind::File(map) if !map.resolved_path.is_file() => {
-            Ok(Err(format!("The surface is the height map {}, which is not here.", map.path)))
+impl FirstPatch {
+    /// Looks at the first specimen of a campaign while it is there. Grains and laws are made again in no time.
+    pub fn look(&self, specimen: &Specimen, campaign: &Campaign) {
+        if let Specimen::Patch(patch) = specimen {
+            self.0.get_or_init(|| Arc::new(PatchFacts::of(patch, campaign)));
         }
-        _ => of_patches(&Patches::prepare(campaign, &mut Vec::new())?, campaign),
+    }
+
+    /// What a table's page shows; what was not looked at is made from its seed (or read from where the patches lie).
+    pub fn shown(&self, patches: &Patches, campaign: &Campaign) -> Result<ShownSpecimen> {
+        if let Some(picture) = self.looked_at(campaign) {
+            return Ok(Ok(picture));
+        }
+        let specimen = patches.realisation(0)?;
+        self.look(&specimen, campaign);
+        let picture = match specimen {
+            Specimen::Patch(_) => self.looked_at(campaign),
+            Specimen::Grains(fields) => {
+                let grains = grains_of(&fields, campaign.alphas().first().copied().flatten());
+                let patch = Patch::of_grains(grains, campaign.surface.cells as usize);
+                Some(PatchPicture::of(PatchFacts::of(&patch, campaign).into(), campaign))
+            }
+            Specimen::Statistical { .. } => None,
+        };
+        let why = "A statistical Smith surface has no heights: there is no patch to show.";
+        Ok(picture.ok_or(why.into()))
+    }
+
+    fn looked_at(&self, campaign: &Campaign) -> Option<PatchPicture> {
+        self.0.get().map(|facts| PatchPicture::of(Arc::clone(facts), campaign))
+    }
+
+    /// The same where campaign and seed are all there is.
+    pub fn remade(&self, campaign: &Campaign) -> Result<ShownSpecimen> {
+        match (self.looked_at(campaign), &campaign.surface.kind) {
+            (Some(picture), _) => Ok(Ok(picture)),
+            (None, SurfaceKind::File(map)) if !map.resolved_path.is_file() => {
+                Ok(Err(format!("The surface is the height map {}, which is not here.", map.path)))
+            }
+            (None, _) => self.shown(&Patches::prepare(campaign, &mut Vec::new())?, campaign),
+        }
     }
 }
 
