@@ -31,12 +31,11 @@ pub(super) struct Run<'a> {
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Run<'_> {
-    /// Measures what is missing, after what was found.
-    /// `first` is called with the first realisation's specimen when it is made.
+    /// Measures what is missing, after what was found; `first_specimen` is called as [`Session`]'s.
     pub fn measure(
         &self,
         found: ResumableRun,
-        first: &(dyn Fn(&Specimen) + Sync),
+        first_specimen: &(dyn Fn(&Specimen) + Sync),
     ) -> Result<(MeasuredRun, Patches)> {
         let Run { campaign, plan, files, watcher, .. } = *self;
         let number = found.under_way.as_ref().map_or(0, |checkpoint| checkpoint.kept.header.number);
@@ -50,7 +49,7 @@ impl Run<'_> {
         let session = Session {
             progress: &|samples| watcher.samples(samples),
             stage: &|text| watcher.stage(text),
-            first,
+            first_specimen,
             note: &|text| watcher.warn(&text),
             interrupted: watcher.interrupted().unwrap_or(&NEVER),
             checkpoint: Some((&files.checkpoint, number)),

@@ -163,7 +163,7 @@ impl RunRounds<'_> {
         let made = made.collect::<Result<Vec<Specimen>>>()?;
         let digest = |(&k, made): (&u64, &Specimen)| {
             if k == 0 {
-                (self.context.session.first)(made);
+                (self.context.session.first_specimen)(made);
             }
             made.digest()
         };

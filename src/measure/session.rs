@@ -71,7 +71,7 @@ pub struct Session<'a> {
     /// Called with what is done now besides tracing, as `making patches 3 to 4 of 16`; empty: nothing.
     pub stage: &'a (dyn Fn(&str) + Sync),
     /// Called with the first realisation's specimen when it is made.
-    pub first: &'a (dyn Fn(&Specimen) + Sync),
+    pub first_specimen: &'a (dyn Fn(&Specimen) + Sync),
     /// Called with what the user should know.
     pub note: &'a (dyn Fn(String) + Sync),
     /// Once this is set, no further blocks are begun, and running ones finished if they are short.
@@ -93,7 +93,7 @@ impl<'a> Session<'a> {
         Session {
             progress,
             stage: &|_| (),
-            first: &|_| (),
+            first_specimen: &|_| (),
             note: &|_| (),
             interrupted: &NEVER,
             checkpoint: None,

@@ -139,9 +139,7 @@ impl PatchPicture {
             series,
         }
     }
-}
 
-impl PatchPicture {
     /// Quantiles of the slopes against the law's, where one is wanted.
     pub fn quantiles(&self) -> Option<Chart> {
         quantiles::chart(&self.facts.quantiles)
