@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 use serde::Serialize;
 
-use super::heightfield::{Corners, Heightfield};
+use super::heightfield::Heightfield;
 use super::synthesis::slope_law::SlopeLaw;
 
 /// Bins of the azimuth histogram.
@@ -104,11 +104,9 @@ impl SlopeCounts {
 
     /// Counts the facets of a patch.
     pub fn add(&mut self, field: &Heightfield) {
-        for corners in cells(field) {
-            for slope in [corners.lower_slope(), corners.upper_slope()] {
-                let below = self.law.length_cdf(slope.length());
-                self.counts[((below * SLOPE_BINS as f64) as usize).min(SLOPE_BINS - 1)] += 1;
-            }
+        for slope in field.all_corners().flat_map(|corners| corners.slopes()) {
+            let below = self.law.length_cdf(slope.length());
+            self.counts[((below * SLOPE_BINS as f64) as usize).min(SLOPE_BINS - 1)] += 1;
         }
     }
 
@@ -136,13 +134,9 @@ impl SlopeCounts {
     }
 }
 
-fn cells(field: &Heightfield) -> impl Iterator<Item = Corners> {
-    (0..field.cells_y()).flat_map(move |y| (0..field.cells_x()).map(move |x| field.corners(x, y)))
-}
-
 /// Slopes and mean heights of all facets.
 fn facets(field: &Heightfield) -> impl Iterator<Item = (DVec2, f64)> {
-    cells(field).flat_map(|c| {
+    field.all_corners().flat_map(|c| {
         [(c.lower_slope(), (c.h00 + c.h10 + c.h01) / 3.0), (c.upper_slope(), (c.h11 + c.h10 + c.h01) / 3.0)]
     })
 }

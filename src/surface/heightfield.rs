@@ -44,6 +44,11 @@ impl Corners {
     pub fn upper_slope(&self) -> DVec2 {
         DVec2::new(self.h11 - self.h01, self.h11 - self.h10)
     }
+
+    /// Slopes of the lower and of the upper facet.
+    pub fn slopes(&self) -> [DVec2; 2] {
+        [self.lower_slope(), self.upper_slope()]
+    }
 }
 
 impl Heightfield {
@@ -100,6 +105,27 @@ impl Heightfield {
         }
     }
 
+    /// The corner heights of all cells, row by row.
+    pub fn all_corners(&self) -> impl Iterator<Item = Corners> {
+        (0..self.cells_y).flat_map(move |y| (0..self.cells_x).map(move |x| self.corners(x, y)))
+    }
+
+    /// The cells at the smallest x and y, open: at most so many along each side.
+    pub fn crop(&self, most: usize) -> Self {
+        let [columns, rows] = [self.cells_x, self.cells_y].map(|cells| cells.min(most));
+        let height = |x: usize, y: usize| {
+            let corners = self.corners(x.min(columns - 1), y.min(rows - 1));
+            match (x == columns, y == rows) {
+                (false, false) => corners.h00,
+                (true, false) => corners.h10,
+                (false, true) => corners.h01,
+                (true, true) => corners.h11,
+            }
+        };
+        let heights = (0..=rows).flat_map(|y| (0..=columns).map(move |x| height(x, y))).collect();
+        Heightfield::new(columns, rows, false, heights)
+    }
+
     /// Lowest and highest height.
     pub fn range(&self) -> (f64, f64) {
         self.heights.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), &h| (lo.min(h), hi.max(h)))
@@ -115,6 +141,23 @@ mod tests {
         let field = Heightfield::new(2, 2, true, vec![0.0, 1.0, 2.0, 3.0]);
         let corners = field.corners(1, 1);
         assert_eq!((corners.h00, corners.h10, corners.h01, corners.h11), (3.0, 2.0, 1.0, 0.0));
+    }
+
+    #[test]
+    fn a_crop_has_the_cells_of_its_field() {
+        let heights: Vec<f64> = (0..15).map(|i| f64::from(i * i % 7)).collect();
+        for field in [Heightfield::new(5, 3, true, heights.clone()), Heightfield::new(4, 2, false, heights)] {
+            for most in [1, 2, 4, 9] {
+                let crop = field.crop(most);
+                assert_eq!(
+                    [crop.cells_x(), crop.cells_y()],
+                    [field.cells_x(), field.cells_y()].map(|cells| cells.min(most))
+                );
+                for (x, y) in (0..crop.cells_y()).flat_map(|y| (0..crop.cells_x()).map(move |x| (x, y))) {
+                    assert_eq!(crop.corners(x, y), field.corners(x, y));
+                }
+            }
+        }
     }
 
     #[test]

@@ -36,8 +36,7 @@ impl SlopeTiles {
                     continue;
                 }
                 let tile = y * per_side / rows * per_side + x * per_side / columns;
-                let corners = field.corners(x, y);
-                tiles[tile].extend([corners.lower_slope() * alpha, corners.upper_slope() * alpha]);
+                tiles[tile].extend(field.corners(x, y).slopes().map(|slope| slope * alpha));
             }
         }
         SlopeTiles::from_tiles(tiles, per_side)

@@ -22,11 +22,7 @@ impl TilePeaks {
     /// The tiles of `field`: levels up to the last that cuts it into more than one tile.
     pub fn new(field: &Heightfield) -> Self {
         let (cells_x, mut rows) = (field.cells_x(), field.cells_y());
-        let highest = |y: usize, x: usize| {
-            let c = field.corners(x, y);
-            c.h00.max(c.h10).max(c.h01.max(c.h11))
-        };
-        let cells = (0..rows).flat_map(|y| (0..cells_x).map(move |x| highest(y, x))).collect();
+        let cells = field.all_corners().map(|c| c.h00.max(c.h10).max(c.h01.max(c.h11))).collect();
         let mut levels = vec![(cells_x, cells)];
         let mut columns = cells_x;
         while columns.max(rows) > 4 {

@@ -252,8 +252,7 @@ mod tests {
             let Slopes { low, high } = index.slopes(bin);
             for k in 0..index.count(bin) {
                 let facet = index.facet(bin, k);
-                let corners = field.corners(facet.x, facet.y);
-                let slope = if facet.upper { corners.upper_slope() } else { corners.lower_slope() };
+                let slope = field.corners(facet.x, facet.y).slope(facet.upper);
                 // Edges and bins round by an ulp of 128 in p/(1+|p|), of which a slope of 1e3 makes 1e6 times more.
                 let rounding = 1e-13 * (1.0 + slope.abs()).powf(2.0);
                 assert!(

@@ -131,10 +131,9 @@ fn patches_have_equal_bytes_from_every_run_and_keep_their_heights() {
 
 /// Every slope of the map, in a fixed order.
 fn slopes(map: &ImportedMap) -> Vec<f64> {
-    let field = &map.field;
-    let cells = (0..field.cells_y()).flat_map(|y| (0..field.cells_x()).map(move |x| field.corners(x, y)));
-    cells
-        .flat_map(|corners| [corners.lower_slope(), corners.upper_slope()])
+    map.field
+        .all_corners()
+        .flat_map(|corners| corners.slopes())
         .flat_map(|slope| [slope.x * map.alpha_x, slope.y * map.alpha_y])
         .collect()
 }

@@ -20,7 +20,7 @@ pub struct PatchFacts {
     pub certificate: Certificate,
     /// Whether slopes are ratios of lengths, as those of a measured map are, and heights in the map's unit.
     pub of_map: bool,
-    /// Its corner at the smallest x and y, as large as any picture.
+    /// Its cells at the smallest x and y, as many as any picture shows.
     pub(super) corner: Heightfield,
     /// World slope per canonical slope where the surface itself says so.
     pub(super) own_alpha: Option<DVec2>,
@@ -52,7 +52,7 @@ impl PatchFacts {
         let longest = LONGEST * if median > 0.0 { median } else { 1.0 };
         PatchFacts {
             of_map,
-            corner: corner(field),
+            corner: field.crop(MOST_CELLS),
             own_alpha: *own_alpha,
             law,
             median,
@@ -64,35 +64,13 @@ impl PatchFacts {
     }
 }
 
-/// The corner that pictures show, open: a periodic patch may be smaller.
-fn corner(field: &Heightfield) -> Heightfield {
-    let [columns, rows] = [field.cells_x(), field.cells_y()].map(|cells| cells.min(MOST_CELLS));
-    let height = |x: usize, y: usize| {
-        let corners = field.corners(x.min(columns - 1), y.min(rows - 1));
-        match (x == columns, y == rows) {
-            (false, false) => corners.h00,
-            (true, false) => corners.h10,
-            (false, true) => corners.h01,
-            (true, true) => corners.h11,
-        }
-    };
-    let heights = (0..=rows).flat_map(|y| (0..=columns).map(move |x| height(x, y))).collect();
-    Heightfield::new(columns, rows, false, heights)
-}
-
 /// Share of all facets by slope length; longer ones are in no bin. `alpha`: slope of one unit of height a cell.
 fn histogram(field: &Heightfield, alpha: DVec2, longest: f64) -> Vec<f64> {
     let mut counts = vec![0u64; SLOPE_BINS];
-    for y in 0..field.cells_y() {
-        for x in 0..field.cells_x() {
-            let corners = field.corners(x, y);
-            for slope in [corners.lower_slope(), corners.upper_slope()] {
-                if let Some(count) =
-                    counts.get_mut(((slope * alpha).length() / longest * SLOPE_BINS as f64) as usize)
-                {
-                    *count += 1;
-                }
-            }
+    for slope in field.all_corners().flat_map(|corners| corners.slopes()) {
+        let bin = ((slope * alpha).length() / longest * SLOPE_BINS as f64) as usize;
+        if let Some(count) = counts.get_mut(bin) {
+            *count += 1;
         }
     }
     let facets = 2.0 * (field.cells_x() * field.cells_y()) as f64;
@@ -110,15 +88,5 @@ mod tests {
         let shares = histogram(&field, DVec2::ONE, 4.0);
         // Slope 1 is the lower edge of bin 10 of 40 up to 4.
         assert_eq!((shares[10], shares.iter().sum::<f64>()), (1.0, 1.0));
-    }
-
-    #[test]
-    fn the_corner_of_a_small_patch_is_all_of_it() {
-        let field = Heightfield::new(5, 3, true, (0..15).map(|i| f64::from(i * i % 7)).collect());
-        let corner = corner(&field);
-        assert_eq!((corner.cells_x(), corner.cells_y()), (5, 3));
-        for (x, y) in (0..3).flat_map(|y| (0..5).map(move |x| (x, y))) {
-            assert_eq!(corner.corners(x, y), field.corners(x, y));
-        }
     }
 }
