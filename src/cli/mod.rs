@@ -42,7 +42,7 @@ pub use text::output::{Printed, print_error};
 
 /// A virtual gonioreflectometer: measures the BRDF of explicit random microsurfaces, with error bars.
 #[derive(Parser)]
-#[command(name = "gonio", version, arg_required_else_help = true, max_term_width = 100)]
+#[command(name = "gonio", version, arg_required_else_help = true, term_width = text::layout::terminal_columns())]
 #[command(after_help = "Example: gonio measure configs/quickstart.toml\n\
     Exit codes: 0 done, 1 ran and disagrees, 2 command line or campaign, 3 files, 4 refused,\n\
     70 internal error, 130 interrupted.\n\

@@ -113,9 +113,9 @@ fn colours_are_for_terminals_and_those_who_ask() {
     assert!(!on_terminal(&[("NO_COLOR", "1")]).contains("\u{1b}["));
 }
 
-/// What the program prints on a terminal of so many columns.
+/// What the program prints on a terminal of so many columns, which does not say how many rows it has.
 fn terminal(at: &Path, columns: usize, words: &str, variables: &[(&str, &str)]) -> String {
-    let line = format!("stty rows 24 cols {columns}; '{}' {words}", env!("CARGO_BIN_EXE_gonio"));
+    let line = format!("stty cols {columns}; '{}' {words}", env!("CARGO_BIN_EXE_gonio"));
     let mut script = Command::new("script");
     script.args(["-qec", &line, "/dev/null"]).current_dir(at).env("TERM", "xterm").env_remove("NO_COLOR");
     script.envs(variables.iter().copied()).stdin(Stdio::null());

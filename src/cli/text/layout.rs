@@ -3,8 +3,6 @@
 use std::io;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use terminal_size::terminal_size_of;
-
 /// Columns of text where stdout is no terminal, and the most on one.
 pub const WIDEST: usize = 100;
 /// Columns that text takes on a narrower terminal.
@@ -18,9 +16,16 @@ static WIDTH: AtomicUsize = AtomicUsize::new(WIDEST);
 
 /// From now on text fits the terminal of stdout, where it is one.
 pub fn fit_terminal() {
-    if let Some((columns, _)) = terminal_size_of(io::stdout()) {
-        WIDTH.store(usize::from(columns.0).clamp(NARROWEST, WIDEST), Ordering::Relaxed);
-    }
+    WIDTH.store(terminal_columns().max(NARROWEST), Ordering::Relaxed);
+}
+
+/// Columns of stdout's terminal, also of one that does not know its rows; [`WIDEST`] at most, and elsewhere.
+pub fn terminal_columns() -> usize {
+    #[cfg(unix)]
+    let columns = rustix::termios::tcgetwinsize(io::stdout()).map(|size| size.ws_col).ok();
+    #[cfg(not(unix))]
+    let columns = terminal_size::terminal_size_of(io::stdout()).map(|(columns, _)| columns.0);
+    columns.filter(|&columns| columns > 0).map_or(WIDEST, usize::from).min(WIDEST)
 }
 
 /// Columns that text may take.
