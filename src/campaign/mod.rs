@@ -79,7 +79,10 @@ fn name_for_messages(path: &Path) -> String {
 fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     // One byte more than allowed is enough to know.
-    files::open(path)?.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
+    files::open_within(path, LARGEST_FILE)?
+        .take(LARGEST_FILE + 1)
+        .read_to_end(&mut bytes)
+        .map_err(|e| Error::io(path, e))?;
     memory::check_file(path, needed(&bytes))?;
     Ok(bytes)
 }

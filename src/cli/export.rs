@@ -12,7 +12,7 @@ use super::text::layout::wrapped;
 use super::text::output::{Output, to_json, warn};
 use super::text::progress::Stage;
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, STANDARD};
 use crate::instrument::GridKind;
 use crate::instrument::klems::Basis;
 use crate::interchange::merl::Sampling;
@@ -63,12 +63,15 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
-    let place = Place::of(&arguments.output, arguments.json)?;
-    let output = place.path();
     let format = match &arguments.to {
         Some(name) => format_of("--to", name)?,
         None => only("--to", &arguments.output, &Format::of_name(&arguments.output))?,
     };
+    if format == Format::Pabopto && arguments.output == Path::new(STANDARD) {
+        return Err(Error::Usage("-o -: pabopto is a folder of files; name it".into()));
+    }
+    let place = Place::of(&arguments.output, arguments.json)?;
+    let output = place.path();
     if arguments.klems.is_some() && format != Format::Klems {
         return Err(Error::Usage(format!("--klems chooses a basis of klems, not of {}", format.name())));
     }
@@ -89,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         Opened::Whole(table) => {
             let alone = !format.codec().traits().more_than_totals && table.gaps() == 0;
             let table = if alone { table.totals_alone() } else { *table };
-            interchange::export(&table, format, &options, output)?
+            interchange::export_to(&table, format, &options, output)?
         }
         Opened::Rows(mut rows)
             if format.codec().by_bands().is_some()

@@ -13,7 +13,7 @@ use super::text::output::{Output, to_json, warn};
 use super::text::progress::Stage;
 use crate::campaign::parse::height_map;
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, STANDARD};
 use crate::instrument::GridKind;
 use crate::interchange::radiance::sample_side::SampleSide;
 use crate::interchange::{self, Format, Options, maps};
@@ -153,6 +153,9 @@ fn campaigns(arguments: &Arguments) -> Result<u8> {
     if arguments.like.is_some() || own {
         let why = "--like, --isotropic, --merl-centre and --side say nothing of --from maps";
         return Err(Error::Usage(why.into()));
+    }
+    if arguments.output == Path::new(STANDARD) {
+        return Err(Error::Usage("-o -: a campaign for each texel is written: a folder is needed".into()));
     }
     let maps = maps::load(&arguments.file)?;
     let texels = texels(arguments, &maps)?;

@@ -110,7 +110,7 @@ impl Arguments {
         campaign.seed = self.seed.unwrap_or(campaign.seed);
         let job = self.measurement(campaign)?.label(label);
         let (files, again) = (job.files(), self.again(threads));
-        let advice = (files.clone(), again.clone());
+        let advice = (job.files(), again.clone());
         ending::advise(move || before_its_end(&advice.0, &advice.1));
         let advised = |error| with_advice(error, &files, &again);
         let terminal = Terminal::new(self.json, &advised);

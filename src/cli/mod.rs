@@ -8,6 +8,7 @@ use std::sync::Mutex;
 
 use clap::{ColorChoice, CommandFactory, Parser, Subcommand};
 
+use crate::campaign::quoted;
 use crate::error::{Error, Result};
 use crate::job::threads;
 use text::output::{Output, warn};
@@ -165,6 +166,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> Result<u8> {
             Output::default().lines(shell::version::lines())?;
             return Ok(0);
         }
+        without_line_breaks(&words)?;
         let arguments = match Arguments::try_parse_from(words) {
             Ok(arguments) => arguments,
             Err(answer) => {
@@ -195,6 +197,19 @@ pub fn answer(words: impl IntoIterator<Item = OsString>) -> (Result<u8>, Printed
         ended
     });
     (ended, printed)
+}
+
+/// Refuses what a message could not name on its one line. Other characters that are not seen are escaped where they are
+/// printed.
+fn without_line_breaks(words: &[OsString]) -> Result<()> {
+    let breaks = |c: char| matches!(c, '\n' | '\r' | '\u{b}' | '\u{c}' | '\u{85}' | '\u{2028}' | '\u{2029}');
+    match words.iter().find(|word| word.to_string_lossy().contains(breaks)) {
+        Some(word) => {
+            let word = quoted(&word.to_string_lossy());
+            Err(Error::Usage(format!("{word}: a name with a line break is not taken; rename the file")))
+        }
+        None => Ok(()),
+    }
 }
 
 /// What is wrong with a command line, without the usage.

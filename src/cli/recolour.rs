@@ -7,6 +7,7 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::export::check_output;
+use super::streams::of_two;
 use super::table_file;
 use super::text::layout::columns;
 use super::text::numbers::with_error;
@@ -14,7 +15,7 @@ use super::text::output::{Output, note, to_json};
 use super::text::progress::Stage;
 use crate::campaign::{self, Optics, materials};
 use crate::error::{Error, Result};
-use crate::files::{self, NewFile};
+use crate::files::{self, Destination, NewFile};
 use crate::instrument::{GridKind, IncidenceAngles};
 use crate::stats;
 use crate::table::brdf_table::flux;
@@ -38,7 +39,7 @@ pub struct Arguments {
     #[arg(long, value_name = "R,G,B", value_delimiter = ',')]
     f0: Vec<f64>,
     /// The new table; its realisations go next to it
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = of_two())]
     output: PathBuf,
     /// Replace files that are there
     #[arg(long)]
@@ -50,8 +51,8 @@ pub struct Arguments {
 
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let f0 = wanted(arguments)?;
-    let (path, output) = (&arguments.table, &arguments.output);
-    let beside = table_file::realisations_path(output);
+    let (path, output) = (&arguments.table, &Destination::at(&arguments.output));
+    let beside = Destination::at(table_file::realisations_path(output));
     check_output(path, output, arguments.force)?;
     check_output(&table_file::realisations_path(path), &beside, arguments.force)?;
     let stage = Stage::begin("recolouring");
@@ -73,8 +74,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     // Those that are there were kept: the new ones are of the same size.
     let staged = |parts| realisations::staged(&beside, parts, &new, realisations::limit(true));
     let (table, others) = (store::staged(output, &new)?, parts.as_ref().map(staged).transpose()?);
-    table.commit()?;
     let others = others.and_then(|(_, file)| file);
+    others.as_ref().map_or(Ok(()), NewFile::check_place)?;
+    table.commit()?;
     others.map_or_else(|| files::remove(&beside), NewFile::commit)?;
     drop(stage);
     let mut out = Output::default();

@@ -57,7 +57,8 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     let opened = table_file::open(path, verdict::row_bytes)?;
     let output = arguments.output.clone().unwrap_or_else(|| beside(path));
-    paths::spare(&output, [path].into_iter().chain(&arguments.bench), "command")?;
+    let place = Place::of(&output, false)?;
+    paths::spare(place.path(), [path].into_iter().chain(&arguments.bench), "command")?;
     let benches = arguments.bench.iter().map(|path| bench_in(path)).collect::<Result<Vec<_>>>()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
     if !is_card && output.extension().is_some_and(|end| end != "html" && end != "htm") {
@@ -65,12 +66,12 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         return Err(Error::Usage(format!("{}: {why}", output.display())));
     }
     let own = if is_card { (report::card::MARK, "card") } else { (report::html::render::MARK, "page") };
-    arguments.spare(&output, own)?;
+    arguments.spare(place.path(), own)?;
     let text = match opened {
         Opened::Whole(table) => whole(path, &table, is_card, &benches)?,
         Opened::Rows(mut rows) => by_rows(&mut rows, is_card, &benches)?,
     };
-    write(&output, text.as_bytes())
+    write(place, &output, text.as_bytes())
 }
 
 /// The tables without the realisations of those among them, which `*.exr` names too.
@@ -99,8 +100,7 @@ impl Arguments {
     }
 }
 
-fn write(output: &Path, text: &[u8]) -> Result<u8> {
-    let place = Place::of(output, false)?;
+fn write(place: Place, output: &Path, text: &[u8]) -> Result<u8> {
     files::write_atomically(place.path(), text)?;
     let size = bytes(text.len() as u64);
     Output::default().line(format_args!("report        {} ({size})", output.display()))?;
@@ -121,13 +121,14 @@ fn side_by_side(arguments: &Arguments, tables: &[PathBuf]) -> Result<u8> {
     if !arguments.bench.is_empty() {
         return Err(Error::Usage("--bench belongs to the page of one table".into()));
     }
-    paths::spare(output, tables, "command")?;
+    let place = Place::of(output, false)?;
+    paths::spare(place.path(), tables, "command")?;
     let own = match &*ending {
         "csv" => (CSV_MARK, "CSV of tables"),
         "nc" => (NETCDF_MARK, "NetCDF of tables"),
         _ => (report::html::render::MARK, "page"),
     };
-    arguments.spare(output, own)?;
+    arguments.spare(place.path(), own)?;
     let name = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let tables = tables.iter().map(|path| swept(path, arguments.fit)).collect::<Result<Vec<_>>>()?;
     let sweep = ParameterSweep { name, tables };
@@ -136,7 +137,7 @@ fn side_by_side(arguments: &Arguments, tables: &[PathBuf]) -> Result<u8> {
         "nc" => sweep.netcdf().map_err(|why| Error::format(output, why))?,
         _ => sweep.page(false).into_bytes(),
     };
-    write(output, &bytes)
+    write(place, output, &bytes)
 }
 
 /// A table with its summary, that next to it or one from the table alone; and its best fit, where it is cheap or asked for.

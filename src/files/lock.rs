@@ -53,7 +53,7 @@ impl Lock {
                 Err(TryLockError::Error(e)) => return Err(failed(e)),
             }
             // The one before may have removed the file between our opening and our locking it.
-            if !is_at(&file, &path).map_err(failed)? {
+            if !own_file::is_at(&file, &path).map_err(failed)? {
                 continue;
             }
             let content = content(&mut file).map_err(failed)?;
@@ -78,7 +78,7 @@ impl Lock {
 impl HeldLock {
     /// While it is still locked, so that nobody locks a file that is about to go.
     fn remove_file(&self) {
-        if is_at(&self.file, &self.path).unwrap_or(false) {
+        if own_file::is_at(&self.file, &self.path).unwrap_or(false) {
             fs::remove_file(&self.path).ok();
         }
     }
@@ -124,22 +124,6 @@ fn taken(path: &Path, file: &mut File) -> Error {
     let by = text.strip_prefix(HEADER).and_then(|pid| pid.trim().parse::<u32>().ok());
     let by = by.map_or("another process".into(), |pid| format!("process {pid}"));
     Error::format(path, format!("{by} is writing this output; wait for it, or choose another -o"))
-}
-
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> io::Result<bool> {
-    use std::os::unix::fs::MetadataExt;
-    let open = file.metadata()?;
-    match fs::symlink_metadata(path) {
-        Ok(there) => Ok((there.dev(), there.ino()) == (open.dev(), open.ino())),
-        Err(e) if e.kind() == ErrorKind::NotFound => Ok(false),
-        Err(e) => Err(e),
-    }
-}
-
-#[cfg(not(unix))]
-fn is_at(_file: &File, _path: &Path) -> io::Result<bool> {
-    Ok(true)
 }
 
 #[cfg(test)]

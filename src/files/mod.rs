@@ -1,6 +1,5 @@
 //! Files: whole or not at all when written, bounded when read; folders; SHA-256; EXR and NPY in memory.
 
-mod claim;
 pub mod exr_header;
 pub mod image;
 pub mod image_blocks;
@@ -9,18 +8,17 @@ pub mod image_rows;
 mod input;
 pub mod lock;
 pub mod memory;
-mod new_file;
 pub mod npy;
+mod output;
 mod own_file;
 pub mod row_writer;
 pub mod sealed;
 
-pub use claim::Claim;
 pub use input::{Input, STANDARD};
-pub use new_file::NewFile;
+pub use output::{Claim, Destination, NewFile};
 
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs;
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -28,57 +26,19 @@ use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
 
-/// Puts `bytes` in the place of the file at `path`, or leaves what was there.
+/// Puts `bytes` in the place of the file at `path`, or leaves what was there, as it leaves what a [`Destination`] did not see.
 ///
 /// The bytes go to an unfinished file ([`Claim`]) in the same folder, reach the disk, and take the name by a rename,
 /// after which the folder is flushed too. On failure the temporary file is removed.
 // Tested by `a_failed_write_leaves_the_old_file_whole`.
-pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<()> {
+pub fn write_atomically(path: impl Into<Destination>, bytes: &[u8]) -> Result<()> {
     NewFile::with(path, bytes)?.commit()
 }
 
 /// Removes whatever of this process is no whole file, for it ends now: other threads can make no file any more.
 pub fn abandon() {
-    claim::abandon();
+    output::claim::abandon();
     lock::abandon();
-}
-
-/// Refuses what a rename would wrongly replace: folders, links, devices, pipes, files that nobody may write.
-fn check_target(path: &Path) -> io::Result<()> {
-    match own_file::check_regular(path) {
-        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(()),
-        regular => regular?,
-    }
-    if fs::symlink_metadata(path)?.permissions().readonly() {
-        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "is read-only"));
-    }
-    Ok(())
-}
-
-/// Removes the temporary file and returns the cause, with what else went wrong.
-fn clean_up(temporary: &Path, cause: io::Error) -> io::Error {
-    match fs::remove_file(temporary) {
-        Ok(()) => cause,
-        Err(e) if e.kind() == io::ErrorKind::NotFound => cause,
-        Err(e) => io::Error::new(cause.kind(), format!("{cause}; {} stays behind: {e}", temporary.display())),
-    }
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    }
-}
-
-#[cfg(unix)]
-fn sync_folder(folder: &Path) -> io::Result<()> {
-    File::open(folder)?.sync_all()
-}
-
-#[cfg(not(unix))]
-fn sync_folder(_folder: &Path) -> io::Result<()> {
-    Ok(())
 }
 
 /// Makes sure that `path` is a folder that takes files; missing parents are made. Whoever writes several files there
@@ -103,11 +63,8 @@ pub fn free_bytes(_folder: &Path) -> Option<u64> {
 }
 
 /// Removes a file if it is there. What may not be replaced may not be removed.
-pub fn remove(path: &Path) -> Result<()> {
-    match check_target(path).and_then(|()| fs::remove_file(path)) {
-        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(Error::io(path, e)),
-        _ => Ok(()),
-    }
+pub fn remove(path: impl Into<Destination>) -> Result<()> {
+    path.into().remove()
 }
 
 /// Whether anything has this name, be it a link that leads nowhere.
@@ -129,7 +86,12 @@ pub fn read(path: &Path) -> Result<Vec<u8>> {
 
 /// Opens a regular file, or stdin by the name [`STANDARD`].
 pub fn open(path: &Path) -> Result<Input> {
-    Input::open(path).map_err(|e| Error::io(path, e))
+    open_within(path, u64::MAX)
+}
+
+/// The same for whoever refuses what has more than `most` bytes: so much of stdin is read, and one byte more.
+pub fn open_within(path: &Path, most: u64) -> Result<Input> {
+    Input::open(path, most).map_err(|e| Error::io(path, e))
 }
 
 /// SHA-256 of `bytes`, 64 lower-case hex digits.

@@ -53,3 +53,21 @@ fn without_following(options: &mut OpenOptions) {
 
 #[cfg(not(unix))]
 fn without_following(_options: &mut OpenOptions) {}
+
+/// Whether an open file is the one that has this name now.
+#[cfg(unix)]
+pub fn is_at(file: &File, path: &Path) -> io::Result<bool> {
+    use std::os::unix::fs::MetadataExt;
+    let open = file.metadata()?;
+    match fs::symlink_metadata(path) {
+        Ok(there) => Ok((there.dev(), there.ino()) == (open.dev(), open.ino())),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(false),
+        Err(e) => Err(e),
+    }
+}
+
+/// Whether an open file is the one that has this name now: not known here.
+#[cfg(not(unix))]
+pub fn is_at(_file: &File, _path: &Path) -> io::Result<bool> {
+    Ok(true)
+}

@@ -10,7 +10,7 @@ use super::radiance::sample_side::SampleSide;
 use super::resample::gaps::not_measured;
 use super::{AlbedoCurve, COMES_BACK, Format, GONE_THROUGH, Lookup, Options, ReadBack, albedo, luminance};
 use crate::error::{Checked, ContentError, Error, Result, wrong};
-use crate::files::{self, NewFile};
+use crate::files::{self, Destination, NewFile};
 use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, TableRows};
 
@@ -47,6 +47,11 @@ pub type BackSide = (Option<ReadBack>, Option<AlbedoCurve>, Option<AlbedoCurve>)
 /// # Ok::<(), gonio::error::Error>(())
 /// ```
 pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path) -> Result<Export> {
+    export_to(table, format, options, &path.into())
+}
+
+/// The same to where nothing has come since the caller looked.
+pub fn export_to(table: &BrdfTable, format: Format, options: &Options, path: &Destination) -> Result<Export> {
     let (codec, refused) = (format.codec(), refusal(format, path));
     let holds = codec.traits();
     let kept = |table: &BrdfTable| -> Checked<Option<BrdfTable>> {
@@ -77,7 +82,7 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
     if !holds.half_difference
         && let Some(arms) = as_arms(table, None).map_err(&refused)?
     {
-        let mut export = export(&arms, format, options, path)?;
+        let mut export = export_to(&arms, format, options, path)?;
         let (incidences, bins) = (arms.grid.incidences(), arms.grid.bins());
         export.notes.push(format!(
             "half/difference angles as {incidences} incidences of {bins} bins; the read-back is against those"
@@ -85,7 +90,7 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
         return Ok(export);
     }
     if !holds.colours && table.colours.len() > 1 {
-        let mut export = export(&luminance(table).map_err(&refused)?, format, options, path)?;
+        let mut export = export_to(&luminance(table).map_err(&refused)?, format, options, path)?;
         export
             .notes
             .push("one channel: the luminance 0.2126 R + 0.7152 G + 0.0722 B; the colours are lost".into());
@@ -121,7 +126,7 @@ pub fn export(table: &BrdfTable, format: Format, options: &Options, path: &Path)
 ///
 /// Errors: [`Error::Refused`] for formats that need the whole table; those of the table's file; [`Error::Io`].
 // Tested by `a_table_exported_by_rows_is_the_file_of_the_whole` (tests/it/table/large_tables.rs).
-pub fn export_rows(rows: &mut TableRows, format: Format, path: &Path, bytes: u64) -> Result<Export> {
+pub fn export_rows(rows: &mut TableRows, format: Format, path: &Destination, bytes: u64) -> Result<Export> {
     let (codec, refused) = (format.codec(), refusal(format, path));
     kept_side(rows.grid(), codec, &Options::default()).map_err(&refused)?;
     let by_bands = codec.by_bands().ok_or_else(|| refused("needs the whole table in memory".into()))?;
@@ -181,16 +186,19 @@ fn refusal(format: Format, path: &Path) -> impl Fn(ContentError) -> Error {
     }
 }
 
-/// A file of this program that its own reader refuses is the program's fault.
+/// A file of this program that its own reader refuses is the program's fault, and does not stay.
 fn unread(path: &Path, why: ContentError) -> Error {
     match why {
-        ContentError::Wrong(why) => Error::Internal(format!("{} does not read back: {why}", path.display())),
+        ContentError::Wrong(why) => {
+            files::remove(path).ok();
+            Error::Internal(format!("{} does not read back: {why}", path.display()))
+        }
         why => Error::format(path, why),
     }
 }
 
 /// Puts a file, or the files of a folder, in place.
-fn write(content: FileContent, path: &Path, refused: impl Fn(ContentError) -> Error) -> Result<()> {
+fn write(content: FileContent, path: &Destination, refused: impl Fn(ContentError) -> Error) -> Result<()> {
     let fill: Fill = match content {
         FileContent::Bytes(bytes) => return files::write_atomically(path, &bytes),
         FileContent::Folder(files) => {

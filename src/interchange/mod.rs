@@ -30,7 +30,7 @@ pub use content::bands::Bands;
 pub use content::brdf::{Brdf, COMES_BACK, Colour, GONE_THROUGH, TwoSided, in_mirror};
 pub use content::foreign_table::{foreign_table, luminance, spectral_table};
 pub use content::imported::Imported;
-pub use export::{Export, export, export_rows};
+pub use export::{Export, export, export_rows, export_to};
 pub use format::Format;
 pub use import::{decode, import};
 pub use options::{Options, Sampling};

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::watcher::Watcher;
 use crate::campaign::{self, Alpha, Campaign, Optics, SurfaceKind, quoted};
 use crate::error::{Error, Result};
-use crate::files::{self, Claim};
+use crate::files::{self, Claim, Destination};
 use crate::report::card;
 use crate::report::html::render;
 use crate::table::{BrdfTable, TableRows, realisations};
@@ -49,22 +49,22 @@ pub fn spare(output: &Path, inputs: impl IntoIterator<Item = impl AsRef<Path>>, 
     Ok(())
 }
 
-/// The files of one table. The summary is written last: where it is, the table is finished.
+/// The files of one table, and what lay there when they were named. The summary is written last: where it is, the table is finished.
 pub struct TablePaths {
     /// The roughness, where there is one.
     pub alpha: Option<Alpha>,
     /// The material.
     pub optics: Optics,
     /// The table.
-    pub table: PathBuf,
+    pub table: Destination,
     /// Its realisations.
-    pub realisations: PathBuf,
+    pub realisations: Destination,
     /// Its summary.
-    pub summary: PathBuf,
+    pub summary: Destination,
     /// Its page.
-    pub page: PathBuf,
+    pub page: Destination,
     /// Its provenance card.
-    pub card: PathBuf,
+    pub card: Destination,
     /// What it is measured by: one roughness, one material.
     pub one: Campaign,
     campaign: String,
@@ -90,14 +90,15 @@ impl TablePaths {
             if several_materials {
                 stem = format!("{stem}_{}", optics.label());
             }
+            let file = |ending: &str| Destination::at(folder.join(format!("{stem}{ending}")));
             TablePaths {
                 alpha,
                 optics: optics.clone(),
-                table: folder.join(format!("{stem}.exr")),
-                realisations: folder.join(format!("{stem}.realisations.exr")),
-                summary: folder.join(format!("{stem}.json")),
-                page: folder.join(format!("{stem}.html")),
-                card: folder.join(format!("{stem}.card.md")),
+                table: file(".exr"),
+                realisations: file(".realisations.exr"),
+                summary: file(".json"),
+                page: file(".html"),
+                card: file(".card.md"),
                 campaign: campaign::to_toml(&one),
                 one,
             }

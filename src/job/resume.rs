@@ -49,7 +49,7 @@ pub(super) fn measured<'a>(
     let (alphas, optics) = (kept.alphas(), kept.optics.each());
     let is_measured = |paths: &&TablePaths| alphas.contains(&paths.alpha) && optics.contains(&&paths.optics);
     let measured: Vec<&TablePaths> = all.iter().filter(is_measured).collect();
-    let covers = open.iter().all(|open| measured.iter().any(|paths| paths.table == open.table));
+    let covers = open.iter().all(|open| measured.iter().any(|paths| *paths.table == *open.table));
     if covers { measured } else { open.to_vec() }
 }
 

@@ -1,12 +1,12 @@
 //! What all tables of a campaign have to say together.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::Deserialize;
 
 use super::paths::{TablePaths, spare_foreign};
 use crate::error::{Error, Result};
-use crate::files::{self, memory};
+use crate::files::{self, Destination, memory};
 use crate::report::Summary;
 use crate::report::html::render;
 use crate::report::sweep::{CSV_MARK, NETCDF_MARK, ParameterSweep, SweptTable};
@@ -18,17 +18,17 @@ const MEMORY: u64 = 64;
 /// The files of a campaign with several tables.
 pub struct SweepPaths {
     /// A line a table and incidence.
-    pub csv: PathBuf,
+    pub csv: Destination,
     /// The same as NetCDF.
-    pub netcdf: PathBuf,
+    pub netcdf: Destination,
     /// Joint plots.
-    pub page: PathBuf,
+    pub page: Destination,
 }
 
 impl SweepPaths {
     /// `None` where the campaign of this name makes one table.
     pub fn of(name: &str, folder: &Path, all: &[TablePaths]) -> Option<Self> {
-        let path = |ending: &str| folder.join(format!("{name}.sweep.{ending}"));
+        let path = |ending: &str| Destination::at(folder.join(format!("{name}.sweep.{ending}")));
         (all.len() > 1).then(|| SweepPaths { csv: path("csv"), netcdf: path("nc"), page: path("html") })
     }
 

@@ -166,6 +166,10 @@ struct Staged {
 impl Staged {
     /// Without its summary a table counts as unfinished, whatever happens from the first line on; it comes last.
     fn commit(self, paths: &TablePaths) -> Result<()> {
+        let [page, card, summary] = &self.others;
+        for file in [Some(&self.table), self.realisations.as_ref(), Some(page), Some(card), Some(summary)] {
+            file.map_or(Ok(()), NewFile::check_place)?;
+        }
         files::remove(&paths.summary)?;
         self.table.commit()?;
         self.realisations.map_or_else(|| files::remove(&paths.realisations), NewFile::commit)?;

@@ -6,8 +6,8 @@
 use std::path::Path;
 
 use crate::error::{Checked, ContentError, Error, Result, wrong};
-use crate::files::NewFile;
 use crate::files::image::{self, ImagePart};
+use crate::files::{Destination, NewFile};
 use crate::instrument::Grid;
 
 use super::channels::{self, ColourName, DIGEST};
@@ -150,7 +150,7 @@ pub fn encode_of(
 
 /// Writes the realisations' file, whole or not at all, grouped or left out as `limit` bytes ask.
 pub fn save(
-    path: &Path,
+    path: impl Into<Destination>,
     realisations: &Realisations,
     table: &BrdfTable,
     limit: u64,
@@ -162,7 +162,7 @@ pub fn save(
 
 /// The realisations' file, on the disk and not yet in its place, where there is to be one.
 pub fn staged(
-    path: &Path,
+    path: impl Into<Destination>,
     realisations: &Realisations,
     table: &BrdfTable,
     limit: u64,

@@ -6,8 +6,8 @@ use std::io::Cursor;
 use std::path::Path;
 
 use crate::error::{Checked, ContentError, Error, Result};
-use crate::files::NewFile;
 use crate::files::image::{self, ImagePart, Samples};
+use crate::files::{Destination, NewFile};
 
 use super::channels::{self, ColourName, MUELLER_ELEMENTS};
 use super::content_digest::ContentDigest;
@@ -34,12 +34,12 @@ pub fn encode(table: &BrdfTable) -> Result<Vec<u8>> {
 }
 
 /// Writes the table's file, whole or not at all.
-pub fn save(path: &Path, table: &BrdfTable) -> Result<()> {
+pub fn save(path: impl Into<Destination>, table: &BrdfTable) -> Result<()> {
     staged(path, table)?.commit()
 }
 
 /// The table's file, on the disk and not yet in its place.
-pub fn staged(path: &Path, table: &BrdfTable) -> Result<NewFile> {
+pub fn staged(path: impl Into<Destination>, table: &BrdfTable) -> Result<NewFile> {
     let mut writer = TableWriter::create(path, table, &table.grid)?;
     writer.append(table)?;
     writer.finish()?.0.on_disk()
@@ -227,6 +227,13 @@ mod tests {
         let mut nan = part();
         nan.channels.insert("Y".into(), Samples::F32(vec![f32::NAN; 12]));
         assert!(reason(nan).contains("channel `Y`, incidence 0, bin 0"));
+        for name in ["Y", "single.Y", "multiple.Y", "stderr.Y", "stderr.single.Y"] {
+            let mut negative = part();
+            let mut values = vec![0.0; 12];
+            values[7] = -0.5;
+            negative.channels.insert(name.into(), Samples::F32(values));
+            assert_eq!(reason(negative), format!("channel `{name}`, incidence 1, bin 1: -0.5 is below 0"));
+        }
     }
 
     #[test]

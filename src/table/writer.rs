@@ -6,9 +6,9 @@ use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::error::{ContentError, Error, Result};
-use crate::files::NewFile;
 use crate::files::image::ImagePart;
 use crate::files::row_writer::RowWriter;
+use crate::files::{Destination, NewFile};
 use crate::instrument::Grid;
 
 use super::channels::{self, DIGEST};
@@ -31,8 +31,9 @@ pub struct TableWriter<W> {
 
 impl TableWriter<NewFile> {
     /// Begins the file at `path`: it takes its name when the file that [`TableWriter::finish`] hands back is committed.
-    pub fn create(path: &Path, like: &BrdfTable, grid: &Grid) -> Result<Self> {
-        Self::new(NewFile::create(path)?, path, like, grid)
+    pub fn create(path: impl Into<Destination>, like: &BrdfTable, grid: &Grid) -> Result<Self> {
+        let path = path.into();
+        Self::new(NewFile::create(&path)?, &path, like, grid)
     }
 }
 

@@ -19,6 +19,7 @@ mod foreign_files;
 mod foreign_words;
 mod formula_values;
 mod fuzzed;
+mod late_files;
 mod layering;
 mod layout;
 mod mentions;

@@ -75,12 +75,56 @@ fn one_file_goes_to_stdout_and_nothing_else() {
         &["measure", "small.toml", "-o", "-"][..],
         &["surface", "small.toml", "-o", "-"],
         &["export", "out/small.exr", "--to", "csv", "-o", "-", "--json"],
+        &["export", "out/small.exr", "--to", "pabopto", "-o", "-"],
+        &["recolour", "out/small.exr", "--f0", "0.5", "-o", "-"],
+        &["render", "out/small.exr", "--scene", "mitsuba", "-o", "-"],
+        &["import", "small.csv", "--from", "maps", "-o", "-"],
+        &["man", "-"],
     ] {
         let refused = gonio(at, words);
         exits(&refused, 2);
         assert!(refused.stdout.is_empty(), "{words:?}");
     }
     assert!(!at.join("-").exists());
+    // A file of that name has nothing to do with it.
+    fs::write(at.join("-"), "a year of work").expect("written");
+    let table = fs::read(at.join("out/small.exr")).expect("a table");
+    for output in [
+        fed(at, &["report", "-", "-o", "-"], &table),
+        fed(at, &["export", "-", "--to", "csv", "-o", "-"], &table),
+    ] {
+        exits(&output, 0);
+        assert!(!output.stdout.is_empty());
+    }
+    assert_eq!(fs::read_to_string(at.join("-")).expect("there"), "a year of work");
+}
+
+/// Of an endless stream a campaign takes no more than a campaign may have.
+#[test]
+fn a_campaign_on_stdin_is_no_longer_than_one_in_a_file() {
+    let folder = folder(SMALL);
+    let refused = fed(folder.path(), &["check", "-"], &vec![b'#'; 17 << 20]);
+    exits(&refused, 2);
+    assert!(stderr(&refused).contains("larger than 16 MiB; this is no campaign"), "{}", stderr(&refused));
+    let endless = command(folder.path(), &["check", "-"])
+        .stdin(fs::File::open("/dev/zero").expect("a device"))
+        .output()
+        .expect("runs");
+    exits(&endless, 2);
+}
+
+#[test]
+fn a_name_with_a_line_break_is_refused_on_one_line() {
+    let folder = folder(SMALL);
+    for name in ["no\nerror: forged.exr", "no\rforged.exr", "no\u{2028}forged.exr"] {
+        let refused = gonio(folder.path(), &["cite", name]);
+        exits(&refused, 2);
+        let said = stderr(&refused);
+        assert!(
+            said.lines().count() == 1 && said.contains("a name with a line break is not taken"),
+            "{said}"
+        );
+    }
 }
 
 #[test]

@@ -15,7 +15,7 @@ use super::text::resolution;
 use crate::bench::{self, BenchAnswer, Other, Range, TruthKind};
 use crate::campaign::{self, Campaign, Parsed, Resolution};
 use crate::error::{Error, Fault, Result};
-use crate::files;
+use crate::files::{self, Destination};
 use crate::job::paths;
 use crate::measure::Patches;
 use crate::report::plot::ladders;
@@ -137,7 +137,7 @@ fn several(arguments: &Arguments) -> Result<u8> {
         }
     }
     let folder = arguments.output.clone().unwrap_or_else(|| "out/bench".into());
-    let picture = folder.join("bench.svg");
+    let picture = Destination::at(folder.join("bench.svg"));
     if !arguments.force {
         paths::spare_foreign(&picture, ladders::MARK, "plot")?;
     }
@@ -203,9 +203,9 @@ fn outputs(
     (path, campaign): (&Path, &Campaign),
     folder: Option<&Path>,
     resolved: &str,
-) -> Result<[PathBuf; 2]> {
+) -> Result<[Destination; 2]> {
     let (folder, _claim) = paths::open_folder(folder, campaign)?;
-    let [document, picture] = ["bench.json", "bench.svg"].map(|name| folder.join(name));
+    let [document, picture] = ["bench.json", "bench.svg"].map(|name| Destination::at(folder.join(name)));
     paths::spare_inputs(&[&document, &picture], path, campaign)?;
     if !arguments.force {
         spare_another(&document, resolved)?;

@@ -14,7 +14,7 @@ use super::text::progress::Stage;
 use crate::budget::{self, Budget};
 use crate::campaign;
 use crate::error::Result;
-use crate::files;
+use crate::files::{self, Destination};
 use crate::job::paths;
 use crate::report::budget_page;
 
@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         return Err(paths::already_exists(taken, "is there already"));
     }
     if let Some(places) = &places {
-        paths::spare_inputs(&places.each_ref().map(PathBuf::as_path), path, campaign)?;
+        paths::spare_inputs(&places.each_ref().map(|place| &**place), path, campaign)?;
     }
     let line = RefCell::new(None);
     let stage = |text: &str| {
@@ -86,11 +86,11 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
 }
 
 /// The files: JSON, CSV and page.
-fn places(folder: &Path, name: &str) -> [PathBuf; 3] {
-    ["json", "csv", "html"].map(|end| folder.join(format!("{name}.budget.{end}")))
+fn places(folder: &Path, name: &str) -> [Destination; 3] {
+    ["json", "csv", "html"].map(|end| Destination::at(folder.join(format!("{name}.budget.{end}"))))
 }
 
-fn write(found: &Budget, json: &str, [json_file, csv, page]: &[PathBuf; 3]) -> Result<()> {
+fn write(found: &Budget, json: &str, [json_file, csv, page]: &[Destination; 3]) -> Result<()> {
     files::write_atomically(json_file, format!("{json}\n").as_bytes())?;
     files::write_atomically(csv, &rows::csv(found)?)?;
     files::write_atomically(page, budget_page::page(found).as_bytes())

@@ -12,7 +12,7 @@ use crate::cli::text::output::{Output, inform, to_json};
 use crate::cli::text::progress::Stage;
 use crate::cli::text::terminal::Terminal;
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, Destination};
 use crate::fit::slopes::{self, SlopeFamily, SlopeFit, SlopeFits, SlopeTiles};
 use crate::job::{Measurement, TablePaths, Written, paths};
 use crate::measure::Patches;
@@ -39,7 +39,7 @@ pub fn run(arguments: &Arguments, threads: usize) -> Result<u8> {
         return Err(Error::Internal("a map is a map".into()));
     };
     let folder = paths::folder_of(arguments.output.as_deref(), &campaign);
-    let page = folder.join(format!("{}.law.html", campaign.name));
+    let page = Destination::at(folder.join(format!("{}.law.html", campaign.name)));
     paths::spare_inputs(&[&page], file, &campaign)?;
     if !arguments.force {
         paths::spare_foreign(&page, render::MARK, "page")?;

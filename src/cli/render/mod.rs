@@ -12,7 +12,7 @@ use super::text::numbers::bytes;
 use super::text::output::{Output, warn};
 use super::text::progress::Stage;
 use crate::error::{ContentError, Error, Result};
-use crate::files;
+use crate::files::{self, Destination, STANDARD};
 use crate::interchange::Options;
 use crate::interchange::codec::{Codec, FileContent};
 use crate::interchange::mitsuba::rgl;
@@ -160,12 +160,13 @@ fn no_sphere(path: &Path, why: ContentError) -> Error {
 /// The scene, the sky and the table in a folder.
 fn write_scene(arguments: &Arguments, light: &Lighting, scene: &str) -> Result<u8> {
     let (path, folder) = (&arguments.table, &arguments.output);
-    if is_png(folder) {
+    if is_png(folder) || *folder == Path::new(STANDARD) {
         return Err(Error::Usage(format!("-o {}: a scene is a folder", folder.display())));
     }
     let names = [mitsuba::SKY, mitsuba::TABLE, mitsuba::SCENE];
-    for name in names {
-        check_output(path, &folder.join(name), arguments.force)?;
+    let [sky_file, bsdf_file, scene_file] = names.map(|name| Destination::at(folder.join(name)));
+    for place in [&sky_file, &bsdf_file, &scene_file] {
+        check_output(path, place, arguments.force)?;
     }
     let table = table_file::load(path)?;
     if table.grid.looks_below() {
@@ -181,12 +182,12 @@ fn write_scene(arguments: &Arguments, light: &Lighting, scene: &str) -> Result<u
     let _claim = files::create_folder(folder)?;
     let mut written = vec![mitsuba::TABLE, mitsuba::SCENE];
     if let Some(sky) = sky {
-        files::write_atomically(&folder.join(mitsuba::SKY), &sky)?;
+        files::write_atomically(&sky_file, &sky)?;
         written.insert(0, mitsuba::SKY);
     }
-    files::write_atomically(&folder.join(mitsuba::TABLE), &bsdf)?;
+    files::write_atomically(&bsdf_file, &bsdf)?;
     // Last: where it is, all of it is.
-    files::write_atomically(&folder.join(mitsuba::SCENE), scene.as_bytes())?;
+    files::write_atomically(&scene_file, scene.as_bytes())?;
     let mut out = Output::default();
     if arguments.json {
         out.json(&json!({ "scene": folder.join(mitsuba::SCENE), "files": written }))?;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, CommandFactory};
 
+use crate::cli::streams::folder;
 use crate::cli::text::output::Output;
 use crate::error::{Error, Result};
 use crate::files;
@@ -14,6 +15,7 @@ use crate::job::paths::already_exists;
 #[command(after_help = "Example: gonio man ~/.local/share/man/man1")]
 pub struct Arguments {
     /// The folder
+    #[arg(value_parser = folder())]
     folder: PathBuf,
     /// Replace pages that are there
     #[arg(long)]

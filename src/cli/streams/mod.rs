@@ -9,11 +9,11 @@ use tempfile::TempDir;
 
 use super::text::output;
 use crate::error::{Error, Result};
-use crate::files::STANDARD;
+use crate::files::{Destination, STANDARD};
 
 /// Where a command puts the one file that it makes.
 pub struct Place {
-    path: PathBuf,
+    path: Destination,
     /// Holds the file until it goes to stdout.
     folder: Option<TempDir>,
 }
@@ -29,11 +29,11 @@ impl Place {
         }
         output::be_quiet();
         let folder = tempfile::tempdir().map_err(|e| Error::io(&std::env::temp_dir(), e))?;
-        Ok(Place { path: folder.path().join("stdout"), folder: Some(folder) })
+        Ok(Place { path: Destination::at(folder.path().join("stdout")), folder: Some(folder) })
     }
 
     /// Where the command writes.
-    pub fn path(&self) -> &Path {
+    pub fn path(&self) -> &Destination {
         &self.path
     }
 
@@ -52,11 +52,15 @@ impl Place {
 
 /// A folder for several files, which stdout is not.
 pub fn folder() -> impl TypedValueParser<Value = PathBuf> {
-    PathBufValueParser::new().try_map(|path| {
-        if path == Path::new(STANDARD) {
-            Err("several files are written: a folder is needed")
-        } else {
-            Ok(path)
-        }
-    })
+    named("several files are written: a folder is needed")
+}
+
+/// The name of a file that has another next to it, for which stdout has no room.
+pub fn of_two() -> impl TypedValueParser<Value = PathBuf> {
+    named("a table and its realisations are written: a name is needed")
+}
+
+fn named(why: &'static str) -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new()
+        .try_map(move |path| if path == Path::new(STANDARD) { Err(why) } else { Ok(path) })
 }

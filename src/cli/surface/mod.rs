@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
         let picture = plot::roughness::picture(&areal.before, &areal.after, areal.unit_um);
         job.put(&job.folder.join(ROUGHNESS), picture.as_bytes())?;
     }
-    files::write_atomically(&job.certificate(), format!("{}\n", json_text(&document)?).as_bytes())?;
+    files::write_atomically(job.certificate(), format!("{}\n", json_text(&document)?).as_bytes())?;
     let mut out = Output::default();
     if arguments.json {
         out.json(&document)?;

@@ -13,7 +13,7 @@ use crate::campaign::{Campaign, SurfaceKind};
 use crate::cli::text::output::{parsed_json, to_json};
 use crate::cli::text::progress::RunProgress;
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, Destination};
 use crate::job::paths;
 use crate::measure::{Patch, Patches, Specimen, patches::patch_name};
 use crate::surface::io::{export, glb, import};
@@ -27,6 +27,7 @@ pub struct PatchJob<'a> {
     campaign: &'a Campaign,
     patches: Patches,
     pub folder: PathBuf,
+    certificate: Destination,
     pub count: u64,
     pub pitch: [f64; 2],
     /// How the names of each patch's files end.
@@ -74,7 +75,8 @@ impl<'a> PatchJob<'a> {
         }
         let count = if random { u64::from(campaign.surface.realisations) } else { 1 };
         let pitch = alpha.map(|alpha| 1.0 / alpha);
-        Ok(PatchJob { campaign, patches, folder, count, pitch, ends, force })
+        let certificate = Destination::at(folder.join("certificate.json"));
+        Ok(PatchJob { campaign, patches, folder, certificate, count, pitch, ends, force })
     }
 
     /// The areal parameters of a measured map; `None` of another surface, or where they do not fit into memory, which `notes`
@@ -94,8 +96,8 @@ impl<'a> PatchJob<'a> {
         patch_name(index, end)
     }
 
-    pub fn certificate(&self) -> PathBuf {
-        self.folder.join("certificate.json")
+    pub fn certificate(&self) -> &Destination {
+        &self.certificate
     }
 
     /// The names of all patches that will be there.
@@ -106,7 +108,7 @@ impl<'a> PatchJob<'a> {
     /// Before any work: what lies in the folder must be of these patches, or be replaced by --force.
     pub fn check_folder(&self, file: &Path) -> Result<()> {
         let mut outputs: Vec<PathBuf> = self.names().iter().map(|name| self.folder.join(name)).collect();
-        outputs.push(self.certificate());
+        outputs.push(self.certificate().to_path_buf());
         if self.campaign.surface.kind.is_map() {
             outputs.push(self.folder.join(ROUGHNESS));
         }
@@ -133,7 +135,7 @@ impl<'a> PatchJob<'a> {
                 files::remove(&path)?;
             }
         }
-        files::remove(&self.certificate())?;
+        files::remove(self.certificate())?;
         Ok(())
     }
 
@@ -147,8 +149,8 @@ impl<'a> PatchJob<'a> {
     /// The certificate that is there; null if it is no JSON.
     fn certificate_there(&self) -> Result<Option<Value>> {
         let path = self.certificate();
-        let read = || Ok(parsed_json(&files::read(&path)?).unwrap_or_default());
-        files::is_there(&path).then(read).transpose()
+        let read = || Ok(parsed_json(&files::read(path)?).unwrap_or_default());
+        files::is_there(path).then(read).transpose()
     }
 
     /// A certificate that is there must be of the same surface and seed.
@@ -157,7 +159,7 @@ impl<'a> PatchJob<'a> {
         let same = old["seed"] == json!(self.campaign.seed)
             && old["surface"] == surface_of(self.campaign)?
             && old["pitch"] == json!(self.pitch);
-        if same { Ok(()) } else { Err(paths::already_exists(&self.certificate(), "is of other patches")) }
+        if same { Ok(()) } else { Err(paths::already_exists(self.certificate(), "is of other patches")) }
     }
 
     /// Files in the folder that are named as patches are, with their numbers.

@@ -22,10 +22,11 @@ pub enum Input {
 }
 
 impl Input {
-    /// Opens a regular file, or stdin for [`STANDARD`]; other pipes and devices, which might never end, are refused.
-    pub(super) fn open(path: &Path) -> io::Result<Self> {
+    /// Opens a regular file, or stdin for [`STANDARD`]; other pipes and devices, which might never end, are refused. Whoever
+    /// refuses what has more than `most` bytes gets no more than one byte more of stdin.
+    pub(super) fn open(path: &Path, most: u64) -> io::Result<Self> {
         if path == Path::new(STANDARD) {
-            return Ok(Input::Stdin(Cursor::new(stdin()?)));
+            return Ok(Input::Stdin(Cursor::new(stdin(most)?)));
         }
         if !fs::metadata(path)?.is_file() {
             return Err(io::Error::new(ErrorKind::InvalidInput, "is not a regular file"));
@@ -42,15 +43,15 @@ impl Input {
     }
 }
 
-/// All of stdin, which is read once.
-fn stdin() -> io::Result<&'static [u8]> {
+/// All of stdin, or its first `wanted` bytes and one more; it is read once.
+fn stdin(wanted: u64) -> io::Result<&'static [u8]> {
     if STDIN.get().is_none() {
         // Half: a vector that grows is copied.
-        let most = memory_limit() / 2;
+        let room = memory_limit() / 2;
         let mut bytes = Vec::new();
-        io::stdin().lock().take(most + 1).read_to_end(&mut bytes)?;
-        if bytes.len() as u64 > most {
-            let why = format!("stdin has more than the {} MiB that may be used; give a file", most >> 20);
+        io::stdin().lock().take(wanted.min(room).saturating_add(1)).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > room {
+            let why = format!("stdin has more than the {} MiB that may be used; give a file", room >> 20);
             return Err(io::Error::new(ErrorKind::OutOfMemory, why));
         }
         STDIN.get_or_init(|| bytes);

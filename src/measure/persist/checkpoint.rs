@@ -2,15 +2,18 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::run_state::StoredRun;
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, Destination};
 
 /// Where a run keeps its finished blocks.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Checkpoint {
     slots: [PathBuf; 2],
+    /// What lay there at first, or was put there since.
+    places: [Mutex<Destination>; 2],
 }
 
 /// A checkpoint that was found.
@@ -27,7 +30,8 @@ pub struct FoundCheckpoint {
 impl Checkpoint {
     /// The files `<stem>.checkpoint_0` and `_1` of a folder.
     pub fn of(folder: &Path, stem: &str) -> Self {
-        Checkpoint { slots: [0, 1].map(|slot| folder.join(format!("{stem}.checkpoint_{slot}"))) }
+        let slots = [0, 1].map(|slot| folder.join(format!("{stem}.checkpoint_{slot}")));
+        Checkpoint { places: slots.each_ref().map(|slot| Mutex::new(slot.into())), slots }
     }
 
     /// The file of either, if one is there.
@@ -65,11 +69,19 @@ impl Checkpoint {
 
     /// Puts these `bytes` in the place of the older file.
     pub(crate) fn save(&self, number: u64, bytes: &[u8]) -> Result<()> {
-        files::write_atomically(&self.slots[(number % 2) as usize], bytes)
+        let slot = (number % 2) as usize;
+        let mut place = self.place(slot);
+        files::write_atomically(&*place, bytes)?;
+        *place = Destination::at(&self.slots[slot]);
+        Ok(())
     }
 
     /// Removes both files.
     pub fn remove(&self) -> Result<()> {
-        self.slots.iter().try_for_each(|path| files::remove(path))
+        (0..self.slots.len()).try_for_each(|slot| self.place(slot).remove())
+    }
+
+    fn place(&self, slot: usize) -> MutexGuard<'_, Destination> {
+        self.places[slot].lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

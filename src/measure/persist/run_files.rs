@@ -10,20 +10,22 @@ use super::part::Part;
 use super::run_state::{RunState, StoredRun};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, Destination};
 use crate::measure::plan::Plan;
 
 /// What helps where the file of a band is damaged.
 const ADVICE: &str = "without it --resume measures its band again, --force starts all again";
 
 /// Where a run keeps what it has measured: files whose names begin with `stem`.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct RunFiles {
     /// Where they are.
     pub folder: PathBuf,
     stem: String,
     /// The blocks that are finished of a part under way.
     pub checkpoint: Checkpoint,
+    /// Files of parts that lay there at first.
+    parts: Vec<Destination>,
 }
 
 /// The file of a finished part.
@@ -50,7 +52,12 @@ pub struct ResumableRun {
 impl RunFiles {
     /// Those of a run.
     pub fn of(folder: &Path, stem: &str) -> Self {
-        RunFiles { folder: folder.into(), stem: stem.into(), checkpoint: Checkpoint::of(folder, stem) }
+        let checkpoint = Checkpoint::of(folder, stem);
+        let mut files = RunFiles { folder: folder.into(), stem: stem.into(), checkpoint, parts: Vec::new() };
+        // Where no folder can be read nothing lies that a run may replace.
+        let parts = files.bands().unwrap_or_default().into_iter().chain([folder.join(stem)]);
+        files.parts = parts.map(Destination::at).collect();
+        files
     }
 
     /// What the names of its files begin with.
@@ -67,7 +74,9 @@ impl RunFiles {
     /// Writes the file of the part that `plan` is of.
     pub fn save(&self, run_state: &RunState, campaign: &Campaign, plan: &Plan) -> Result<PartFile> {
         let path = self.part(plan.part);
-        files::write_atomically(&path, &run_state.to_bytes(0, campaign, plan)?)?;
+        let lay_there = self.parts.iter().find(|part| part.as_ref() == path);
+        let place = lay_there.cloned().unwrap_or_else(|| Destination::vacant(&path));
+        files::write_atomically(&place, &run_state.to_bytes(0, campaign, plan)?)?;
         Ok(PartFile { path, header: run_state.header(0, campaign, plan) })
     }
 

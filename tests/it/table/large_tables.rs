@@ -193,14 +193,15 @@ fn a_table_exported_by_rows_is_the_file_of_the_whole() {
         let wanted =
             interchange::export(&measured.table, format, &Options::default(), &whole).expect("written");
         let mut rows = TableRows::open(&path).expect("opened");
-        let found = interchange::export_rows(&mut rows, format, &by_rows, 1).expect("written");
+        let found = interchange::export_rows(&mut rows, format, &(&by_rows).into(), 1).expect("written");
         assert!(std::fs::read(&whole).expect("there") == std::fs::read(&by_rows).expect("there"), "{name}");
         assert_eq!(found, wanted);
         assert_eq!(found.read_back.expect("light").worst, 0.0);
     }
     let mut rows = TableRows::open(&path).expect("opened");
     let output = folder.path().join("t.bsdf");
-    let refused = interchange::export_rows(&mut rows, Format::Rgl, &output, 1).expect_err("needs it whole");
+    let refused =
+        interchange::export_rows(&mut rows, Format::Rgl, &(&output).into(), 1).expect_err("needs it whole");
     assert!(refused.exit_code() == 4 && !output.exists(), "{refused}");
 }
 

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
-use super::own_file;
+use crate::files::own_file;
 
 const PREFIX: &str = ".gonio-";
 const CLAIM: &str = ".claim";
@@ -57,22 +57,26 @@ impl Claim {
     }
 
     fn new(folder: &Path) -> io::Result<Self> {
-        let random = RandomState::new().hash_one(std::process::id());
-        let token = format!("{random:016x}");
-        let path = claim_path(folder, &token);
-        let mut file = own_file::create_new(&path)?;
-        // Told as one of ours only when it is locked.
-        match file.try_lock() {
-            Err(TryLockError::Error(e)) if !own_file::knows_no_locks(&e) => return Err(cleared(&path, e)),
-            Err(TryLockError::WouldBlock) => {
-                return Err(cleared(&path, io::Error::other("is locked by another process")));
+        loop {
+            let random = RandomState::new().hash_one(std::process::id());
+            let token = format!("{random:016x}");
+            let path = claim_path(folder, &token);
+            let mut file = own_file::create_new(&path)?;
+            // Told as one of ours only when it is locked.
+            let begun = match file.try_lock() {
+                Err(TryLockError::Error(e)) if !own_file::knows_no_locks(&e) => Err(e),
+                Err(TryLockError::WouldBlock) => continue,
+                _ => file.write_all(text().as_bytes()).and_then(|()| own_file::is_at(&file, &path)),
+            };
+            match begun {
+                Ok(true) => {
+                    return Ok(Claim { folder: folder.into(), token, next: AtomicU32::new(0), _file: file });
+                }
+                // While it was empty another process took it for one that was left.
+                Ok(false) => {}
+                Err(e) => return Err(cleared(&path, e)),
             }
-            _ => {}
         }
-        if let Err(e) = file.write_all(text().as_bytes()) {
-            return Err(cleared(&path, e));
-        }
-        Ok(Claim { folder: folder.into(), token, next: AtomicU32::new(0), _file: file })
     }
 
     /// Makes an unfinished file, of a name that nobody else has.
@@ -147,7 +151,9 @@ fn remove_leftovers(folder: &Path) -> io::Result<()> {
         let Ok(mut file) = own_file::open(&path) else { continue };
         let mut content = String::new();
         let read = Read::by_ref(&mut file).take(LONGEST).read_to_string(&mut content);
-        if read.is_err() || content != text() || file.try_lock().is_err() {
+        // An empty one is of a process that was killed before it wrote into it.
+        let is_ours = content.is_empty() || content == text();
+        if read.is_err() || !is_ours || file.try_lock().is_err() {
             continue;
         }
         let first = format!("{PREFIX}{token}-");
@@ -202,6 +208,8 @@ mod tests {
         let (dead, foreign) = ("0123456789abcdef", "00000000000000aa");
         put(&format!(".gonio-{dead}.claim"), &text());
         put(&format!(".gonio-{dead}-0.tmp"), "half a table");
+        let begun = ".gonio-00000000000000bb.claim";
+        put(begun, "");
         put(&format!(".gonio-{dead}-notes.tmp"), "a user's");
         fs::create_dir(folder.path().join(format!(".gonio-{dead}-7.tmp"))).expect("a folder");
         put(&format!(".gonio-{foreign}.claim"), &format!("{HEADER}another\n"));
@@ -215,6 +223,6 @@ mod tests {
         remove_leftovers(folder.path()).expect("readable");
         let gone: Vec<String> =
             before.into_iter().filter(|name| !folder.path().join(name).exists()).collect();
-        assert_eq!(gone, [format!(".gonio-{dead}-0.tmp"), format!(".gonio-{dead}.claim")]);
+        assert_eq!(gone, [begun.into(), format!(".gonio-{dead}-0.tmp"), format!(".gonio-{dead}.claim")]);
     }
 }

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::claim::Claim;
-use super::{check_target, clean_up, folder_of, sync_folder};
+use super::destination::Destination;
+use super::{clean_up, folder_of, sync_folder};
 use crate::error::{Error, Result};
 
 /// An open, unfinished file in the folder of its place. Dropped before [`NewFile::commit`], it is
 /// removed, and what lay in its place stays.
 pub struct NewFile {
-    place: PathBuf,
+    place: Destination,
     temporary: PathBuf,
     out: BufWriter<File>,
     /// Whether nothing was written since all of it reached the disk.
@@ -24,22 +25,22 @@ pub struct NewFile {
 
 impl NewFile {
     /// Opens it. Folders, links, devices, pipes and read-only files are not replaced.
-    pub fn create(place: &Path) -> Result<Self> {
+    pub fn create(place: impl Into<Destination>) -> Result<Self> {
+        let place = place.into();
         let open = || {
-            check_target(place)?;
+            place.check()?;
             place.file_name().ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "has no name"))?;
-            let claim = Claim::on(folder_of(place))?;
-            let (temporary, file) = claim.create_file()?;
-            let out = BufWriter::new(file);
-            Ok(NewFile { place: place.into(), temporary, out, on_disk: false, done: false, _claim: claim })
+            let claim = Claim::on(folder_of(&place))?;
+            claim.create_file().map(|(temporary, file)| (claim, temporary, BufWriter::new(file)))
         };
-        open().map_err(|e| Error::io(place, e))
+        let (claim, temporary, out) = open().map_err(|e| Error::io(&place, e))?;
+        Ok(NewFile { place, temporary, out, on_disk: false, done: false, _claim: claim })
     }
 
     /// Opens it with this content, on the disk: what can fail for want of room has not failed.
-    pub fn with(place: &Path, bytes: &[u8]) -> Result<Self> {
+    pub fn with(place: impl Into<Destination>, bytes: &[u8]) -> Result<Self> {
         let mut file = NewFile::create(place)?;
-        file.write_all(bytes).map_err(|e| Error::io(place, e))?;
+        file.write_all(bytes).map_err(|e| Error::io(&file.place, e))?;
         file.on_disk()
     }
 
@@ -62,10 +63,18 @@ impl NewFile {
         Ok(())
     }
 
+    /// Refuses now what [`NewFile::commit`] would refuse of its place.
+    pub fn check_place(&self) -> Result<()> {
+        self.place.check().map_err(|e| Error::io(&self.place, e))
+    }
+
     /// Puts the file in its place, when its bytes have reached the disk.
     // Tested by `a_file_under_way_leaves_the_old_one_whole`.
     pub fn commit(mut self) -> Result<()> {
-        let placed = self.reach_disk().and_then(|()| fs::rename(&self.temporary, &self.place));
+        // Between the look and the rename are microseconds: what comes then is lost, for the file systems' own test of it is
+        // not everywhere.
+        let placed = self.reach_disk().and_then(|()| self.place.check());
+        let placed = placed.and_then(|()| fs::rename(&self.temporary, &self.place));
         self.done = true;
         match placed {
             Ok(()) => sync_folder(folder_of(&self.place)).map_err(|e| Error::io(&self.place, e)),
