@@ -1,5 +1,6 @@
 //! The result of a measurement: BRDF values, error bars and hits over (incidence, bin).
 
+use super::gaps::NOT_KNOWN;
 use crate::instrument::Grid;
 use crate::stats;
 
@@ -195,9 +196,12 @@ impl ColourChannels {
                 let values = parts.iter().map(move |part| f64::from(pick(part)[colour][entry]));
                 let (mean, se) = stats::mean_and_se(values);
                 // No light of the asked-for orders in any realisation, though others may have hit: as in an empty bin.
-                let se =
-                    if hits == 0 || mean == 0.0 { empty[entry] } else { se.map_or(-1.0, |se| se as f32) };
-                (mean, if parts.len() > 1 { se } else { -1.0 })
+                let se = if hits == 0 || mean == 0.0 {
+                    empty[entry]
+                } else {
+                    se.map_or(NOT_KNOWN, |se| se as f32)
+                };
+                (mean, if parts.len() > 1 { se } else { NOT_KNOWN })
             };
             let (total, stderr) = of(|part| &part.total);
             let (single, stderr_single) = of(|part| &part.single);

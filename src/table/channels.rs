@@ -8,6 +8,7 @@ use crate::files::image::{ImagePart, Samples};
 use super::brdf_table::named_wavelength;
 use super::content_digest::ContentDigest;
 pub(super) use super::content_digest::DIGEST;
+use super::gaps::{NOT_KNOWN, NOT_MEASURED};
 use super::grid_attribute::{GRID, check_grid};
 use super::{BrdfTable, SchlickSums};
 
@@ -54,7 +55,7 @@ impl Plane<'_> {
     }
 }
 
-/// A table's channels by name, the first row being that of `first_incidence`; each must fit the grid and be finite.
+/// A table's channels by name, the first row being that of `first_incidence`; each must fit the grid and have values that a measurement gives.
 pub(crate) fn planes(table: &BrdfTable, first_incidence: usize) -> Checked<BTreeMap<String, Plane<'_>>> {
     let (incidences, bins) = check_grid(&table.grid)?;
     let mut planes = BTreeMap::new();
@@ -85,28 +86,29 @@ pub(crate) fn planes(table: &BrdfTable, first_incidence: usize) -> Checked<BTree
             return Err(wrong!("channel `{name}` has {} values, {} needed", plane.len(), incidences * bins));
         }
         if let Plane::F32(values) = plane {
-            check_finite(name, values, bins, first_incidence)?;
+            check_values(name, values, bins, first_incidence)?;
         }
     }
     Ok(planes)
 }
 
-/// Adds a FLOAT channel, which must fit the part and be finite.
+/// Adds a FLOAT channel, which must fit the part and have values that a measurement gives.
 pub(super) fn insert(part: &mut ImagePart, name: &str, values: &[f32]) -> Checked<()> {
     let pixels = part.width * part.height;
     if values.len() != pixels {
         return Err(wrong!("channel `{name}` has {} values, {pixels} needed", values.len()));
     }
-    check_finite(name, values, part.width, 0)?;
+    check_values(name, values, part.width, 0)?;
     part.channels.insert(name.into(), Samples::F32(values.to_vec()));
     Ok(())
 }
 
-/// Takes a FLOAT channel out of a part, the first row of which is that of `first_incidence`; its values must be finite.
+/// Takes a FLOAT channel out of a part, the first row of which is that of `first_incidence`; its values must be such as a
+/// measurement gives.
 pub(super) fn take(part: &mut ImagePart, name: &str, first_incidence: usize) -> Checked<Vec<f32>> {
     match part.channels.remove(name) {
         Some(Samples::F32(values)) => {
-            check_finite(name, &values, part.width, first_incidence).map(|()| values)
+            check_values(name, &values, part.width, first_incidence).map(|()| values)
         }
         Some(Samples::F16(_)) => Err(wrong!("channel `{name}` is HALF, FLOAT needed")),
         Some(Samples::U32(_)) => Err(wrong!("channel `{name}` is UINT, FLOAT needed")),
@@ -114,14 +116,24 @@ pub(super) fn take(part: &mut ImagePart, name: &str, first_incidence: usize) -> 
     }
 }
 
-fn check_finite(name: &str, values: &[f32], width: usize, first_incidence: usize) -> Checked<()> {
-    match values.iter().position(|value| !value.is_finite()) {
+/// Refuses what no measurement gives: values and errors are finite, and none is below 0; an error that is not known, or
+/// of what was not measured, has a number of its own.
+fn check_values(name: &str, values: &[f32], width: usize, first_incidence: usize) -> Checked<()> {
+    let least = if may_be_negative(name) { f32::MIN } else { 0.0 };
+    let is_mark = |value: f32| name.starts_with("stderr.") && [NOT_KNOWN, NOT_MEASURED].contains(&value);
+    match values.iter().position(|&value| !(least..=f32::MAX).contains(&value) && !is_mark(value)) {
         Some(at) => {
             let (incidence, bin, value) = (first_incidence + at / width, at % width, values[at]);
-            Err(wrong!("channel `{name}`, incidence {incidence}, bin {bin}: {value} is not a finite number"))
+            let what = if value.is_finite() { "is below 0" } else { "is not a finite number" };
+            Err(wrong!("channel `{name}`, incidence {incidence}, bin {bin}: {value} {what}"))
         }
         None => Ok(()),
     }
+}
+
+/// Elements of the Mueller matrix, and the coefficients of a polynomial in F0.
+fn may_be_negative(name: &str) -> bool {
+    name.contains("parts.") || MUELLER_ELEMENTS.iter().any(|element| name.starts_with(element))
 }
 
 /// A colour's name, and the wavelength that it stands for.

@@ -6,8 +6,10 @@
 
 use super::BrdfTable;
 
-/// The `stderr` of a pair that was not measured; -1 says of a measured one that its error is not available.
+/// The `stderr` of a pair that was not measured.
 pub const NOT_MEASURED: f32 = -2.0;
+/// The `stderr` of a measured pair whose error is not available.
+pub const NOT_KNOWN: f32 = -1.0;
 
 impl BrdfTable {
     /// Whether an entry (`incidence * bins + bin`) was not measured.

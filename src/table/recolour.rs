@@ -4,6 +4,7 @@
 //! they would have been measured with it.
 
 use super::brdf_table::HITS_OF_AN_EMPTY_BIN;
+use super::gaps::NOT_KNOWN;
 use super::{BrdfTable, ColourChannels, RealisationPart, Realisations, SchlickSums};
 use crate::error::Checked;
 use crate::optics::parts;
@@ -104,7 +105,7 @@ fn without_errors(table: &BrdfTable, sums: &SchlickSums, f0: f64) -> ColourChann
     let of = |value: &dyn Fn(usize) -> f64| narrow(entries(table).map(value));
     let old = &table.colours[0];
     let error = |old: &[f32]| {
-        let known = old.iter().zip(&table.hits).map(|(&old, &hits)| if hits == 0 { old } else { -1.0 });
+        let known = old.iter().zip(&table.hits).map(|(&old, &hits)| if hits == 0 { old } else { NOT_KNOWN });
         known.collect::<Vec<f32>>()
     };
     ColourChannels {

@@ -4,6 +4,7 @@ use super::fresnel_sums::{ColourSource, ELEMENTS};
 use super::tally_flux::TallyFlux;
 use crate::measure::plan::Plan;
 use crate::stats;
+use crate::table::gaps::NOT_KNOWN;
 use crate::table::{RealisationPart, SchlickSums};
 
 /// What tables are made of: [realisation][incidence], and the bins' projected solid angles, [incidence][bin].
@@ -84,7 +85,7 @@ impl TableSource<'_> {
                 let no_light = of(0).0 == 0.0;
                 for (element, (values, errors)) in values.iter_mut().zip(&mut errors).enumerate() {
                     let (mean, se) = of(element);
-                    let se = se.map_or(-1.0, |se| se as f32);
+                    let se = se.map_or(NOT_KNOWN, |se| se as f32);
                     values.push(mean as f32);
                     errors.push(if no_light && se >= 0.0 {
                         empty[incidence * self.plan.bins + bin]

@@ -8,6 +8,7 @@ use crate::instrument::{Grid, GridKind};
 use crate::interchange::content::imported::function_of;
 use crate::interchange::resample::{resample_spectrum, thirds};
 use crate::stats;
+use crate::table::gaps::NOT_KNOWN;
 use crate::table::{BrdfTable, RealisationPart, Realisations};
 
 /// Which of two tables is interpolated, 0 or 1, and which where that one cannot be: bins that cover a side rather than single
@@ -41,7 +42,7 @@ pub fn on(side: &Totals<'_>, grid: &Grid) -> Checked<Totals<'static>> {
         let Some(parts) = &parts else { break };
         let error = |at: usize| {
             let values = parts.parts.iter().map(|part| f64::from(part.total[k][at]));
-            stats::mean_and_se(values).1.map_or(-1.0, |se| se as f32)
+            stats::mean_and_se(values).1.map_or(NOT_KNOWN, |se| se as f32)
         };
         colour.stderr = (0..colour.total.len()).map(error).collect();
     }

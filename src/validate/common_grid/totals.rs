@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::campaign::Campaign;
 use crate::instrument::Grid;
 use crate::stats;
-use crate::table::gaps::NOT_MEASURED;
+use crate::table::gaps::{NOT_KNOWN, NOT_MEASURED};
 use crate::table::{BrdfTable, ColourChannels, RealisationPart, Realisations};
 use crate::validate::two_tables::ComparedTable;
 
@@ -152,13 +152,13 @@ impl WeightedMeans {
                     .map(|(weight, se)| (se >= 0.0).then_some(weight * w * f64::from(se)))
                     .sum::<Option<f64>>()
             };
-            let Some(bounds) = bin.iter().map(of_bin).collect::<Option<Vec<f64>>>() else { return -1.0 };
+            let Some(bounds) = bin.iter().map(of_bin).collect::<Option<Vec<f64>>>() else { return NOT_KNOWN };
             if hits[at] == 0 || total[at] == 0.0 {
                 return bounds.into_iter().fold(0.0, f64::max) as f32;
             }
             let Some((parts, colour)) = parts else { return bounds.iter().sum::<f64>() as f32 };
             let values = parts.parts.iter().map(|part| f64::from(part.total[colour][at]));
-            stats::mean_and_se(values).1.map_or(-1.0, |se| se as f32)
+            stats::mean_and_se(values).1.map_or(NOT_KNOWN, |se| se as f32)
         };
         self.entries().enumerate().map(error).collect()
     }
