@@ -6,6 +6,7 @@ use super::content::sides::functions;
 use super::resample::{gaps, resample_spectrum};
 use super::text::samples::one_azimuth;
 use super::{Brdf, COMES_BACK, Format, GONE_THROUGH, Imported, Options};
+use crate::campaign;
 use crate::error::{Checked, ContentError, Error, Result};
 use crate::files::{self, memory};
 use crate::instrument::{Grid, GridKind};
@@ -45,6 +46,14 @@ pub fn import(
         imported => imported,
     };
     let (table, how) = on_grid(imported, like).map_err(wrong)?;
+    if !table.campaign.is_empty() {
+        // What the table's readers will ask of it.
+        let parsed = campaign::parse(&table.campaign, "campaign", path.parent().unwrap_or(path));
+        parsed.map_err(|why| {
+            let why = why.to_string();
+            Error::format(path, why.lines().next().unwrap_or_default())
+        })?;
+    }
     Ok((table, notes.into_iter().chain(how).collect()))
 }
 

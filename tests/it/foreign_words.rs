@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use gonio::instrument::Grid;
-use gonio::interchange::foreign_table;
+use gonio::interchange::{Format, Options, export, foreign_table, import};
 use gonio::table::{BrdfTable, store};
 use serde_json::{Value, json};
 
@@ -78,6 +78,32 @@ fn words_of_files_are_text_on_the_card_the_page_and_the_terminal() {
             assert!(rows.clone().count() > 5);
             assert!(rows.clone().all(|row| row.replace("\\|", "").matches('|').count() == 3), "{text}");
         }
+    }
+}
+
+#[test]
+fn a_citation_has_the_words_of_a_file_in_their_places() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let table = BrdfTable { version: "X}\n# H".into(), ..table() };
+    store::save(&folder.path().join("t.exr"), &table).expect("saved");
+    let cited = gonio(folder.path(), &["cite", "t.exr"]);
+    let text = String::from_utf8(cited.stdout).expect("UTF-8");
+    assert!(text.contains("gonio X} # H, a"), "{text}");
+    assert!(text.contains("{Software, version X\\} \\# H},"), "{text}");
+}
+
+#[test]
+fn the_campaign_of_a_foreign_file_must_be_one() {
+    let folder = tempfile::tempdir().expect("temporary folder");
+    let table = BrdfTable { campaign: "name = 3\n".into(), ..table() };
+    for format in [Format::ExrParts, Format::Npz] {
+        let path = folder.path().join(format.name());
+        export(&table, format, &Options::default(), &path).expect("written");
+        let why = import(&path, format, &Options::default(), None).expect_err("refused").to_string();
+        assert!(
+            why.starts_with(&path.display().to_string()) && why.contains("campaign:1:1: name = 3"),
+            "{why}"
+        );
     }
 }
 

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::text::layout::wrapped;
 use super::text::output::Output;
 use crate::campaign;
-use crate::error::Result;
+use crate::error::{Result, is_unseen};
 use crate::table::TableRows;
 
 /// Say how to cite a table: program, version, campaign, seed and digest, as text and as BibTeX
@@ -57,8 +57,8 @@ impl Source {
         let stem = rows.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
         Source {
             seed: parsed.as_ref().map(|_| header.seed),
-            name: parsed.map_or(stem, |parsed| parsed.campaign.name),
-            version: header.version.clone(),
+            name: seen(&parsed.map_or(stem, |parsed| parsed.campaign.name)),
+            version: seen(&header.version),
             digest: rows.digest().map(str::to_string),
         }
     }
@@ -87,23 +87,28 @@ impl Source {
             "@misc{{gonio_{key},\n  author       = {{{{the gonio authors}}}},\n  title        = {{{{gonio}}, a virtual \
              gonioreflectometer: table {}}},\n  howpublished = {{Software, version {}}},\n  note         = {{{}}}\n}}",
             escaped(&self.name),
-            self.version,
-            self.facts()
+            escaped(&self.version),
+            escaped(&self.facts())
         )
     }
 }
 
-/// A name as TeX shows it.
-fn escaped(name: &str) -> String {
-    let mut text = String::new();
-    for c in name.chars() {
+/// A text of a file, on one line.
+fn seen(text: &str) -> String {
+    text.chars().map(|c| if is_unseen(c) { ' ' } else { c }).collect()
+}
+
+/// A text as TeX shows it.
+fn escaped(text: &str) -> String {
+    let mut tex = String::new();
+    for c in text.chars() {
         match c {
-            '_' | '&' | '%' | '$' | '#' | '{' | '}' => text.extend(['\\', c]),
-            '\\' => text.push_str("\\textbackslash{}"),
-            '~' => text.push_str("\\textasciitilde{}"),
-            '^' => text.push_str("\\textasciicircum{}"),
-            _ => text.push(c),
+            '_' | '&' | '%' | '$' | '#' | '{' | '}' => tex.extend(['\\', c]),
+            '\\' => tex.push_str("\\textbackslash{}"),
+            '~' => tex.push_str("\\textasciitilde{}"),
+            '^' => tex.push_str("\\textasciicircum{}"),
+            _ => tex.push(c),
         }
     }
-    text
+    tex
 }
