@@ -31,6 +31,12 @@ pub struct Cost {
 }
 
 impl Cost {
+    /// Whether times are such as a clock shows.
+    pub fn is_possible(&self) -> bool {
+        let Cost { wall_s, cpu_s, synthesis_s, tracing_s, tracing_cpu_s, .. } = *self;
+        [wall_s, cpu_s, synthesis_s, tracing_s, tracing_cpu_s].iter().all(|s| (0.0..=f64::MAX).contains(s))
+    }
+
     /// This and a run after it, or next to it on another machine.
     pub fn plus(self, next: Cost) -> Cost {
         Cost {

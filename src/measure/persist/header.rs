@@ -46,8 +46,14 @@ impl RunHeader {
         let begin =
             sealed::checked(KIND, &mut files::open(path)?, LONGEST).map_err(|e| Error::io(path, e))?;
         let begin = begin.map_err(|why| Error::format(path, why))?;
-        let read = postcard::take_from_bytes::<RunHeader>(&begin);
-        read.map(|(header, _)| header).map_err(|e| Error::format(path, unreadable(&e)))
+        let read = postcard::take_from_bytes::<RunHeader>(&begin).map_err(|e| unreadable(&e));
+        read.and_then(|(header, _)| header.possible()).map_err(|why| Error::format(path, why))
+    }
+
+    /// Itself, unless its times are none: a checksum is not proof of who wrote a file.
+    // Tested by `times_that_no_clock_shows_are_refused`.
+    pub(crate) fn possible(self) -> std::result::Result<Self, String> {
+        if self.cost.is_possible() { Ok(self) } else { Err("its times are no seconds from 0 up".into()) }
     }
 
     /// Why this cannot be resumed: another version, or a campaign that differs in more than that it has more
@@ -103,4 +109,24 @@ impl RunHeader {
 /// What is said of a content that cannot be read.
 pub(crate) fn unreadable(why: &postcard::Error) -> String {
     format!("its content cannot be read: {why}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::plan;
+
+    #[test]
+    fn times_that_no_clock_shows_are_refused() {
+        let text = "name = \"a\"\n[surface.mirror]\n[light]\ntheta_i_deg = [0]\n[sensor.hemisphere]\n\
+                    [stop]\nsamples = 64\n";
+        let campaign = campaign::parse(text, "a.toml", Path::new("")).expect("a campaign").campaign;
+        let plan = plan(&campaign).expect("a plan");
+        let header = crate::measure::RunState::new(&campaign, &plan).header(0, &campaign, &plan);
+        assert!(header.clone().possible().is_ok());
+        for s in [f64::NAN, f64::INFINITY, -1.0] {
+            let cost = Cost { cpu_s: s, ..header.cost.clone() };
+            assert!(RunHeader { cost, ..header.clone() }.possible().is_err(), "{s}");
+        }
+    }
 }

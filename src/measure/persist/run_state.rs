@@ -110,7 +110,7 @@ impl StoredRun {
         if !rest.is_empty() {
             return Err(format!("{} bytes too many", rest.len()));
         }
-        Ok(StoredRun { header, tables })
+        Ok(StoredRun { header: header.possible()?, tables })
     }
 
     /// The run_state, for a campaign that it has no faults with; else what is wrong with the sums.
