@@ -55,6 +55,8 @@ const LANES: u128 = 12;
 const INDEX: u128 = 12;
 /// Sums of turned areas, of a thread.
 const SUMS: u128 = 2;
+/// Facets in order of their slopes and heights, while the page's certificate of the first patch is made.
+const CERTIFICATE: u128 = 56;
 /// Samples that a thread follows together.
 const STARTS: u128 = BatchedStarts::BYTES as u128 / CELLS_PER_START as u128;
 
@@ -100,11 +102,14 @@ pub(crate) fn memory(campaign: &Campaign, plan: &Plan) -> Memory {
     // Patches that are looked at again are all kept.
     let kept = if rounds { u128::from(plan.realisations).max(threads) } else { threads };
     let synthesis = if campaign.surface.kind.is_random_heights() { SYNTHESIS } else { HEIGHTS };
+    // The map itself stays beside what is mounted of it.
+    let map = if matches!(campaign.surface.kind, SurfaceKind::File(_)) { HEIGHTS } else { 0 };
     let grains = campaign.surface.kind.explicit_grains().is_some();
     let surface = if grains {
         kept.max(threads) * BYTES_PER_GRAIN
     } else {
-        kept * mounted + threads * synthesis.max(SUMS).max(if by_slope { STARTS } else { 0 })
+        let of_thread = synthesis.max(SUMS).max(if by_slope { STARTS } else { 0 });
+        map + kept * mounted + (threads - 1) * of_thread + of_thread.max(CERTIFICATE)
     };
     let bins = plan.bins as u128;
     // Hits, and fixed-point sums of 16 bytes, of every realisation, and about as much for the bytes of a checkpoint; those
