@@ -212,7 +212,7 @@ fn measured(source: &Source, options: &Options, shared: &Shared) -> Result<Strin
     }
     match job.write()? {
         Written::Tables(all) => {
-            let paths: Vec<&PathBuf> = all.iter().map(|paths| &paths.table).collect();
+            let paths: Vec<&Path> = all.iter().map(|paths| &*paths.table).collect();
             json(&paths)
         }
         Written::Shard { .. } => Err(Error::Internal("a shard was measured".into())),

@@ -13,7 +13,7 @@ use super::text::output::{Output, to_json, warn};
 use super::text::progress::Stage;
 use crate::campaign::parse::height_map;
 use crate::error::{Error, Result};
-use crate::files::{self, STANDARD};
+use crate::files::{self, Destination, STANDARD};
 use crate::instrument::GridKind;
 use crate::interchange::radiance::sample_side::SampleSide;
 use crate::interchange::{self, Format, Options, maps};
@@ -81,6 +81,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     }
     let place = Place::of(&arguments.output, arguments.json)?;
     check_output(&arguments.file, place.path(), arguments.force)?;
+    if let Some(like) = &arguments.like {
+        check_output(like, place.path(), arguments.force)?;
+    }
     if arguments.side.is_some() && !matches!(format, Format::Klems | Format::TensorTree) {
         return Err(Error::Usage(format!(
             "--side chooses a block of klems and tensor_tree, not of {}",
@@ -170,7 +173,10 @@ fn campaigns(arguments: &Arguments) -> Result<u8> {
     let (mut campaigns, mut left_out) = (Vec::new(), Vec::new());
     for &(column, row) in &texels {
         match maps.campaign(column, row) {
-            Ok(text) => campaigns.push((arguments.output.join(format!("texel_{column}_{row}.toml")), text)),
+            Ok(text) => {
+                let path = arguments.output.join(format!("texel_{column}_{row}.toml"));
+                campaigns.push((Destination::at(path), text));
+            }
             Err(why) => left_out.push(Error::format(&arguments.file, why)),
         }
     }

@@ -61,8 +61,9 @@ pub fn run(arguments: &Arguments, threads: usize) -> Result<u8> {
     let CampaignRuns { mut runs, notes, .. } = campaign::read_runs(&arguments.campaign)?;
     notes.iter().for_each(warn);
     match (runs.pop(), runs.is_empty()) {
-        (Some(CampaignRun { campaign, .. }), true) => {
-            let (written, mut out) = arguments.measured(campaign, None, threads)?;
+        (Some(CampaignRun { mut campaign, .. }), true) => {
+            campaign.seed = arguments.seed.unwrap_or(campaign.seed);
+            let (written, mut out) = arguments.measured(arguments.measurement(campaign)?, threads)?;
             match written {
                 Written::Tables(all) if arguments.json => out.json(&summaries(&all)?)?,
                 Written::Tables(_) => {}
@@ -101,14 +102,7 @@ fn print_shard(
 
 impl Arguments {
     /// Measures one run, and gives what it has written and stdout.
-    fn measured(
-        &self,
-        mut campaign: Campaign,
-        label: Option<String>,
-        threads: usize,
-    ) -> Result<(Written, Output)> {
-        campaign.seed = self.seed.unwrap_or(campaign.seed);
-        let job = self.measurement(campaign)?.label(label);
+    fn measured(&self, job: Measurement, threads: usize) -> Result<(Written, Output)> {
         let (files, again) = (job.files(), self.again(threads));
         let advice = (job.files(), again.clone());
         ending::advise(move || before_its_end(&advice.0, &advice.1));
@@ -133,21 +127,23 @@ impl Arguments {
             return Err(Error::Usage(text));
         }
         let name = runs[0].campaign.name.clone();
-        let mut all = Vec::new();
-        for run in &runs {
-            all.extend(self.measurement(run.campaign.clone())?.label(run.label.clone()).tables());
-        }
         let folder = paths::folder_of(self.output.as_deref(), &runs[0].campaign);
+        let first = runs[0].campaign.clone();
+        let labelled = |run: CampaignRun| {
+            Ok((run.label.clone(), self.measurement(run.campaign)?.label(run.label).look()))
+        };
+        let jobs = runs.into_iter().map(labelled).collect::<Result<Vec<_>>>()?;
+        let all: Vec<_> = jobs.iter().flat_map(|(_, job)| job.tables()).collect();
         let sweep = SweepPaths::of(&name, &folder, &all)
             .ok_or_else(|| Error::Internal("several runs make several tables".into()))?;
-        paths::spare_inputs(&sweep.paths(), &self.campaign, &runs[0].campaign)?;
+        paths::spare_inputs(&sweep.paths(), &self.campaign, &first)?;
         if !self.force {
             sweep.spare_foreign()?;
         }
-        let count = runs.len();
-        for (k, run) in runs.into_iter().enumerate() {
-            inform(format_args!("run {} of {count}: {}", k + 1, run.label.as_deref().unwrap_or_default()));
-            self.measured(run.campaign, run.label, threads)?;
+        let count = jobs.len();
+        for (k, (label, job)) in jobs.into_iter().enumerate() {
+            inform(format_args!("run {} of {count}: {}", k + 1, label.unwrap_or_default()));
+            self.measured(job, threads)?;
         }
         sweep.write(&name, &all)?;
         let terminal = Terminal::new(self.json, &|error| error);

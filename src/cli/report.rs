@@ -13,7 +13,7 @@ use super::text::output::{Output, note, warn};
 use super::text::progress::Stage;
 use crate::bench::{BenchAnswer, answer};
 use crate::campaign::Campaign;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, is_unseen};
 use crate::files::{self, STANDARD};
 use crate::job::paths;
 use crate::report;
@@ -55,9 +55,9 @@ pub fn run(arguments: &Arguments) -> Result<u8> {
     if arguments.fit {
         return Err(Error::Usage("--fit is for several tables; of one: gonio fit".into()));
     }
-    let opened = table_file::open(path, verdict::row_bytes)?;
     let output = arguments.output.clone().unwrap_or_else(|| beside(path));
     let place = Place::of(&output, false)?;
+    let opened = table_file::open(path, verdict::row_bytes)?;
     paths::spare(place.path(), [path].into_iter().chain(&arguments.bench), "command")?;
     let benches = arguments.bench.iter().map(|path| bench_in(path)).collect::<Result<Vec<_>>>()?;
     let is_card = output.extension().is_some_and(|end| end == "md");
@@ -149,13 +149,19 @@ fn swept(path: &Path, fit: bool) -> Result<SweptTable> {
     let campaign = table_file::campaign_if_any(path, &table)?;
     let beside = Beside::new(path, &table);
     let summary = summary_known(&beside, campaign.as_ref(), None)?;
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let swept = SweptTable::new(stem, campaign.as_ref(), summary);
+    let swept = SweptTable::new(name_of(path), campaign.as_ref(), summary);
     if !fit && !swept.fit_is_cheap(table.grid.incidences() * table.grid.bins() * table.colours.len()) {
         return Ok(swept);
     }
     let _fitting = Stage::begin("fitting");
     Ok(swept.fitted(&table, campaign.as_ref(), beside.get()?))
+}
+
+/// A table's name by its file: on one line, and nothing that a spreadsheet takes for a formula.
+fn name_of(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let seen: String = stem.chars().map(|c| if is_unseen(c) { ' ' } else { c }).collect();
+    if seen.starts_with(['=', '+', '-', '@', ' ']) { format!("./{seen}") } else { seen }
 }
 
 const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";

@@ -15,7 +15,7 @@ pub mod row_writer;
 pub mod sealed;
 
 pub use input::{Input, STANDARD};
-pub use output::{Claim, Destination, NewFile};
+pub use output::{Claim, Destination, FolderLook, NewFile};
 
 use std::fs;
 use std::io::Read;

@@ -10,7 +10,7 @@ use super::radiance::sample_side::SampleSide;
 use super::resample::gaps::not_measured;
 use super::{AlbedoCurve, COMES_BACK, Format, GONE_THROUGH, Lookup, Options, ReadBack, albedo, luminance};
 use crate::error::{Checked, ContentError, Error, Result, wrong};
-use crate::files::{self, Destination, NewFile};
+use crate::files::{self, Destination, FolderLook, NewFile};
 use crate::instrument::{Grid, GridKind};
 use crate::table::{BrdfTable, TableRows};
 
@@ -202,9 +202,10 @@ fn write(content: FileContent, path: &Destination, refused: impl Fn(ContentError
     let fill: Fill = match content {
         FileContent::Bytes(bytes) => return files::write_atomically(path, &bytes),
         FileContent::Folder(files) => {
+            let look = FolderLook::at(path, |_| true);
             let _claim = files::create_folder(path)?;
             for (name, text) in files {
-                files::write_atomically(&path.join(name), text.as_bytes())?;
+                files::write_atomically(look.destination(&path.join(name)), text.as_bytes())?;
             }
             return Ok(());
         }

@@ -32,6 +32,8 @@ use crate::table::realisations;
 pub struct Measurement<'a> {
     campaign: Campaign,
     label: Option<String>,
+    /// The files of all tables and what lay there, where that was looked at before.
+    looked: Option<Vec<TablePaths>>,
     source: PathBuf,
     folder: Option<PathBuf>,
     threads: Option<usize>,
@@ -69,6 +71,7 @@ impl<'a> Measurement<'a> {
             source: PathBuf::from(&campaign.name),
             campaign,
             label: None,
+            looked: None,
             folder: None,
             threads: None,
             patches: None,
@@ -150,8 +153,16 @@ impl<'a> Measurement<'a> {
         RunFiles::of(&paths::folder_of(self.folder.as_deref(), &self.campaign), &stem)
     }
 
+    /// Looks now at what lies where its tables will, not only when it begins: of several runs the others come before.
+    pub fn look(self) -> Self {
+        Measurement { looked: Some(self.tables()), ..self }
+    }
+
     /// The files of all its tables.
     pub fn tables(&self) -> Vec<TablePaths> {
+        if let Some(looked) = &self.looked {
+            return looked.clone();
+        }
         let folder = paths::folder_of(self.folder.as_deref(), &self.campaign);
         TablePaths::of_run(&self.campaign, &folder, self.label.as_deref())
     }

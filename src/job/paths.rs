@@ -50,6 +50,7 @@ pub fn spare(output: &Path, inputs: impl IntoIterator<Item = impl AsRef<Path>>, 
 }
 
 /// The files of one table, and what lay there when they were named. The summary is written last: where it is, the table is finished.
+#[derive(Clone)]
 pub struct TablePaths {
     /// The roughness, where there is one.
     pub alpha: Option<Alpha>,

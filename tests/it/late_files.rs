@@ -69,6 +69,16 @@ fn what_comes_to_a_tables_names_stays_and_the_run_is_resumed() {
     }
 }
 
+/// Of several runs the later ones look before the first begins.
+#[test]
+fn what_comes_between_the_look_and_the_run_stays() {
+    let folder = tempfile::tempdir().expect("folder");
+    let job = Measurement::new(campaign()).folder(folder.path()).force(true).look();
+    let path = folder.path().join("small.json");
+    fs::write(&path, FOREIGN).expect("written");
+    is_refused(job.write().map(drop), &path);
+}
+
 #[test]
 fn what_comes_to_a_shards_name_stays() {
     let folder = tempfile::tempdir().expect("folder");

@@ -114,6 +114,18 @@ fn a_campaign_on_stdin_is_no_longer_than_one_in_a_file() {
 }
 
 #[test]
+fn a_files_name_is_no_formula_of_a_spreadsheet() {
+    let folder = with_table();
+    let at = folder.path();
+    let names = ["=cmd|c.exr", "\u{1b}[31m.exr"];
+    names.iter().for_each(|name| drop(fs::copy(at.join("out/small.exr"), at.join(name)).expect("copied")));
+    exits(&gonio(at, &["report", names[0], names[1], "-o", "both.csv"]), 0);
+    let csv = fs::read_to_string(at.join("both.csv")).expect("figures");
+    assert!(csv.contains("\n./=cmd|c,") && csv.contains("\n./ [31m,"), "{csv}");
+    assert!(!csv.contains('\u{1b}'), "{csv}");
+}
+
+#[test]
 fn a_name_with_a_line_break_is_refused_on_one_line() {
     let folder = folder(SMALL);
     for name in ["no\nerror: forged.exr", "no\rforged.exr", "no\u{2028}forged.exr"] {

@@ -7,7 +7,7 @@ use clap::{Args, CommandFactory};
 use crate::cli::streams::folder;
 use crate::cli::text::output::Output;
 use crate::error::{Error, Result};
-use crate::files;
+use crate::files::{self, Destination};
 use crate::job::paths::already_exists;
 
 /// Write the manual pages: gonio.1, and one of every command
@@ -25,7 +25,8 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<u8> {
     let pages = pages()?;
     let _claim = files::create_folder(&arguments.folder)?;
-    let paths: Vec<PathBuf> = pages.iter().map(|(name, _)| arguments.folder.join(name)).collect();
+    let paths: Vec<Destination> =
+        pages.iter().map(|(name, _)| Destination::at(arguments.folder.join(name))).collect();
     if let Some(path) = paths.iter().find(|path| files::is_there(path) && !arguments.force) {
         return Err(already_exists(path, "is there already"));
     }

@@ -28,7 +28,10 @@ impl Place {
             return Err(Error::Usage("-o - and --json: stdout is for one of them".into()));
         }
         output::be_quiet();
-        let folder = tempfile::tempdir().map_err(|e| Error::io(&std::env::temp_dir(), e))?;
+        let folder = tempfile::tempdir().map_err(|e| {
+            let what = format!("takes no file on its way to stdout ({e}); TMPDIR names another folder");
+            Error::format(&std::env::temp_dir(), what)
+        })?;
         Ok(Place { path: Destination::at(folder.path().join("stdout")), folder: Some(folder) })
     }
 

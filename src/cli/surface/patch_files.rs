@@ -13,7 +13,7 @@ use crate::campaign::{Campaign, SurfaceKind};
 use crate::cli::text::output::{parsed_json, to_json};
 use crate::cli::text::progress::RunProgress;
 use crate::error::{Error, Result};
-use crate::files::{self, Destination};
+use crate::files::{self, Destination, FolderLook};
 use crate::job::paths;
 use crate::measure::{Patch, Patches, Specimen, patches::patch_name};
 use crate::surface::io::{export, glb, import};
@@ -28,6 +28,8 @@ pub struct PatchJob<'a> {
     patches: Patches,
     pub folder: PathBuf,
     certificate: Destination,
+    /// What lay there before any work.
+    look: FolderLook,
     pub count: u64,
     pub pitch: [f64; 2],
     /// How the names of each patch's files end.
@@ -76,7 +78,8 @@ impl<'a> PatchJob<'a> {
         let count = if random { u64::from(campaign.surface.realisations) } else { 1 };
         let pitch = alpha.map(|alpha| 1.0 / alpha);
         let certificate = Destination::at(folder.join("certificate.json"));
-        Ok(PatchJob { campaign, patches, folder, certificate, count, pitch, ends, force })
+        let look = FolderLook::at(&folder, |name| name.starts_with("patch_") || name == ROUGHNESS);
+        Ok(PatchJob { campaign, patches, folder, certificate, look, count, pitch, ends, force })
     }
 
     /// The areal parameters of a measured map; `None` of another surface, or where they do not fit into memory, which `notes`
@@ -132,7 +135,7 @@ impl<'a> PatchJob<'a> {
                     return Err(Error::format(&path, what));
                 }
                 paths::spare_inputs(&[&path], file, self.campaign)?;
-                files::remove(&path)?;
+                self.look.destination(&path).remove()?;
             }
         }
         files::remove(self.certificate())?;
@@ -245,7 +248,7 @@ impl<'a> PatchJob<'a> {
             let same = files::read(path)? == bytes;
             return if same { Ok(()) } else { Err(paths::already_exists(path, "is another patch")) };
         }
-        files::write_atomically(path, bytes)
+        files::write_atomically(self.look.destination(path), bytes)
     }
 
     /// What a ray of the campaign's light costs at most, for each of its roughnesses.

@@ -20,7 +20,7 @@ pub struct Destination {
 /// What tells one file, and one content, from another. Times are as coarse as the file system's.
 #[derive(Debug, Clone, PartialEq)]
 struct Identity {
-    file: (u64, u64),
+    file: Inode,
     length: u64,
     modified: Option<SystemTime>,
 }
@@ -67,19 +67,43 @@ impl Destination {
 impl Identity {
     fn of(path: &Path) -> Option<Self> {
         let data = fs::symlink_metadata(path).ok()?;
-        Some(Identity { file: number(&data), length: data.len(), modified: data.modified().ok() })
+        Some(Identity { file: inode(&data), length: data.len(), modified: data.modified().ok() })
     }
 }
 
+/// Device, number, and the time of the last change of content, owner or name, which nobody sets.
+type Inode = [u64; 4];
+
 #[cfg(unix)]
-fn number(data: &Metadata) -> (u64, u64) {
+fn inode(data: &Metadata) -> Inode {
     use std::os::unix::fs::MetadataExt;
-    (data.dev(), data.ino())
+    [data.dev(), data.ino(), data.ctime().cast_unsigned(), data.ctime_nsec().cast_unsigned()]
 }
 
 #[cfg(not(unix))]
-fn number(_data: &Metadata) -> (u64, u64) {
-    (0, 0)
+fn inode(_data: &Metadata) -> Inode {
+    [0; 4]
+}
+
+/// What lay in a folder when a command looked, for names that are known only later.
+#[derive(Debug, Default)]
+pub struct FolderLook {
+    there: Vec<Destination>,
+}
+
+impl FolderLook {
+    /// Looks now at the files whose names are wanted. In a folder that is not there nothing lies.
+    pub fn at(folder: &Path, is_wanted: impl Fn(&str) -> bool) -> Self {
+        let entries = fs::read_dir(folder).into_iter().flatten().filter_map(io::Result::ok);
+        let wanted = entries.filter(|entry| is_wanted(&entry.file_name().to_string_lossy()));
+        FolderLook { there: wanted.map(|entry| Destination::at(entry.path())).collect() }
+    }
+
+    /// A path in that folder, and what lay there.
+    pub fn destination(&self, path: &Path) -> Destination {
+        let there = self.there.iter().find(|there| ***there == *path);
+        there.cloned().unwrap_or_else(|| Destination::vacant(path))
+    }
 }
 
 impl Deref for Destination {
@@ -142,12 +166,27 @@ mod tests {
         fs::write(&path, b"FOREIGN").expect("written");
         fs::remove_file(folder.path().join("away")).expect("removed");
         refused(write_atomically(&at_first, b"ours"), b"FOREIGN");
+        // The same file with another content, as long and as old.
+        let at_first = Destination::at(&path);
+        let old = fs::metadata(&path).and_then(|data| data.modified()).expect("a time");
+        fs::write(&path, b"Foreign").expect("written");
+        fs::File::options().write(true).open(&path).and_then(|file| file.set_modified(old)).expect("set");
+        if cfg!(unix) {
+            refused(write_atomically(&at_first, b"ours"), b"Foreign");
+        }
         // The same file, longer.
         let at_first = Destination::at(&path);
         fs::write(&path, b"foreign words").expect("written");
         refused(write_atomically(&at_first, b"ours"), b"foreign words");
+        // Names that are known later.
+        let look = FolderLook::at(folder.path(), |_| true);
+        write_atomically(look.destination(&path), b"ours").expect("written");
+        let late = folder.path().join("late");
+        fs::write(&late, b"foreign").expect("written");
+        assert!(write_atomically(look.destination(&late), b"ours").is_err());
+        fs::remove_file(&late).expect("removed");
         // What was there may be replaced, and what has gone too.
-        write_atomically(&Destination::at(&path), b"old").expect("written");
+        write_atomically(Destination::at(&path), b"old").expect("written");
         let at_first = Destination::at(&path);
         fs::remove_file(&path).expect("removed");
         write_atomically(&at_first, b"new").expect("written");

@@ -5,7 +5,7 @@ mod destination;
 mod new_file;
 
 pub use claim::Claim;
-pub use destination::Destination;
+pub use destination::{Destination, FolderLook};
 pub use new_file::NewFile;
 
 use std::fs::{self, File};

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::checkpoint::{Checkpoint, FoundCheckpoint};
 use super::header::RunHeader;
@@ -24,8 +25,8 @@ pub struct RunFiles {
     stem: String,
     /// The blocks that are finished of a part under way.
     pub checkpoint: Checkpoint,
-    /// Files of parts that lay there at first.
-    parts: Vec<Destination>,
+    /// Files of parts that lay there at first, or were put there since.
+    parts: Mutex<Vec<Destination>>,
 }
 
 /// The file of a finished part.
@@ -53,11 +54,16 @@ impl RunFiles {
     /// Those of a run.
     pub fn of(folder: &Path, stem: &str) -> Self {
         let checkpoint = Checkpoint::of(folder, stem);
-        let mut files = RunFiles { folder: folder.into(), stem: stem.into(), checkpoint, parts: Vec::new() };
+        let files =
+            RunFiles { folder: folder.into(), stem: stem.into(), checkpoint, parts: Mutex::default() };
         // Where no folder can be read nothing lies that a run may replace.
         let parts = files.bands().unwrap_or_default().into_iter().chain([folder.join(stem)]);
-        files.parts = parts.map(Destination::at).collect();
+        files.parts().extend(parts.map(Destination::at));
         files
+    }
+
+    fn parts(&self) -> MutexGuard<'_, Vec<Destination>> {
+        self.parts.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What the names of its files begin with.
@@ -74,9 +80,11 @@ impl RunFiles {
     /// Writes the file of the part that `plan` is of.
     pub fn save(&self, run_state: &RunState, campaign: &Campaign, plan: &Plan) -> Result<PartFile> {
         let path = self.part(plan.part);
-        let lay_there = self.parts.iter().find(|part| part.as_ref() == path);
-        let place = lay_there.cloned().unwrap_or_else(|| Destination::vacant(&path));
-        files::write_atomically(&place, &run_state.to_bytes(0, campaign, plan)?)?;
+        let mut parts = self.parts();
+        let lay_there = parts.iter().position(|part| **part == *path);
+        let place = lay_there.map_or_else(|| Destination::vacant(&path), |at| parts.swap_remove(at));
+        files::write_atomically(place, &run_state.to_bytes(0, campaign, plan)?)?;
+        parts.push(Destination::at(&path));
         Ok(PartFile { path, header: run_state.header(0, campaign, plan) })
     }
 
@@ -130,7 +138,9 @@ impl RunFiles {
     /// Removes all of them. The file of a shard stays: it is a result.
     pub fn remove(&self) -> Result<()> {
         self.checkpoint.remove()?;
-        self.bands()?.iter().try_for_each(|path| files::remove(path))
+        let bands = self.bands()?;
+        let is_band = |part: &&Destination| bands.iter().any(|band| *band == ***part);
+        self.parts().iter().filter(is_band).try_for_each(Destination::remove)
     }
 
     /// Removes what a run keeps whose results are all there; that of another campaign stays.
