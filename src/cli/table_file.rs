@@ -113,7 +113,7 @@ pub fn realisations_path(table: &Path) -> PathBuf {
 
 /// The table's realisations, where they lie next to it.
 pub fn realisations_beside(path: &Path, table: &BrdfTable) -> Result<Option<Realisations>> {
-    beside_of(path, || store::digest(table))
+    beside_of(path, &table.campaign, || store::digest(table))
 }
 
 /// A table in memory, whose realisations are read when they are first asked for.
@@ -143,10 +143,16 @@ impl<'a> Beside<'a> {
 
 /// The realisations of a table that is read by rows.
 pub fn realisations_beside_rows(rows: &TableRows) -> Result<Option<Realisations>> {
-    beside_of(rows.path(), || Ok(rows.digest().unwrap_or_default().to_string()))
+    beside_of(rows.path(), &rows.header().campaign, || Ok(rows.digest().unwrap_or_default().to_string()))
 }
 
-fn beside_of(path: &Path, digest: impl FnOnce() -> Result<String>) -> Result<Option<Realisations>> {
+/// Those of the table at `path`, which was measured by this `campaign`.
+// Tested by `realisations_without_some_of_their_parts_are_refused` (tests/it/cli.rs).
+fn beside_of(
+    path: &Path,
+    campaign: &str,
+    digest: impl FnOnce() -> Result<String>,
+) -> Result<Option<Realisations>> {
     let beside = realisations_path(path);
     if !beside.is_file() {
         note(format_args!(
@@ -163,6 +169,16 @@ fn beside_of(path: &Path, digest: impl FnOnce() -> Result<String>) -> Result<Opt
     if !file.is_of(&digest()?) {
         warn(format_args!("{} belongs to another table and is not used", beside.display()));
         return Ok(None);
+    }
+    let (parts, of) = (file.realisations.parts.len(), file.group_size);
+    let wanted =
+        campaign::parse(campaign, "campaign", path).ok().map(|parsed| parsed.campaign.surface.realisations);
+    if wanted.is_some_and(|wanted| parts.checked_mul(of) != Some(wanted as usize)) {
+        let wanted = wanted.unwrap_or_default();
+        let what = format!(
+            "holds {parts} parts of {of} realisations, the table has {wanted}; measure it again, or move it away"
+        );
+        return Err(Error::format(&beside, what));
     }
     Ok(Some(file.realisations))
 }

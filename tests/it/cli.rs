@@ -6,7 +6,7 @@ use std::process::Stdio;
 
 use gonio::cli::answer;
 use gonio::surface::io::import::load_patch;
-use gonio::table::realisations;
+use gonio::table::{realisations, store};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -511,4 +511,22 @@ fn all_realisations_are_kept_on_demand_where_the_memory_allows() {
     }
     let read = |out: &str| fs::read(here.path().join(out).join("small.exr")).expect("a table");
     assert_eq!(read("a"), read("b"));
+}
+
+#[test]
+fn realisations_without_some_of_their_parts_are_refused() {
+    let here = folder(SMALL);
+    exits(&gonio(here.path(), &["measure", "small.toml", "-o", "out"]), 0);
+    let path = here.path().join("out/small.realisations.exr");
+    let table = store::load(&here.path().join("out/small.exr")).expect("a table").table;
+    let mut parts = realisations::load(&path).expect("realisations").realisations;
+    parts.parts.pop();
+    realisations::save(&path, &parts, &table, u64::MAX).expect("saved");
+    let refused = gonio(here.path(), &["validate", "out/small.exr"]);
+    exits(&refused, 3);
+    let said = stderr(&refused);
+    assert!(
+        said.starts_with("error: out/small.realisations.exr: holds 3 parts of 1 realisations, "),
+        "{said}"
+    );
 }

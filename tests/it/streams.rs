@@ -118,7 +118,9 @@ fn a_files_name_is_no_formula_of_a_spreadsheet() {
     let folder = with_table();
     let at = folder.path();
     let names = ["=cmd|c.exr", "\u{1b}[31m.exr"];
-    names.iter().for_each(|name| drop(fs::copy(at.join("out/small.exr"), at.join(name)).expect("copied")));
+    for name in names {
+        fs::copy(at.join("out/small.exr"), at.join(name)).expect("copied");
+    }
     exits(&gonio(at, &["report", names[0], names[1], "-o", "both.csv"]), 0);
     let csv = fs::read_to_string(at.join("both.csv")).expect("figures");
     assert!(csv.contains("\n./=cmd|c,") && csv.contains("\n./ [31m,"), "{csv}");
