@@ -189,6 +189,11 @@ pub fn is_unseen(c: char) -> bool {
     c.is_control() || acts
 }
 
+/// A foreign text on one line: a space for each character that is not seen.
+pub fn on_one_line(text: &str) -> String {
+    text.chars().map(|c| if is_unseen(c) { ' ' } else { c }).collect()
+}
+
 /// JSON whose characters that are not seen, which stand in its texts alone, are written as its own escapes: the
 /// document is the same.
 // Tested by `words_of_files_cannot_act_on_a_terminal` (src/cli/text/output.rs), tests/it/foreign_words.rs.

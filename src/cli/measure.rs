@@ -1,6 +1,7 @@
 //! `gonio measure`: the main job, from the campaign to tables, summaries and a report.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::Args;
 use serde_json::{Value, json};
@@ -103,8 +104,8 @@ fn print_shard(
 impl Arguments {
     /// Measures one run, and gives what it has written and stdout.
     fn measured(&self, job: Measurement, threads: usize) -> Result<(Written, Output)> {
-        let (files, again) = (job.files(), self.again(threads));
-        let advice = (job.files(), again.clone());
+        let (files, again) = (Arc::new(job.files()), self.again(threads));
+        let advice = (Arc::clone(&files), again.clone());
         ending::advise(move || before_its_end(&advice.0, &advice.1));
         let advised = |error| with_advice(error, &files, &again);
         let terminal = Terminal::new(self.json, &advised);

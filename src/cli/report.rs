@@ -13,7 +13,7 @@ use super::text::output::{Output, note, warn};
 use super::text::progress::Stage;
 use crate::bench::{BenchAnswer, answer};
 use crate::campaign::Campaign;
-use crate::error::{Error, Result, is_unseen};
+use crate::error::{Error, Result, on_one_line};
 use crate::files::{self, STANDARD};
 use crate::job::paths;
 use crate::report;
@@ -159,9 +159,8 @@ fn swept(path: &Path, fit: bool) -> Result<SweptTable> {
 
 /// A table's name by its file: on one line, and nothing that a spreadsheet takes for a formula.
 fn name_of(path: &Path) -> String {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let seen: String = stem.chars().map(|c| if is_unseen(c) { ' ' } else { c }).collect();
-    if seen.starts_with(['=', '+', '-', '@', ' ']) { format!("./{seen}") } else { seen }
+    let stem = on_one_line(&path.file_stem().unwrap_or_default().to_string_lossy());
+    if stem.starts_with(['=', '+', '-', '@', ' ']) { format!("./{stem}") } else { stem }
 }
 
 const NO_CAMPAIGN: &str = "The table holds no campaign: its surface cannot be made anew.";

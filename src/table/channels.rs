@@ -55,7 +55,8 @@ impl Plane<'_> {
     }
 }
 
-/// A table's channels by name, the first row being that of `first_incidence`; each must fit the grid and have values that a measurement gives.
+/// A table's channels by name, the first row being that of `first_incidence`; each must fit the grid and have values that a
+/// measurement gives.
 pub(crate) fn planes(table: &BrdfTable, first_incidence: usize) -> Checked<BTreeMap<String, Plane<'_>>> {
     let (incidences, bins) = check_grid(&table.grid)?;
     let mut planes = BTreeMap::new();

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::text::layout::wrapped;
 use super::text::output::Output;
 use crate::campaign;
-use crate::error::{Result, is_unseen};
+use crate::error::{Result, on_one_line};
 use crate::table::TableRows;
 
 /// Say how to cite a table: program, version, campaign, seed and digest, as text and as BibTeX
@@ -57,8 +57,8 @@ impl Source {
         let stem = rows.path().file_stem().unwrap_or_default().to_string_lossy().into_owned();
         Source {
             seed: parsed.as_ref().map(|_| header.seed),
-            name: seen(&parsed.map_or(stem, |parsed| parsed.campaign.name)),
-            version: seen(&header.version),
+            name: on_one_line(&parsed.map_or(stem, |parsed| parsed.campaign.name)),
+            version: on_one_line(&header.version),
             digest: rows.digest().map(str::to_string),
         }
     }
@@ -91,11 +91,6 @@ impl Source {
             escaped(&self.facts())
         )
     }
-}
-
-/// A text of a file, on one line.
-fn seen(text: &str) -> String {
-    text.chars().map(|c| if is_unseen(c) { ' ' } else { c }).collect()
 }
 
 /// A text as TeX shows it.

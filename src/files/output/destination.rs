@@ -103,6 +103,17 @@ impl FolderLook {
         let there = self.there.iter().find(|there| ***there == *path);
         there.cloned().unwrap_or_else(|| Destination::vacant(path))
     }
+
+    /// A command has put a file there itself.
+    pub fn placed(&mut self, path: &Path) {
+        self.there.retain(|there| **there != *path);
+        self.there.push(Destination::at(path));
+    }
+
+    /// All that lay there, and what was put there since.
+    pub fn all(&self) -> impl Iterator<Item = &Destination> {
+        self.there.iter()
+    }
 }
 
 impl Deref for Destination {

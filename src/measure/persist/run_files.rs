@@ -11,7 +11,7 @@ use super::part::Part;
 use super::run_state::{RunState, StoredRun};
 use crate::campaign::Campaign;
 use crate::error::{Error, Result};
-use crate::files::{self, Destination};
+use crate::files::{self, Destination, FolderLook};
 use crate::measure::plan::Plan;
 
 /// What helps where the file of a band is damaged.
@@ -26,7 +26,7 @@ pub struct RunFiles {
     /// The blocks that are finished of a part under way.
     pub checkpoint: Checkpoint,
     /// Files of parts that lay there at first, or were put there since.
-    parts: Mutex<Vec<Destination>>,
+    parts: Mutex<FolderLook>,
 }
 
 /// The file of a finished part.
@@ -53,16 +53,15 @@ pub struct ResumableRun {
 impl RunFiles {
     /// Those of a run.
     pub fn of(folder: &Path, stem: &str) -> Self {
-        let checkpoint = Checkpoint::of(folder, stem);
-        let files =
-            RunFiles { folder: folder.into(), stem: stem.into(), checkpoint, parts: Mutex::default() };
-        // Where no folder can be read nothing lies that a run may replace.
-        let parts = files.bands().unwrap_or_default().into_iter().chain([folder.join(stem)]);
-        files.parts().extend(parts.map(Destination::at));
-        files
+        RunFiles {
+            folder: folder.into(),
+            stem: stem.into(),
+            checkpoint: Checkpoint::of(folder, stem),
+            parts: Mutex::new(FolderLook::at(folder, |name| name == stem || is_band(name, stem))),
+        }
     }
 
-    fn parts(&self) -> MutexGuard<'_, Vec<Destination>> {
+    fn parts(&self) -> MutexGuard<'_, FolderLook> {
         self.parts.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -81,10 +80,8 @@ impl RunFiles {
     pub fn save(&self, run_state: &RunState, campaign: &Campaign, plan: &Plan) -> Result<PartFile> {
         let path = self.part(plan.part);
         let mut parts = self.parts();
-        let lay_there = parts.iter().position(|part| **part == *path);
-        let place = lay_there.map_or_else(|| Destination::vacant(&path), |at| parts.swap_remove(at));
-        files::write_atomically(place, &run_state.to_bytes(0, campaign, plan)?)?;
-        parts.push(Destination::at(&path));
+        files::write_atomically(parts.destination(&path), &run_state.to_bytes(0, campaign, plan)?)?;
+        parts.placed(&path);
         Ok(PartFile { path, header: run_state.header(0, campaign, plan) })
     }
 
@@ -126,7 +123,7 @@ impl RunFiles {
 
     /// The files of bands that are there, also of other numbers of bands.
     fn bands(&self) -> Result<Vec<PathBuf>> {
-        files_named(&self.folder, |name| Part::whole(0).stem(name) == Some(self.stem.as_str()))
+        files_named(&self.folder, |name| is_band(name, &self.stem))
     }
 
     /// One of the files, if any is there.
@@ -138,9 +135,8 @@ impl RunFiles {
     /// Removes all of them. The file of a shard stays: it is a result.
     pub fn remove(&self) -> Result<()> {
         self.checkpoint.remove()?;
-        let bands = self.bands()?;
-        let is_band = |part: &&Destination| bands.iter().any(|band| *band == ***part);
-        self.parts().iter().filter(is_band).try_for_each(Destination::remove)
+        let result = self.folder.join(&self.stem);
+        self.parts().all().filter(|part| ***part != *result).try_for_each(Destination::remove)
     }
 
     /// Removes what a run keeps whose results are all there; that of another campaign stays.
@@ -175,6 +171,11 @@ impl ResumableRun {
         let refused = self.headers().map(faults).find(|faults| !faults.is_empty());
         refused.map_or(Ok(()), |faults| Err(Error::Campaign(faults)))
     }
+}
+
+/// Whether a file is named as the bands of a run are.
+fn is_band(name: &str, stem: &str) -> bool {
+    Part::whole(0).stem(name) == Some(stem)
 }
 
 /// The content of a finished part's file.
